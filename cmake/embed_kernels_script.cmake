@@ -1,0 +1,18 @@
+# Run by clsdf_embed_kernels: INPUTS (a list of files) -> OUTPUT (a header of raw string literals).
+# A string literal is limited to 65,536 characters by some compilers, so each file is cut into adjacent pieces.
+set(text "#pragma once\n\n// Made from kernels/ by the build.\n\n#include <string_view>\n\nnamespace clsdf::kernels {\n")
+foreach(input IN LISTS INPUTS)
+  get_filename_component(name ${input} NAME_WE)
+  file(READ ${input} content)
+  string(LENGTH "${content}" length)
+  string(APPEND text "\ninline constexpr std::string_view ${name} =")
+  set(begin 0)
+  while(begin LESS length)
+    string(SUBSTRING "${content}" ${begin} 12000 piece)
+    string(APPEND text "\nR\"clsdf(${piece})clsdf\"")
+    math(EXPR begin "${begin} + 12000")
+  endwhile()
+  string(APPEND text ";\n")
+endforeach()
+string(APPEND text "\n}  // namespace clsdf::kernels\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,95 @@
+// One definition for the host and the kernels: the polyhedron of a triangle (or of a point site) as the device reads
+// it.
+//
+// Lengths are in voxels (the smallest spacing), in the metric frame. The frame of a triangle has its origin at the foot
+// of the altitude on the longest edge:
+//   X along the longest edge, the triangle's base; its ends lie at X = -base[left] and X = +base[right];
+//   Y in the plane, from the base to the apex; the apex lies at (0, altitude);
+//   Z along the unit normal (the height s of METHOD, section 8).
+// The altitude cuts the triangle in two right-angled halves; X < 0 is "left", X >= 0 is "right". A slanted edge has the
+// outward unit normal (normal_along, normal_across) in the right half, and the mirror image in the left half.
+//
+// X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
+//   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
+// where the gradients contain the ratio of the axis' spacing to the voxel. Each number is the sum of a float `high` and
+// a float `low` (48 bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no
+// double.
+//
+// The polyhedron, both sides of the face at once, with slack eta and height cap (METHOD, section 8.1):
+//   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,
+//   |Z| <= cap + eta,  -base[left] - cap - eta <= X <= base[right] + cap + eta.
+#ifndef CLSDF_POLYHEDRON_H
+#define CLSDF_POLYHEDRON_H
+
+#ifdef __OPENCL_VERSION__
+typedef int clsdf_int32;
+typedef uint clsdf_uint32;
+#else
+#include <cstddef>
+#include <cstdint>
+namespace clsdf {
+using clsdf_int32 = std::int32_t;
+using clsdf_uint32 = std::uint32_t;
+#endif
+
+// Index of an edge in the slopes, and of a half in pairs.
+#define CLSDF_EDGE_BASE 0
+#define CLSDF_EDGE_RIGHT 1
+#define CLSDF_EDGE_LEFT 2
+#define CLSDF_HALF_RIGHT 0
+#define CLSDF_HALF_LEFT 1
+
+// The slope of an edge that no other face shares: its plane never cuts (METHOD, section 8.1: BIG eta >= d).
+#define CLSDF_OPEN_SLOPE 1.0e6f
+
+// No slope above 1 and no slanted edge steeper than 0.15 to the base: the lateral planes alone bound the polyhedron
+// well, so the tests of X and of the caps on the lateral distances can be left out.
+#define CLSDF_POLYHEDRON_COMPACT 1u
+
+typedef struct Polyhedron {
+    // Columns: [0] of X, [1] of Y, [2] of Z, [3] padding used for other members, below.
+    float gradient_x_high[3];
+    float slanted_length_right;
+    float gradient_y_high[3];
+    float slanted_length_left;
+    float gradient_z_high[3];
+    clsdf_uint32 flags;
+    float constant_high[3];
+    clsdf_uint32 triangle;  // index in the caller's order; of a point site: one of its vertex's triangles
+    float gradient_x_low[3];
+    clsdf_int32 origin_x;  // of the integer origin, in samples of the lattice
+    float gradient_y_low[3];
+    clsdf_int32 origin_y;
+    float gradient_z_low[3];
+    clsdf_int32 origin_z;
+    float constant_low[3];
+    float padding;
+
+    float base_high[2];  // by half: distance from the altitude's foot to the end of the base, >= 0
+    float base_low[2];
+    float normal_along_high[2];  // by half: component of the slanted edge's outward normal away from the altitude, >= 0
+    float normal_across_high[2];  // by half: its component along Y, >= 0
+    float normal_along_low[2];
+    float normal_across_low[2];
+
+    float slope_above[3];  // by edge, on the side Z > 0; widened by the rounding of a float
+    float slope_below[3];  // by edge, on the side Z < 0
+
+    // Reach of a block of samples along X, Y, Z and the outward normals of the right and left slanted edge: half of the
+    // block's width in that direction.
+    float reach_cube[5];   // of a cube, per sample of half its side: |g_x| + |g_y| + |g_z|
+    float reach_4x2x2[5];  // of 4 x 2 x 2 samples: 1.5 |g_x| + 0.5 |g_y| + 0.5 |g_z|
+} Polyhedron;
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(Polyhedron) == 256);
+static_assert(offsetof(Polyhedron, constant_high) == 48);
+static_assert(offsetof(Polyhedron, gradient_x_low) == 64);
+static_assert(offsetof(Polyhedron, base_high) == 128);
+static_assert(offsetof(Polyhedron, slope_above) == 176);
+static_assert(offsetof(Polyhedron, reach_cube) == 200);
+static_assert(offsetof(Polyhedron, reach_4x2x2) == 220);
+}  // namespace clsdf
+#endif
+
+#endif

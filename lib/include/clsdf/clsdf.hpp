@@ -1,0 +1,15 @@
+#pragma once
+
+/// Everything but the reference (clsdf/reference.hpp), which is a target of its own.
+#include <clsdf/band.hpp>
+#include <clsdf/box.hpp>
+#include <clsdf/device.hpp>
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
+#include <clsdf/field.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/length.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/shapes.hpp>
+#include <clsdf/sign.hpp>
+#include <clsdf/topology.hpp>

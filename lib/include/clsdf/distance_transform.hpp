@@ -1,0 +1,112 @@
+#pragma once
+
+#include <clsdf/device.hpp>
+#include <clsdf/field.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+
+typedef struct _cl_mem* cl_mem;
+typedef struct _cl_event* cl_event;
+
+namespace clsdf {
+
+/// What a field is to hold beside the distance.
+struct Outputs {
+    bool triangle = false;  ///< the nearest triangle of every sample in the band
+};
+
+/// Callbacks, and how the sign is decided.
+struct TransformOptions {
+    SignRule sign = SignRule::automatic;
+    std::function<void(double fraction)> progress;        ///< called between launches, from the calling thread
+    std::function<void(const std::string& message)> log;  ///< warnings, e.g. that a mesh is open
+    std::stop_token stop;                                 ///< looked at between launches; Error(cancelled)
+};
+
+/// What a computation was made of. Counts are exact; times are host wall-clock seconds.
+struct TransformStatistics {
+    std::size_t triangles = 0;
+    std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
+    std::size_t saddle_vertices = 0;  ///< vertices with convex and concave edges
+    std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
+    std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
+    std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
+    std::size_t device_bytes = 0;     ///< buffers on the device, the field excluded
+
+    // Counted on the device where TransformOptions ask for it (clsdf compute --json does): they cost time.
+    std::size_t brick_pairs = 0;      ///< (polyhedron, brick)
+    std::size_t lanes_evaluated = 0;  ///< seven-site distances computed
+    std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
+    std::size_t band_samples = 0;     ///< samples that carry their exact distance
+
+    double polyhedra_seconds = 0;
+    double lists_seconds = 0;
+    double field_seconds = 0;
+};
+
+/// The caller's own device memory; each holds grid.sample_count() values of four bytes.
+struct DeviceOutputs {
+    cl_mem distance = nullptr;  ///< float, the mesh's units
+    cl_mem triangle = nullptr;  ///< uint32, or null
+};
+
+/// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
+/// Holds its own copy of what it needs; it may outlive the transform, but not the device. One thread at a time.
+class Plan {
+public:
+    struct State;
+    explicit Plan(std::unique_ptr<State> state);
+    Plan(Plan&&) noexcept;
+    Plan& operator=(Plan&&) noexcept;
+    ~Plan();
+
+    const Grid& grid() const;
+    const Band& band() const;
+    SignRule sign() const;
+
+    /// Enqueues the field's computation into the caller's memory on the caller's queue (null: the device's own), after
+    /// the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end, which
+    /// the caller releases. Enqueue again only after the one before has ended. Throws Error(device_failure).
+    cl_event enqueue(cl_command_queue queue, const DeviceOutputs& outputs, std::span<const cl_event> wait_list = {});
+
+    const TransformStatistics& statistics() const;
+
+private:
+    std::unique_ptr<State> state_;
+};
+
+/// The exact distance to a mesh, on any number of grids.
+class DistanceTransform {
+public:
+    /// Copies and checks the mesh, describes its topology and builds the device's program.
+    /// Throws Error(invalid_mesh, no_device or device_failure).
+    DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {});
+    DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {});
+    DistanceTransform(DistanceTransform&&) noexcept;
+    DistanceTransform& operator=(DistanceTransform&&) noexcept;
+    ~DistanceTransform();
+
+    const Topology& topology() const;
+    /// The rule in use, never `automatic`.
+    SignRule sign() const;
+
+    /// The field on the host. Grids whose field exceeds what the device can allocate are computed in slabs.
+    Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {});
+
+    /// Statistics of the last call of operator().
+    const TransformStatistics& statistics() const;
+
+    /// May block; sizes and fills every buffer. Throws Error(invalid_argument or out_of_memory).
+    Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {});
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace clsdf

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace clsdf {
+
+/// What went wrong, so that a program can act on it without reading the message.
+enum class ErrorCode {
+    invalid_mesh,      ///< index out of range, non-finite vertex in use, no triangle
+    unreadable_input,  ///< a file that cannot be opened, is truncated or malformed
+    invalid_argument,  ///< a grid, band or option that makes no sense
+    no_device,         ///< no OpenCL device, or none of the name asked for
+    device_failure,    ///< an OpenCL call failed; the message has the call, the code and any build log
+    out_of_memory,     ///< host or device memory, or the device's largest allocation, is too small
+    unsupported,       ///< asked for correctly, but not something this build or device can do
+    cancelled,         ///< the caller's stop token was set
+    output_failure,    ///< a result could not be written; nothing is left under its final name
+};
+
+/// The only exception the library throws. The message names the thing, the value and the remedy.
+class Error : public std::runtime_error {
+public:
+    Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+
+    ErrorCode code() const noexcept { return code_; }
+
+private:
+    ErrorCode code_;
+};
+
+}  // namespace clsdf

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <clsdf/box.hpp>
+#include <clsdf/length.hpp>
+
+#include <cstddef>
+#include <optional>
+
+namespace clsdf {
+
+class Mesh;
+struct Band;
+
+/// How a grid is laid around a box; see Grid::around.
+struct GridOptions {
+    /// Samples on the longest side of the box, margin included; >= 2. Ignored where `spacing` is set.
+    std::int64_t resolution = 256;
+    /// Spacing per axis in the mesh's units, instead of a resolution.
+    std::optional<Vec3> spacing;
+    /// Room between the box and the first and last samples. In voxels, it is in units of the spacing that results.
+    Length margin = Length::of_extent(0.05);
+    /// Every axis gets as many samples as the longest one.
+    bool cubic = false;
+    /// Samples at the centres of cells instead of at nodes: everything shifted by half a voxel.
+    bool cell_centred = false;
+};
+
+/// A regular grid: sample (i, j, k) of the lattice lies at origin + (i hx, j hy, k hz), a real number formed from the
+/// stored doubles. A Grid is the block of samples first <= (i, j, k) < first + size of that lattice; x runs fastest in
+/// memory. Bricks and all snapping are anchored to the lattice's sample (0, 0, 0), never to `first`: a part of a grid
+/// has the same bytes as the whole.
+struct Grid {
+    Vec3 origin{};
+    Vec3 spacing{1, 1, 1};
+    Index3 size{};
+    Index3 first{};
+
+    /// A grid around a box whose longest side has `options.resolution` samples: h = L / (N - 1), L the longest side of
+    /// the box enlarged on both sides by the margin; with a margin of k voxels, h = extent / (N - 1 - 2 k). The other
+    /// axes get as many samples as cover the box, which stays centred. Throws Error(invalid_argument) where the spacing
+    /// would not be positive: a box without extent needs options.spacing.
+    static Grid around(const Box& box, const GridOptions& options);
+
+    /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).
+    static Grid around(const Mesh& mesh, std::int64_t resolution, const Band& band);
+
+    /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws where it is not
+    /// inside.
+    Grid part(const Index3& offset, const Index3& part_size) const;
+
+    /// The same block shifted by half a voxel on every axis.
+    Grid cell_centred() const;
+
+    /// Position of sample (i, j, k) of this block, counted from `first`.
+    Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const;
+
+    /// "A voxel" as a measure: the smallest spacing.
+    double voxel() const;
+
+    /// Throws Error(out_of_memory) where size[0] size[1] size[2] does not fit std::size_t.
+    std::size_t sample_count() const;
+
+    /// Offset of sample (i, j, k), counted from `first`, in an array of sample_count() values.
+    std::size_t offset(std::int64_t i, std::int64_t j, std::int64_t k) const {
+        return static_cast<std::size_t>(i) +
+               static_cast<std::size_t>(size[0]) *
+                   (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
+    }
+
+    /// Throws Error(invalid_argument) where a size is not positive, a spacing not positive and finite, or the origin
+    /// not finite.
+    void validate() const;
+
+    friend bool operator==(const Grid&, const Grid&) = default;
+};
+
+}  // namespace clsdf

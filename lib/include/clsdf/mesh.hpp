@@ -1,0 +1,83 @@
+#pragma once
+
+#include <clsdf/box.hpp>
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf {
+
+/// Three vertex indices, counter-clockwise seen from outside.
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// A triangle mesh in the caller's arrays; nothing is copied, and the arrays must outlive the view.
+class MeshView {
+public:
+    /// `vertices`: x0 y0 z0 x1 y1 z1 ..., `triangles`: three indices a triangle. Throws Error(invalid_mesh) where a
+    /// length is no multiple of three.
+    MeshView(std::span<const double> vertices, std::span<const std::uint32_t> triangles);
+    MeshView(std::span<const float> vertices, std::span<const std::uint32_t> triangles);
+    MeshView(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+
+    using EigenVertices = Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+    using EigenVerticesFloat = Eigen::Ref<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+    using EigenTriangles = Eigen::Ref<const Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+    /// n x 3, row-major, contiguous (an Eigen::Ref of another layout would be a temporary copy).
+    MeshView(const EigenVertices& vertices, const EigenTriangles& triangles);
+    MeshView(const EigenVerticesFloat& vertices, const EigenTriangles& triangles);
+
+    std::size_t vertex_count() const { return vertex_count_; }
+    std::size_t triangle_count() const { return triangle_count_; }
+    Vec3 vertex(std::size_t index) const;
+    Triangle triangle(std::size_t index) const;
+
+private:
+    const double* double_vertices_ = nullptr;
+    const float* float_vertices_ = nullptr;
+    const std::uint32_t* triangles_ = nullptr;
+    std::size_t vertex_count_ = 0;
+    std::size_t triangle_count_ = 0;
+};
+
+/// An indexed triangle mesh in double precision, checked: it has a triangle, every index is in range, and every vertex
+/// in use is finite. Everything else (degenerate faces, holes, any orientation, unused vertices) is allowed and
+/// reported by describe_topology().
+class Mesh {
+public:
+    /// Takes the arrays over. Throws Error(invalid_mesh) that names `name`, the element and the value.
+    Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name = "mesh");
+    /// Copies the caller's arrays.
+    explicit Mesh(const MeshView& view, std::string name = "mesh");
+
+    const std::vector<Vec3>& vertices() const { return vertices_; }
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+    const std::string& name() const { return name_; }
+
+    /// The box of the vertices in use.
+    const Box& box() const { return box_; }
+
+private:
+    std::vector<Vec3> vertices_;
+    std::vector<Triangle> triangles_;
+    std::string name_;
+    Box box_;
+};
+
+/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders); polygons are triangulated as
+/// fans, and a soup (STL) is welded by equal coordinates. Throws Error(unreadable_input or invalid_mesh) that names the
+/// file, the line or element and the value.
+Mesh read_mesh(const std::string& path);
+
+/// Writes .off, .obj, .stl (binary) or .ply (binary, little endian) by the file's ending; complete or not at all.
+void write_mesh(const Mesh& mesh, const std::string& path);
+
+/// The mesh with vertices of equal coordinates made one; triangles keep their order and number.
+Mesh weld(const Mesh& mesh);
+
+}  // namespace clsdf

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include "polyhedron.h"
+
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// A mesh seen from a lattice: positions in voxels (the smallest spacing), in the metric frame, relative to the
+/// lattice's sample (0, 0, 0).
+struct LatticeView {
+    Vec3 origin{};                    ///< of the lattice, in the mesh's units
+    double voxel = 1;                 ///< the smallest spacing, in the mesh's units
+    Vec3 spacing_in_voxels{1, 1, 1};  ///< per axis, >= 1
+};
+
+struct LeanedFrusta {
+    /// A polyhedron a triangle, in Morton order, then the point sites by vertex. Together they are exact: every point y
+    /// within `half_width` of the mesh lies in the polyhedron of a triangle at the distance dist(y, mesh).
+    std::vector<Polyhedron> polyhedra;
+    std::size_t saddle_vertices = 0;  ///< with convex and concave edges, by exact predicates
+    std::size_t point_sites = 0;
+    std::size_t boxes = 0;  ///< faces so degenerate that their polyhedron is a box
+};
+
+/// What the tests switch off to see that it is needed.
+struct LeanedFrustaOptions {
+    bool lean = true;         ///< obtuse corners lean their neighbours' planes outward
+    bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
+};
+
+/// The exact bounding polyhedra (METHOD, section 8) for a band of `half_width` voxels (finite), widened by `slack`
+/// voxels, which must exceed the rounding of every test made with them: slack >= 1e-3 + 2e-5 half_width.
+LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
+                           const LeanedFrustaOptions& options = {});
+
+}  // namespace clsdf::polyhedra
