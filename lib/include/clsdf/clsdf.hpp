@@ -13,3 +13,4 @@
 #include <clsdf/shapes.hpp>
 #include <clsdf/sign.hpp>
 #include <clsdf/topology.hpp>
+#include <clsdf/version.hpp>

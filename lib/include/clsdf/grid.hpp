@@ -37,8 +37,9 @@ struct Grid {
 
     /// A grid around a box whose longest side has `options.resolution` samples: h = L / (N - 1), L the longest side of
     /// the box enlarged on both sides by the margin; with a margin of k voxels, h = extent / (N - 1 - 2 k). The other
-    /// axes get as many samples as cover the box, which stays centred. Throws Error(invalid_argument) where the spacing
-    /// would not be positive: a box without extent needs options.spacing.
+    /// axes get as many samples as cover the box to 1e-6 voxel, which stays centred; with a spacing, every axis does.
+    /// Throws Error(invalid_argument) where the spacing would not be positive (a box without extent needs
+    /// options.spacing), the box or the margin is not finite, or a side has too many samples.
     static Grid around(const Box& box, const GridOptions& options);
 
     /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).
@@ -57,7 +58,8 @@ struct Grid {
     /// "A voxel" as a measure: the smallest spacing.
     double voxel() const;
 
-    /// Throws Error(out_of_memory) where size[0] size[1] size[2] does not fit std::size_t.
+    /// size[0] size[1] size[2]. Throws Error(out_of_memory) where so many values of four bytes do not fit the address
+    /// space.
     std::size_t sample_count() const;
 
     /// Offset of sample (i, j, k), counted from `first`, in an array of sample_count() values.
@@ -67,8 +69,8 @@ struct Grid {
                    (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
     }
 
-    /// Throws Error(invalid_argument) where a size is not positive, a spacing not positive and finite, or the origin
-    /// not finite.
+    /// Throws Error(invalid_argument) where a size is not positive, a spacing not positive and finite, the origin or a
+    /// sample's position not finite, or an index beyond 2^53 in magnitude.
     void validate() const;
 
     friend bool operator==(const Grid&, const Grid&) = default;
