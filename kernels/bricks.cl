@@ -160,15 +160,15 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
 #endif
     const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
     const int3 begin = max(brick * CLSDF_BRICK, first) - first, end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
-    const int3 local = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
-    const int3 local_brick = brick - vload3(0, layout.brick_first);
+    const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
+    const int3 relative_brick = brick - vload3(0, layout.brick_first);
     for (int z = begin.z; z < end.z; ++z)
         for (int y = begin.y; y < end.y; ++y) {
             // The rows of sign bits cover whole bricks.
-            const size_t bit_row = (size_t)(z - local.z + local_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
-                                   (y - local.y + local_brick.y * CLSDF_BRICK);
-            const uint inside = (sign_bits[bit_row * layout.sign_words + local_brick.x / 4] >> (local_brick.x % 4 * 8)) & 0xFFu;
-            const int row = (z - local.z) * 64 + (y - local.y) * 8;
+            const size_t bit_row = (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
+                                   (y - relative.y + relative_brick.y * CLSDF_BRICK);
+            const uint inside = (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
+            const int row = (z - relative.z) * 64 + (y - relative.y) * 8;
             const float8 square = as_float8(vload8(0, squared + row));
             const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
             const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
@@ -176,9 +176,9 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
             const int8 in_band = square <= limit;
             const float8 root = sqrt(square);
             const float8 length = LESSER(root * layout.voxel_high + root * layout.voxel_low, fabs(fill));
-            const float8 value = in_band ? (negative & (length != 0.0f) ? -length : length) : fill;
+            const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
             const size_t at = ((size_t)z * size.y + y) * size.x;
-            const int x0 = begin.x - local.x, x1 = end.x - local.x;
+            const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
             store_row(as_uint8(value), x0, x1, (__global uint*)distance + at + begin.x);
 #ifdef NEAREST
             store_row(in_band ? vload8(0, nearest + row) : (uint8)NO_TRIANGLE, x0, x1, triangle + at + begin.x);
@@ -314,8 +314,8 @@ __kernel void bricks(Layout layout, uint launch, uint end, __global uint* turns,
         brick_caps(layout, coarse, count, entries + begin, polyhedra, coarse_caps[number], caps);
         ulong wanted = 0;
         for (uint b = 0; b < 64; ++b) {
-            const int3 local = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
-            wanted |= (ulong)(all(local >= 0) && all(local < bricks)) << b;
+            const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
+            wanted |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
         }
         ulong any = 0;
         for (uint e = 0; e < count; ++e) {
@@ -329,8 +329,8 @@ __kernel void bricks(Layout layout, uint launch, uint end, __global uint* turns,
             any &= any - 1;
             const uint length = choose(masks, entries + begin, count, b, list);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
-            const int3 local = brick - brick_first;
-            computed[((size_t)local.z * bricks.y + local.y) * bricks.x + local.x] = 1;
+            const int3 relative = brick - brick_first;
+            computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;
             compute_brick(layout, brick, length, list, caps[b], polyhedra, sign_bits, distance
 #ifdef NEAREST
                           , triangle
