@@ -26,6 +26,7 @@ struct TransformOptions {
     std::function<void(double fraction)> progress;        ///< called between launches, from the calling thread
     std::function<void(const std::string& message)> log;  ///< warnings, e.g. that a mesh is open
     std::stop_token stop;                                 ///< looked at between launches; Error(cancelled)
+    bool count = false;  ///< fill the statistics that are counted on the device; they cost time
 };
 
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
@@ -38,7 +39,7 @@ struct TransformStatistics {
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
     std::size_t device_bytes = 0;     ///< buffers on the device, the field excluded
 
-    // Counted on the device where TransformOptions ask for it (clsdf compute --json does): they cost time.
+    // Counted on the device where TransformOptions::count asks for it, else 0.
     std::size_t brick_pairs = 0;      ///< (polyhedron, brick)
     std::size_t lanes_evaluated = 0;  ///< seven-site distances computed
     std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
