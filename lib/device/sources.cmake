@@ -1,1 +1,2 @@
-target_sources(clsdf PRIVATE)
+target_sources(clsdf PRIVATE ${CMAKE_CURRENT_LIST_DIR} / buffer_pool.cpp ${CMAKE_CURRENT_LIST_DIR} /
+               context.cpp ${CMAKE_CURRENT_LIST_DIR} / device.cpp ${CMAKE_CURRENT_LIST_DIR} / opencl.cpp)
