@@ -1,4 +1,4 @@
-target_sources(clsdf PRIVATE ${CMAKE_CURRENT_LIST_DIR}/band.cpp ${CMAKE_CURRENT_LIST_DIR}/grid.cpp
+target_sources(clsdf PRIVATE ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp ${CMAKE_CURRENT_LIST_DIR}/band.cpp ${CMAKE_CURRENT_LIST_DIR}/grid.cpp
                              ${CMAKE_CURRENT_LIST_DIR}/grid_around.cpp ${CMAKE_CURRENT_LIST_DIR}/length.cpp
                              ${CMAKE_CURRENT_LIST_DIR}/version.cpp)
 set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/version.cpp

@@ -1,2 +1,3 @@
 clsdf_test(grid ${CMAKE_CURRENT_LIST_DIR}/grid.cpp)
 clsdf_test(length ${CMAKE_CURRENT_LIST_DIR}/length.cpp)
+clsdf_test(atomic_file ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp)

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace clsdf {
@@ -25,12 +26,12 @@ public:
     MeshView(std::span<const float> vertices, std::span<const std::uint32_t> triangles);
     MeshView(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-    using EigenVertices = Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>;
-    using EigenVerticesFloat = Eigen::Ref<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
-    using EigenTriangles = Eigen::Ref<const Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>;
-    /// n x 3, row-major, contiguous (an Eigen::Ref of another layout would be a temporary copy).
-    MeshView(const EigenVertices& vertices, const EigenTriangles& triangles);
-    MeshView(const EigenVerticesFloat& vertices, const EigenTriangles& triangles);
+    /// Eigen's matrices, maps and references: n x 3 and row-major, or 3 x n and column-major; vertices in double or
+    /// float, indices in 32 bits. Another layout does not compile, because a view of its converted copy would dangle.
+    /// Throws Error(invalid_argument) where the triples do not follow one another in memory.
+    template <typename Vertices, typename Triangles>
+    MeshView(const Eigen::MatrixBase<Vertices>& vertices, const Eigen::MatrixBase<Triangles>& triangles)
+        : MeshView(numbers_of(vertices.derived()), indices_of(triangles.derived())) {}
 
     std::size_t vertex_count() const { return vertex_count_; }
     std::size_t triangle_count() const { return triangle_count_; }
@@ -38,6 +39,24 @@ public:
     Triangle triangle(std::size_t index) const;
 
 private:
+    template <typename Matrix>
+    static auto numbers_of(const Matrix& matrix) {
+        static_assert((Matrix::IsRowMajor ? Matrix::ColsAtCompileTime : Matrix::RowsAtCompileTime) == 3,
+                      "MeshView takes n x 3 row-major or 3 x n column-major matrices");
+        using Scalar = typename Matrix::Scalar;
+        if (matrix.size() > 0 && (matrix.innerStride() != 1 || matrix.outerStride() != 3)) throw_not_contiguous();
+        return std::span<const Scalar>(matrix.data(), static_cast<std::size_t>(matrix.size()));
+    }
+    template <typename Matrix>
+    static auto indices_of(const Matrix& matrix) {
+        static_assert(std::is_integral_v<typename Matrix::Scalar> && sizeof(typename Matrix::Scalar) == 4,
+                      "MeshView takes indices of 32 bits");
+        const auto numbers = numbers_of(matrix);
+        // A negative index becomes one that is out of range, which Mesh reports.
+        return std::span(reinterpret_cast<const std::uint32_t*>(numbers.data()), numbers.size());
+    }
+    [[noreturn]] static void throw_not_contiguous();
+
     const double* double_vertices_ = nullptr;
     const float* float_vertices_ = nullptr;
     const std::uint32_t* triangles_ = nullptr;

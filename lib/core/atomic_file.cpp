@@ -1,0 +1,108 @@
+#include "core/atomic_file.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+namespace clsdf {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The process's own stream where the path is one: opening it again would restart a redirected file at its beginning.
+int standard_stream(const std::string& path) {
+    if (path == "/dev/stdout") return STDOUT_FILENO;
+    if (path == "/dev/stderr") return STDERR_FILENO;
+    return -1;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
+    if (path_.empty()) fail(ENOENT);
+    if (const int stream = standard_stream(path_); stream >= 0) {
+        open_directly(::dup(stream));
+        return;
+    }
+    std::error_code error;
+    const fs::file_status status = fs::status(path_, error);
+    if (status.type() == fs::file_type::directory) fail(EISDIR);
+    if (fs::exists(status) && status.type() != fs::file_type::regular) {
+        open_directly(::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
+        return;
+    }
+    // A rename would replace a write-protected file without a question.
+    if (fs::exists(status) && ::access(path_.c_str(), W_OK) != 0) fail(errno);
+    const fs::path target = fs::weakly_canonical(path_, error);
+    open_beside(error ? path_ : target.string());
+}
+
+AtomicFile::~AtomicFile() {
+    file_.reset();
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::open_directly(int descriptor) {
+    if (descriptor < 0) fail(errno);
+    file_.reset(::fdopen(descriptor, "wb"));
+    if (!file_) {
+        const int error = errno;
+        ::close(descriptor);
+        fail(error);
+    }
+}
+
+void AtomicFile::open_beside(const std::string& target) {
+    target_ = target;
+    const fs::path folder = fs::path(target).parent_path();
+    std::error_code error;
+    if (!folder.empty() && !fs::is_directory(folder, error))
+        throw Error(ErrorCode::output_failure,
+                    fmt::format("cannot write '{}': there is no folder '{}'", path_, folder.string()));
+    for (unsigned attempt = 0;; ++attempt) {
+        // Not derived from the target's name, which may already have the greatest length.
+        const std::string name = (folder / fmt::format(".clsdf-{}-{}.part", ::getpid(), attempt)).string();
+        const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor < 0 && errno == EEXIST) continue;
+        if (descriptor < 0) fail(errno);
+        temporary_ = name;
+        try {
+            open_directly(descriptor);
+        } catch (...) {
+            ::unlink(name.c_str());
+            throw;
+        }
+        return;
+    }
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+    if (bytes.empty()) return;
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail(errno);
+}
+
+void AtomicFile::write(std::string_view text) {
+    write(std::as_bytes(std::span(text)));
+}
+
+void AtomicFile::commit() {
+    // Some file systems report a full disk only here.
+    if (std::fclose(file_.release()) != 0) fail(errno);
+    if (temporary_.empty()) return;
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+    temporary_.clear();
+}
+
+void AtomicFile::fail(int error) const {
+    throw Error(ErrorCode::output_failure,
+                fmt::format("cannot write '{}': {}", path_, std::generic_category().message(error)));
+}
+
+}  // namespace clsdf

@@ -1,0 +1,117 @@
+#include <clsdf/error.hpp>
+#include <clsdf/mesh.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+/// How many triples an array of `length` numbers holds.
+std::size_t triples(std::size_t length, const char* what) {
+    if (length % 3 != 0)
+        throw Error(ErrorCode::invalid_mesh,
+                    fmt::format("the array of {} has {} numbers, which is no multiple of three", what, length));
+    return length / 3;
+}
+
+bool is_finite(const Vec3& point) {
+    return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
+}
+
+/// Throws where an index is out of range or a vertex in use is not finite, and returns the box of the vertices in use.
+Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const std::string& name) {
+    if (triangles.empty()) throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle", name));
+    // 0xFFFFFFFF is the index that means no triangle.
+    constexpr std::size_t limit = std::numeric_limits<std::uint32_t>::max();
+    if (triangles.size() >= limit || vertices.size() >= limit)
+        throw Error(ErrorCode::unsupported, fmt::format("{}: {} vertices and {} triangles are more than 32-bit indices "
+                                                        "can number",
+                                                        name, vertices.size(), triangles.size()));
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        for (const std::uint32_t index : triangles[t]) {
+            if (index >= vertices.size())
+                throw Error(ErrorCode::invalid_mesh,
+                            fmt::format("{}: triangle {} has the vertex index {}, but there are only {} vertices", name,
+                                        t, index, vertices.size()));
+            const Vec3& vertex = vertices[index];
+            if (!is_finite(vertex))
+                throw Error(ErrorCode::invalid_mesh,
+                            fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, {}, {})", name, index,
+                                        t, vertex[0], vertex[1], vertex[2]));
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box.lower[axis] = std::min(box.lower[axis], vertex[axis]);
+                box.upper[axis] = std::max(box.upper[axis], vertex[axis]);
+            }
+        }
+    }
+    return box;
+}
+
+std::vector<Vec3> copy_vertices(const MeshView& view) {
+    std::vector<Vec3> vertices(view.vertex_count());
+    for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = view.vertex(i);
+    return vertices;
+}
+
+std::vector<Triangle> copy_triangles(const MeshView& view) {
+    std::vector<Triangle> triangles(view.triangle_count());
+    for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = view.triangle(i);
+    return triangles;
+}
+
+}  // namespace
+
+MeshView::MeshView(std::span<const double> vertices, std::span<const std::uint32_t> triangles)
+    : double_vertices_(vertices.data()),
+      triangles_(triangles.data()),
+      vertex_count_(triples(vertices.size(), "vertices")),
+      triangle_count_(triples(triangles.size(), "triangles")) {}
+
+MeshView::MeshView(std::span<const float> vertices, std::span<const std::uint32_t> triangles)
+    : float_vertices_(vertices.data()),
+      triangles_(triangles.data()),
+      vertex_count_(triples(vertices.size(), "vertices")),
+      triangle_count_(triples(triangles.size(), "triangles")) {}
+
+MeshView::MeshView(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
+    : double_vertices_(vertices.empty() ? nullptr : vertices.front().data()),
+      triangles_(triangles.empty() ? nullptr : triangles.front().data()),
+      vertex_count_(vertices.size()),
+      triangle_count_(triangles.size()) {}
+
+void MeshView::throw_not_contiguous() {
+    throw Error(ErrorCode::invalid_argument,
+                "a matrix of vertices or triangles has gaps between its triples; copy it into a plain one");
+}
+
+Vec3 MeshView::vertex(std::size_t index) const {
+    if (double_vertices_ != nullptr) {
+        const double* vertex = double_vertices_ + 3 * index;
+        return {vertex[0], vertex[1], vertex[2]};
+    }
+    const float* vertex = float_vertices_ + 3 * index;
+    return {double{vertex[0]}, double{vertex[1]}, double{vertex[2]}};
+}
+
+Triangle MeshView::triangle(std::size_t index) const {
+    const std::uint32_t* triangle = triangles_ + 3 * index;
+    return {triangle[0], triangle[1], triangle[2]};
+}
+
+Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name)
+    : vertices_(std::move(vertices)),
+      triangles_(std::move(triangles)),
+      name_(std::move(name)),
+      box_(check(vertices_, triangles_, name_)) {}
+
+Mesh::Mesh(const MeshView& view, std::string name) : Mesh(copy_vertices(view), copy_triangles(view), std::move(name)) {}
+
+}  // namespace clsdf

@@ -1,0 +1,118 @@
+#include <clsdf/mesh.hpp>
+
+#include "support/throws.hpp"
+
+#include <limits>
+
+namespace clsdf {
+
+using test::check_throws;
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+const std::vector<Triangle> faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+
+void check_is_the_tetrahedron(const MeshView& view) {
+    const Mesh mesh(view);
+    BOOST_CHECK(mesh.vertices() == corners);
+    BOOST_CHECK(mesh.triangles() == faces);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_view_reads_the_callers_arrays_whatever_their_type) {
+    std::vector<double> doubles;
+    std::vector<float> floats;
+    std::vector<std::uint32_t> indices;
+    for (const Vec3& corner : corners)
+        for (const double x : corner) {
+            doubles.push_back(x);
+            floats.push_back(static_cast<float>(x));
+        }
+    for (const Triangle& face : faces) indices.insert(indices.end(), face.begin(), face.end());
+    check_is_the_tetrahedron(MeshView(doubles, indices));
+    check_is_the_tetrahedron(MeshView(floats, indices));
+    check_is_the_tetrahedron(MeshView(corners, faces));
+
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    const Eigen::Map<const RowMajor> map(doubles.data(), 4, 3);
+    const Eigen::Map<const Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>> index_map(indices.data(),
+                                                                                                       4, 3);
+    check_is_the_tetrahedron(MeshView(map, index_map));
+    const RowMajor rows = map;
+    const Eigen::Ref<const RowMajor> reference = rows;
+    const Eigen::Matrix<float, 3, Eigen::Dynamic> columns = map.transpose().cast<float>();
+    const Eigen::Matrix<int, 3, Eigen::Dynamic> index_columns = index_map.transpose().cast<int>();
+    check_is_the_tetrahedron(MeshView(reference, index_columns));
+    check_is_the_tetrahedron(MeshView(columns, index_map));
+}
+
+BOOST_AUTO_TEST_CASE(a_matrix_with_gaps_between_its_rows_is_refused) {
+    const Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> homogeneous =
+        Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>::Ones(4, 4);
+    const Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor> triangle(1, 3);
+    check_throws(ErrorCode::invalid_argument, {"gaps"}, [&] { MeshView(homogeneous.leftCols<3>(), triangle); });
+}
+
+BOOST_AUTO_TEST_CASE(an_array_that_is_cut_off_is_refused) {
+    const std::vector<double> ten(10);
+    const std::vector<std::uint32_t> three(3);
+    const std::vector<std::uint32_t> four(4);
+    check_throws(ErrorCode::invalid_mesh, {"vertices", "10"}, [&] { MeshView(ten, three); });
+    check_throws(ErrorCode::invalid_mesh, {"triangles", "4"}, [&] { MeshView(std::span(ten).first(9), four); });
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_names_what_is_wrong_with_it) {
+    check_throws(ErrorCode::invalid_mesh, {"part 7", "no triangle"}, [] { Mesh(corners, {}, "part 7"); });
+    check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [] { Mesh({}, {}); });
+    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 4", "4 vertices"}, [] {
+        Mesh(corners, {{0, 1, 2}, {0, 1, 4}});
+    });
+    for (const double bad : {nan, infinity, -infinity}) {
+        std::vector<Vec3> vertices = corners;
+        vertices[3][1] = bad;
+        check_throws(ErrorCode::invalid_mesh, {"vertex 3", "triangle 1", std::to_string(bad)},
+                     [&] { Mesh(vertices, faces); });
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_no_triangle_uses_does_not_matter) {
+    std::vector<Vec3> vertices = corners;
+    vertices.push_back({nan, infinity, 7});
+    vertices.push_back({1e9, 1e9, 1e9});
+    const Mesh mesh(vertices, faces);
+    BOOST_CHECK((mesh.box().lower == Vec3{0, 0, 0}));
+    BOOST_CHECK((mesh.box().upper == Vec3{1, 2, 3}));
+    BOOST_TEST(weld(mesh).vertices().size() == 6U);
+}
+
+BOOST_AUTO_TEST_CASE(welding_makes_equal_coordinates_one_vertex_and_keeps_the_triangles) {
+    // A soup of the tetrahedron; the origin is written with different zeros.
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (const Triangle& face : faces) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        triangles.push_back({first, first + 1, first + 2});
+        for (const std::uint32_t index : face) vertices.push_back(corners[index]);
+    }
+    vertices[0] = {-0.0, 0.0, -0.0};
+    const Mesh welded = weld(Mesh(vertices, triangles, "soup"));
+    BOOST_TEST(welded.name() == "soup");
+    BOOST_TEST(welded.vertices().size() == 4U);
+    BOOST_REQUIRE(welded.triangles().size() == 4U);
+    for (std::size_t t = 0; t < 4; ++t)
+        for (std::size_t k = 0; k < 3; ++k)
+            BOOST_CHECK(welded.vertices()[welded.triangles()[t][k]] == corners[faces[t][k]]);
+}
+
+BOOST_AUTO_TEST_CASE(coordinates_one_ulp_apart_stay_apart) {
+    const double next = std::nextafter(1.0, 2.0);
+    const Mesh mesh({{0, 0, 0}, {1, 0, 0}, {next, 0, 0}, {0, 1, 0}}, {{0, 1, 3}, {0, 2, 3}});
+    BOOST_TEST(weld(mesh).vertices().size() == 4U);
+}
+
+}  // namespace clsdf

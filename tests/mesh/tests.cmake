@@ -1,0 +1,1 @@
+clsdf_test(mesh ${CMAKE_CURRENT_LIST_DIR}/mesh.cpp)
