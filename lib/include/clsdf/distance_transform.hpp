@@ -26,7 +26,7 @@ struct TransformOptions {
     std::function<void(double fraction)> progress;        ///< called between launches, from the calling thread
     std::function<void(const std::string& message)> log;  ///< warnings, e.g. that a mesh is open
     std::stop_token stop;                                 ///< looked at between launches; Error(cancelled)
-    bool count = false;  ///< count the device's work for the statistics, at some cost in time
+    bool count = false;                                   ///< fill the statistics counted on the device; costs time
 };
 
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
