@@ -73,8 +73,8 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
                     for (int b = 0; b < 64; ++b) {
                         const int3 at = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4));
                         const bool in = all(at >= low) && all(at <= high);
-                        const int3 local = at - first;
-                        block_caps[b] = in ? caps[((size_t)local.z * size.y + local.y) * size.x + local.x] : 0.0f;
+                        const int3 relative = at - first;
+                        block_caps[b] = in ? caps[((size_t)relative.z * size.y + relative.y) * size.x + relative.x] : 0.0f;
                         wanted |= (ulong)in << b;
                     }
                     ulong touched = wanted & touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE,
@@ -82,8 +82,8 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
                     while (touched) {
                         const int b = 63 - (int)clz(touched & (0 - touched));
                         touched &= touched - 1;
-                        const int3 local = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4)) - first;
-                        const size_t brick = ((size_t)local.z * size.y + local.y) * size.x + local.x;
+                        const int3 relative = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4)) - first;
+                        const size_t brick = ((size_t)relative.z * size.y + relative.y) * size.x + relative.x;
                         const uint slot = counts[brick * parts + part]++;
                         if (fill) entries[slot] = i;
                     }

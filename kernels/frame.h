@@ -30,8 +30,8 @@ inline double4 frame_at(__global const Polyhedron* p, double x, double y, double
     const double4 gx = two_floats(p->gradient_x_high, p->gradient_x_low);
     const double4 gy = two_floats(p->gradient_y_high, p->gradient_y_low);
     const double4 gz = two_floats(p->gradient_z_high, p->gradient_z_low);
-    const double4 constant = two_floats(p->constant_high, p->constant_low);
-    return gx * (x - p->origin_x) + (gy * (y - p->origin_y) + (gz * (z - p->origin_z) + constant));
+    const double4 at_origin = two_floats(p->constant_high, p->constant_low);
+    return gx * (x - p->origin_x) + (gy * (y - p->origin_y) + (gz * (z - p->origin_z) + at_origin));
 }
 
 inline Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {

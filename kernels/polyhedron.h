@@ -79,6 +79,7 @@ typedef struct Polyhedron {
     // block's width in that direction.
     float reach_cube[5];   // of a cube, per sample of half its side: |g_x| + |g_y| + |g_z|
     float reach_4x2x2[5];  // of 4 x 2 x 2 samples: 1.5 |g_x| + 0.5 |g_y| + 0.5 |g_z|
+    float unused[4];       // a record fills four cache lines
 } Polyhedron;
 
 #ifndef __OPENCL_VERSION__

@@ -1,5 +1,7 @@
 #include "device/context.hpp"
 
+#include "device/kernel_text.hpp"
+
 #include <fmt/format.h>
 
 namespace clsdf::device {
@@ -29,21 +31,20 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
                 device_.getInfo<CL_DEVICE_NAME>()));
 }
 
-cl::Program Context::program(std::initializer_list<std::string_view> sources, const std::string& options) {
-    std::string text;
-    for (const std::string_view source : sources) text += source;
+cl::Program Context::program(std::string_view kernel_file, const std::string& options) {
     const std::scoped_lock lock(programs_mutex_);
-    const std::string key = options + '\n' + text;
+    const std::string key = fmt::format("{} {}", kernel_file, options);
     if (const auto found = programs_.find(key); found != programs_.end()) return found->second;
 
-    cl::Program program(context_, text);
+    cl::Program program(context_, kernel_text(kernel_file));
     try {
         program.build(device_, options.c_str());
     } catch (const cl::Error& error) {
-        throw Error(ErrorCode::device_failure,
-                    fmt::format("the OpenCL call {} failed: {}; options \"{}\" on \"{}\"; the compiler said:\n{}",
-                                error.what(), code_name(error.err()), options, device_.getInfo<CL_DEVICE_NAME>(),
-                                program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
+        throw Error(
+            ErrorCode::device_failure,
+            fmt::format("the OpenCL call {} failed for {}: {}; options \"{}\" on \"{}\"; the compiler said:\n{}",
+                        error.what(), kernel_file, code_name(error.err()), options, device_.getInfo<CL_DEVICE_NAME>(),
+                        program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
     }
     programs_.emplace(key, program);
     return program;

@@ -3,7 +3,6 @@
 #include "device/opencl.hpp"
 
 #include <cstddef>
-#include <initializer_list>
 #include <map>
 #include <mutex>
 #include <string>
@@ -30,8 +29,8 @@ public:
     };
     const Capabilities& capabilities() const { return capabilities_; }
 
-    /// Builds a program of the library's sources, once per options. Throws Error(device_failure) with the build log.
-    cl::Program program(std::initializer_list<std::string_view> sources, const std::string& options);
+    /// Builds one of the library's kernel files, once per options. Throws Error(device_failure) with the build log.
+    cl::Program program(std::string_view kernel_file, const std::string& options);
 
 private:
     cl::Context context_;

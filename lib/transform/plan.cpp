@@ -88,10 +88,20 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     statistics.coarse_bricks = lists_.order.size();
     statistics.polyhedra_seconds = prepared->seconds;
     statistics.lists_seconds = watch.seconds();
-    for (const device::BufferPool::Lease* lease :
-         {&prepared->polyhedra, &prepared->triangles, &lists_.caps, &lists_.starts, &lists_.entries, &sign_bits_,
-          &computed_, &order_, &first_turns_, &turns_, &masks_, &list_, &counters_})
-        statistics.device_bytes += lease->bytes();
+    const std::initializer_list<const device::BufferPool::Lease*> leases{&prepared->polyhedra,
+                                                                         &prepared->triangles,
+                                                                         &lists_.caps,
+                                                                         &lists_.starts,
+                                                                         &lists_.entries,
+                                                                         &sign_bits_,
+                                                                         &computed_,
+                                                                         &order_,
+                                                                         &first_turns_,
+                                                                         &turns_,
+                                                                         &masks_,
+                                                                         &list_,
+                                                                         &counters_};
+    for (const device::BufferPool::Lease* lease : leases) statistics.device_bytes += lease->bytes();
 }
 
 void Plan::State::size_launches() {

@@ -1,7 +1,5 @@
 #include "transform/programs.hpp"
 
-#include "kernel_sources.hpp"
-
 #include <fmt/format.h>
 
 namespace clsdf::transform {
@@ -21,19 +19,15 @@ std::string build_options(const device::Context& context) {
 
 Programs::Programs(device::Context& context) {
     const std::string options = build_options(context);
-    scan = context.program({kernels::scan}, options);
-    coarse_lists = context.program(
-        {kernels::polyhedron, kernels::layout, kernels::frame, kernels::lanes, kernels::blocks, kernels::coarse_lists},
-        options);
-    sign_sweep =
-        context.program({kernels::polyhedron, kernels::layout, kernels::sweep_vertex, kernels::sign_sweep}, options);
-    fill = context.program({kernels::polyhedron, kernels::layout, kernels::fill}, options);
+    scan = context.program("scan.cl", options);
+    coarse_lists = context.program("coarse_lists.cl", options);
+    sign_sweep = context.program("sign_sweep.cl", options);
+    fill = context.program("fill.cl", options);
 }
 
 cl::Program Programs::bricks(device::Context& context, bool with_triangle, bool count) const {
-    return context.program(
-        {kernels::polyhedron, kernels::layout, kernels::frame, kernels::lanes, kernels::blocks, kernels::bricks},
-        build_options(context) + (with_triangle ? " -DNEAREST" : "") + (count ? " -DCOUNT" : ""));
+    return context.program("bricks_by_vector.cl",
+                           build_options(context) + (with_triangle ? " -DNEAREST" : "") + (count ? " -DCOUNT" : ""));
 }
 
 std::size_t parallel_parts(const device::Context& context) {

@@ -5,22 +5,15 @@
 //   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
 //   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
 //
-// Distance. The altitude on its longest edge divides a triangle in two right-angled halves; the nearest point of the triangle
-// lies in the half on the sample's side of the altitude. There, with the coordinates of polyhedron.h:
-//   below the base (Y < 0):  distance^2 = max(X - base, 0)^2 + Y^2 + Z^2
-//   else:                    distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
-// where r is the distance outward from the slanted edge and t the position along it. Every value is an offset at the brick's
-// centre, formed in double, plus float gradients times at most 3.5 samples.
-//
 // Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; COUNT counts work.
 
 #include "blocks.h"
+#include "distance.h"
 
 #define SUBBLOCK_X (LANES / 4)
 #define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
 #define SUBBLOCKS (512 / LANES)
 #define CHUNK 256
-#define NO_TRIANGLE 0xFFFFFFFFu
 
 #ifdef COUNT
 #define COUNT_ADD(counter, n) counters[counter] += (n)
@@ -33,6 +26,16 @@
 inline float subblock_x(uint b) { return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f; }
 inline float subblock_y(uint b) { return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f; }
 inline float subblock_z(uint b) { return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f; }
+
+// Appends to `chosen` the items whose mask has the bit, in order; returns how many.
+inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit, __global uint* chosen) {
+    uint n = 0;
+    for (uint i = 0; i < count; ++i) {
+        chosen[n] = items[i];
+        n += (uint)(masks[i] >> bit) & 1u;
+    }
+    return n;
+}
 
 inline ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __private const float* caps, float level_slack,
                                float slack_rate) {
@@ -80,27 +83,7 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
         const uint c = chosen[n];
         const Offsets o = offsets[c];
         __global const Polyhedron* p = polyhedra + list[c];
-        const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
-        const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
-        const floatL z = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z));
-        const floatL y = o.y + dy;
-
-        const intL right = o.x + dx >= 0.0f;
-        const floatL away = right ? dx : -dx;
-        const floatL along = right ? (floatL)p->normal_along_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_along_high[CLSDF_HALF_LEFT];
-        const floatL across = right ? (floatL)p->normal_across_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_across_high[CLSDF_HALF_LEFT];
-        const floatL length = right ? (floatL)p->slanted_length_right : (floatL)p->slanted_length_left;
-        const floatL beyond = (right ? (floatL)o.beyond_right : (floatL)o.beyond_left) + away;
-        const floatL r = (right ? (floatL)o.outward_right : (floatL)o.outward_left) + (along * away + across * dy);
-        const floatL t = (right ? (floatL)o.along_right : (floatL)o.along_left) + (along * dy - across * away);
-
-        const floatL past = t - length;
-        const floatL before = LESSER(t, 0.0f);
-        const floatL end = GREATER(past, before);
-        const floatL out = GREATER(r, 0.0f);
-        const floatL corner = GREATER(beyond, 0.0f);
-        const floatL in_plane = y < 0.0f ? corner * corner + y * y : end * end + out * out;
-        const floatL squared = in_plane + z * z;
+        const floatL squared = squared_distance(p, o, i, j, k);
 #ifdef NEAREST
         const uint triangle = p->triangle;
         const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
@@ -160,15 +143,15 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
 #endif
     const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
     const int3 begin = max(brick * CLSDF_BRICK, first) - first, end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
-    const int3 local = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
-    const int3 local_brick = brick - vload3(0, layout.brick_first);
+    const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
+    const int3 relative_brick = brick - vload3(0, layout.brick_first);
     for (int z = begin.z; z < end.z; ++z)
         for (int y = begin.y; y < end.y; ++y) {
             // The rows of sign bits cover whole bricks.
-            const size_t bit_row = (size_t)(z - local.z + local_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
-                                   (y - local.y + local_brick.y * CLSDF_BRICK);
-            const uint inside = (sign_bits[bit_row * layout.sign_words + local_brick.x / 4] >> (local_brick.x % 4 * 8)) & 0xFFu;
-            const int row = (z - local.z) * 64 + (y - local.y) * 8;
+            const size_t bit_row = (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
+                                   (y - relative.y + relative_brick.y * CLSDF_BRICK);
+            const uint inside = (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
+            const int row = (z - relative.z) * 64 + (y - relative.y) * 8;
             const float8 square = as_float8(vload8(0, squared + row));
             const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
             const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
@@ -176,12 +159,12 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
             const int8 in_band = square <= limit;
             const float8 root = sqrt(square);
             const float8 length = LESSER(root * layout.voxel_high + root * layout.voxel_low, fabs(fill));
-            const float8 value = in_band ? (negative & (length != 0.0f) ? -length : length) : fill;
+            const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
             const size_t at = ((size_t)z * size.y + y) * size.x;
-            const int x0 = begin.x - local.x, x1 = end.x - local.x;
+            const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
             store_row(as_uint8(value), x0, x1, (__global uint*)distance + at + begin.x);
 #ifdef NEAREST
-            store_row(in_band ? vload8(0, nearest + row) : (uint8)NO_TRIANGLE, x0, x1, triangle + at + begin.x);
+            store_row(in_band ? vload8(0, nearest + row) : (uint8)CLSDF_NO_TRIANGLE, x0, x1, triangle + at + begin.x);
 #endif
 #ifdef COUNT
             int in[8];
@@ -206,7 +189,7 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
     for (uint b = 0; b < SUBBLOCKS; ++b) {
         minimum.squared[b] = INFINITY;
 #ifdef NEAREST
-        minimum.triangle[b] = NO_TRIANGLE;
+        minimum.triangle[b] = CLSDF_NO_TRIANGLE;
 #endif
         caps[b] = brick_cap;
     }
@@ -314,8 +297,8 @@ __kernel void bricks(Layout layout, uint launch, uint end, __global uint* turns,
         brick_caps(layout, coarse, count, entries + begin, polyhedra, coarse_caps[number], caps);
         ulong wanted = 0;
         for (uint b = 0; b < 64; ++b) {
-            const int3 local = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
-            wanted |= (ulong)(all(local >= 0) && all(local < bricks)) << b;
+            const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
+            wanted |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
         }
         ulong any = 0;
         for (uint e = 0; e < count; ++e) {
@@ -329,8 +312,8 @@ __kernel void bricks(Layout layout, uint launch, uint end, __global uint* turns,
             any &= any - 1;
             const uint length = choose(masks, entries + begin, count, b, list);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
-            const int3 local = brick - brick_first;
-            computed[((size_t)local.z * bricks.y + local.y) * bricks.x + local.x] = 1;
+            const int3 relative = brick - brick_first;
+            computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;
             compute_brick(layout, brick, length, list, caps[b], polyhedra, sign_bits, distance
 #ifdef NEAREST
                           , triangle
