@@ -1,5 +1,6 @@
 #include "field/example_field.hpp"
 #include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
 
@@ -84,6 +85,18 @@ BOOST_DATA_TEST_CASE(is_read_without_its_triangles_where_their_file_was_left_beh
     const Field read = Field::read(folder.file("field" + ending));
     BOOST_TEST(read.triangle.empty());
     BOOST_TEST(read.distance.size() == 24U);
+}
+
+BOOST_DATA_TEST_CASE(is_refused_with_the_triangles_of_another_grid, endings, ending) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("field" + ending);
+    Field other = example_field();
+    other.grid.size = {2, 3, 4};
+    other.write(folder.file("other" + ending));
+    example_field().write(path);
+    std::filesystem::rename(folder.file("other_triangle" + ending), folder.file("field_triangle" + ending));
+    clsdf::test::check_throws(clsdf::ErrorCode::unreadable_input, {"field_triangle" + ending, "compute both again"},
+                              [&] { Field::read(path); });
 }
 
 BOOST_DATA_TEST_CASE(has_the_same_bytes_every_time, endings, ending) {
