@@ -22,7 +22,7 @@ public:
     explicit TextWriter(AtomicFile& file) : file_(file) {}
 
     template <typename... Values>
-    void write(fmt::format_string<Values...> format, const Values&... values) {
+    void write(fmt::format_string<const Values&...> format, const Values&... values) {
         fmt::format_to(std::back_inserter(buffer_), format, values...);
         if (buffer_.size() > piece_bytes) flush();
     }
