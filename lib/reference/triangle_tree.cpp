@@ -60,8 +60,11 @@ class NearestTraversal {
 public:
     using Priority = double;
 
-    NearestTraversal(const std::vector<TriangleFrame>& frames, const ExactPosition& query, double extent, double bound)
-        : frames_(frames), slack_(8 * std::numeric_limits<double>::epsilon() * extent + 2 * query.rounding()) {
+    NearestTraversal(const std::vector<TriangleFrame>& frames, const std::vector<std::uint32_t>& slots,
+                     const ExactPosition& query, double extent, double bound)
+        : frames_(frames),
+          slots_(slots),
+          slack_(8 * std::numeric_limits<double>::epsilon() * extent + 2 * query.rounding()) {
         set_bound(bound);
     }
 
@@ -78,7 +81,7 @@ public:
 
     void intersection(const ExactPosition& query, const Primitive& primitive) {
         const std::uint32_t index = primitive.id();
-        const TriangleFrame& frame = frames_[index];
+        const TriangleFrame& frame = frames_[slots_[index]];
         if (frame.height_bound(query) > bound_) {
             return;
         }
@@ -102,11 +105,22 @@ private:
     }
 
     const std::vector<TriangleFrame>& frames_;
+    const std::vector<std::uint32_t>& slots_;
     double slack_;
     double bound_ = 0;
     double squared_bound_ = 0;
     bool found_ = false;
     Nearest nearest_;
+};
+
+/// The triangles in the order in which the tree's leaves lie.
+class LeafOrder {
+public:
+    bool go_further() const { return true; }
+    bool do_intersect(int, const Node&) const { return true; }
+    void intersection(int, const Primitive& primitive) { triangles.push_back(primitive.id()); }
+
+    std::vector<std::uint32_t> triangles;
 };
 
 struct RayQuery {
@@ -140,24 +154,31 @@ private:
 
 struct TriangleTree::State {
     const Mesh& mesh;
-    std::vector<TriangleFrame> frames;
     Tree tree;
-    double extent;
+    std::vector<TriangleFrame> frames;  ///< in the order of the leaves: what is read together lies together
+    std::vector<std::uint32_t> slots;   ///< where a triangle's frame is
+    double extent = 0;
 };
 
-TriangleTree::TriangleTree(const Mesh& mesh) : state_(new State{mesh, {}, {}, 0}) {
+TriangleTree::TriangleTree(const Mesh& mesh) : state_(new State{mesh, {}, {}, {}}) {
     const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
-    state_->frames.resize(count);
-    oneapi::tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t index) {
-        const Triangle& triangle = mesh.triangles()[index];
-        state_->frames[index] =
-            TriangleFrame(mesh.vertices()[triangle[0]], mesh.vertices()[triangle[1]], mesh.vertices()[triangle[2]]);
-    });
     for (std::uint32_t index = 0; index < count; ++index) {
         state_->tree.insert(Primitive(mesh, index));
     }
     // Now, not at the first query: queries come from several threads.
     state_->tree.build();
+    LeafOrder order;
+    state_->tree.traversal(0, order);
+
+    state_->frames.resize(count);
+    state_->slots.resize(count);
+    oneapi::tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t slot) {
+        const std::uint32_t index = order.triangles[slot];
+        const Triangle& triangle = mesh.triangles()[index];
+        state_->slots[index] = slot;
+        state_->frames[slot] =
+            TriangleFrame(mesh.vertices()[triangle[0]], mesh.vertices()[triangle[1]], mesh.vertices()[triangle[2]]);
+    });
     const Vec3 extent = mesh.box().extent();
     state_->extent = extent[0] + extent[1] + extent[2];
 }
@@ -165,13 +186,13 @@ TriangleTree::TriangleTree(const Mesh& mesh) : state_(new State{mesh, {}, {}, 0}
 TriangleTree::~TriangleTree() = default;
 
 std::optional<Nearest> TriangleTree::nearest(const ExactPosition& query, double bound) const {
-    NearestTraversal traversal(state_->frames, query, state_->extent, bound);
+    NearestTraversal traversal(state_->frames, state_->slots, query, state_->extent, bound);
     state_->tree.traversal_with_priority(query, traversal);
     return traversal.result();
 }
 
 double TriangleTree::distance_to(std::uint32_t triangle, const ExactPosition& query) const {
-    return state_->frames[triangle].closest(query).distance;
+    return state_->frames[state_->slots[triangle]].closest(query).distance;
 }
 
 void TriangleTree::meet_ray(double x, double y, double z, std::vector<std::uint32_t>& triangles) const {
