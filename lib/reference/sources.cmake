@@ -20,4 +20,4 @@ target_include_directories(clsdf_reference PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(
   clsdf_reference
   PUBLIC clsdf::clsdf
-  PRIVATE CGAL::CGAL TBB::tbb fmt::fmt $<BUILD_INTERFACE:clsdf_warnings>)
+  PRIVATE $<BUILD_INTERFACE:CGAL::CGAL> TBB::tbb fmt::fmt $<BUILD_INTERFACE:clsdf_warnings>)
