@@ -1,5 +1,7 @@
 #include "triangle_frame.hpp"
 
+#include "exact_line.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -162,6 +164,13 @@ TriangleFrame::Closest TriangleFrame::closest(const ExactPosition& query) const 
         const double height = normal_.dot(offsets[0]);
         const Eigen::Vector3d foot = offsets[0] - height * normal_;
         best = {std::fabs(height), Site::face, translated(vertices_[0], foot)};
+    }
+    // A point on the triangle has the distance 0 and no rounding of it.
+    const double rounding = 8 * epsilon * offsets[0].cwiseAbs().cwiseMax(offsets[1].cwiseAbs()).lpNorm<1>();
+    if (best.distance <= rounding && query.rounding() == 0 &&
+        lies_on({vertices_[0], vertices_[1], vertices_[2]}, query.head)) {
+        best.distance = 0;
+        best.point = query.head;
     }
     return best;
 }
