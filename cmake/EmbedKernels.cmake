@@ -1,6 +1,5 @@
 # clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, so that nothing is looked
-# for at run time. "kernel_sources.hpp" declares each as clsdf::kernels::<file name without ending>, and
-# clsdf::kernels::files, a table of file names and texts, for whoever resolves an #include between them.
+# for at run time: clsdf::kernels::files in "kernel_sources.hpp", a table of file names and texts.
 set(CLSDF_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels_script.cmake)
 
 function(clsdf_embed_kernels target)
@@ -13,5 +12,5 @@ function(clsdf_embed_kernels target)
     COMMENT "Embedding the kernels"
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
-  target_include_directories(${target} PRIVATE ${directory})
+  target_include_directories(${target} BEFORE PRIVATE ${directory})
 endfunction()

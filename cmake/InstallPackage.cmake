@@ -8,6 +8,9 @@ if(CLSDF_BUILD_REFERENCE)
   set_target_properties(clsdf_reference PROPERTIES EXPORT_NAME reference)
 endif()
 install(TARGETS ${targets} EXPORT clsdfTargets FILE_SET HEADERS)
+if(CLSDF_BUILD_APPS)
+  install(TARGETS clsdf_command)
+endif()
 install(EXPORT clsdfTargets NAMESPACE clsdf:: DESTINATION ${package_directory})
 
 # A static library does not carry what it stands on, so whoever links it has to find that.

@@ -27,6 +27,6 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
             for (int x = begin; x < end; ++x) distance[row + x] = values[x + shift_x - brick * CLSDF_BRICK];
         }
         if (with_triangle)
-            for (int x = begin; x < end; ++x) triangle[row + x] = 0xFFFFFFFFu;
+            for (int x = begin; x < end; ++x) triangle[row + x] = CLSDF_NO_TRIANGLE;
     }
 }

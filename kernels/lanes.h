@@ -1,5 +1,5 @@
-// Explicit vectors: a compiler does not vectorise the loop over work-items around an inner loop, so one work-item works on
-// LANES samples or blocks at once. LANES (16 or 8) is chosen by the device's width; it must divide 16.
+// Explicit vectors: on a processor the loop over work-items around an inner loop is not vectorised, so one work-item works on
+// LANES samples or blocks at once: 16 or 8, by the device's width. On a GPU a work-item is a lane itself: LANES is 1.
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 
@@ -21,12 +21,22 @@ typedef uint8 uintL;
 #define store_lanes vstore8
 #define convert_floatL convert_float8
 #define as_uintL as_uint8
+#elif LANES == 1
+typedef float floatL;
+typedef int intL;
+typedef uint uintL;
+#define LANE_NUMBERS 0u
+#define load_lanes(offset, p) ((p)[offset])
+#define store_lanes(value, offset, p) ((p)[offset] = (value))
+#define convert_floatL convert_float
 #endif
 
-// Bit i of the result is the sign bit of lane i. The built-ins of an instruction set, where the compiler has them, save a
-// tree of eight operations in the innermost loops.
+// Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the
+// compiler has them, save a tree of eight operations in the innermost loops.
 inline uint lanes_to_bits(intL mask) {
-#if LANES == 16 && defined(__AVX512DQ__)
+#if LANES == 1
+    return mask != 0;
+#elif LANES == 16 && defined(__AVX512DQ__)
     return (uint)(ushort)__builtin_ia32_cvtd2mask512(mask);
 #elif LANES == 8 && defined(__AVX__)
     return (uint)__builtin_ia32_movmskps256(as_float8(mask));
@@ -44,6 +54,9 @@ inline uint lanes_to_bits(intL mask) {
 }
 
 inline float greatest_lane(floatL values) {
+#if LANES == 1
+    return values;
+#else
 #if LANES == 16
     const float8 eight = GREATER(values.lo, values.hi);
 #else
@@ -52,16 +65,7 @@ inline float greatest_lane(floatL values) {
     const float4 four = GREATER(eight.lo, eight.hi);
     const float2 two = GREATER(four.lo, four.hi);
     return GREATER(two.x, two.y);
-}
-
-// Appends to `chosen` the items whose mask has the bit, in order; returns how many.
-inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit, __global uint* chosen) {
-    uint n = 0;
-    for (uint i = 0; i < count; ++i) {
-        chosen[n] = items[i];
-        n += (uint)(masks[i] >> bit) & 1u;
-    }
-    return n;
+#endif
 }
 
 #endif

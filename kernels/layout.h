@@ -11,6 +11,9 @@
 #define CLSDF_COARSE 32
 #define CLSDF_BRICKS_PER_COARSE 4
 
+// The nearest triangle of a sample beyond the band.
+#define CLSDF_NO_TRIANGLE 0xFFFFFFFFu
+
 // What the counting variant of the kernels adds up: a set of counters for each work-item.
 #define CLSDF_COUNT_BRICK_PAIRS 0
 #define CLSDF_COUNT_LANES 1

@@ -26,7 +26,7 @@ Programs::Programs(device::Context& context) {
 }
 
 cl::Program Programs::bricks(device::Context& context, bool with_triangle, bool count) const {
-    return context.program("bricks.cl",
+    return context.program("bricks_by_vector.cl",
                            build_options(context) + (with_triangle ? " -DNEAREST" : "") + (count ? " -DCOUNT" : ""));
 }
 

@@ -6,7 +6,6 @@ string(REPEAT "${CMAKE_CURRENT_LIST_DIR}/treacherous.txt;" 256 copies)
 execute_process(COMMAND ${CMAKE_COMMAND} -E cat ${copies} OUTPUT_FILE ${treacherous} COMMAND_ERROR_IS_FATAL ANY)
 clsdf_test(embedding ${CMAKE_CURRENT_LIST_DIR}/embedding.cpp)
 clsdf_embed_kernels(test_embedding ${treacherous} ${CMAKE_CURRENT_LIST_DIR}/empty.h)
-target_include_directories(test_embedding BEFORE PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/embedded/test_embedding)
 target_compile_definitions(test_embedding PRIVATE TREACHEROUS="${treacherous}")
 
 # Nothing of the library proper is compiled with a header of CGAL that is under the GPL.

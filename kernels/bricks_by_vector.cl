@@ -5,22 +5,15 @@
 //   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
 //   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
 //
-// Distance. The altitude on its longest edge divides a triangle in two right-angled halves; the nearest point of the triangle
-// lies in the half on the sample's side of the altitude. There, with the coordinates of polyhedron.h:
-//   below the base (Y < 0):  distance^2 = max(X - base, 0)^2 + Y^2 + Z^2
-//   else:                    distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
-// where r is the distance outward from the slanted edge and t the position along it. Every value is an offset at the brick's
-// centre, formed in double, plus float gradients times at most 3.5 samples.
-//
 // Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; COUNT counts work.
 
 #include "blocks.h"
+#include "distance.h"
 
 #define SUBBLOCK_X (LANES / 4)
 #define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
 #define SUBBLOCKS (512 / LANES)
 #define CHUNK 256
-#define NO_TRIANGLE 0xFFFFFFFFu
 
 #ifdef COUNT
 #define COUNT_ADD(counter, n) counters[counter] += (n)
@@ -33,6 +26,16 @@
 inline float subblock_x(uint b) { return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f; }
 inline float subblock_y(uint b) { return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f; }
 inline float subblock_z(uint b) { return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f; }
+
+// Appends to `chosen` the items whose mask has the bit, in order; returns how many.
+inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit, __global uint* chosen) {
+    uint n = 0;
+    for (uint i = 0; i < count; ++i) {
+        chosen[n] = items[i];
+        n += (uint)(masks[i] >> bit) & 1u;
+    }
+    return n;
+}
 
 inline ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __private const float* caps, float level_slack,
                                float slack_rate) {
@@ -80,27 +83,7 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
         const uint c = chosen[n];
         const Offsets o = offsets[c];
         __global const Polyhedron* p = polyhedra + list[c];
-        const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
-        const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
-        const floatL z = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z));
-        const floatL y = o.y + dy;
-
-        const intL right = o.x + dx >= 0.0f;
-        const floatL away = right ? dx : -dx;
-        const floatL along = right ? (floatL)p->normal_along_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_along_high[CLSDF_HALF_LEFT];
-        const floatL across = right ? (floatL)p->normal_across_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_across_high[CLSDF_HALF_LEFT];
-        const floatL length = right ? (floatL)p->slanted_length_right : (floatL)p->slanted_length_left;
-        const floatL beyond = (right ? (floatL)o.beyond_right : (floatL)o.beyond_left) + away;
-        const floatL r = (right ? (floatL)o.outward_right : (floatL)o.outward_left) + (along * away + across * dy);
-        const floatL t = (right ? (floatL)o.along_right : (floatL)o.along_left) + (along * dy - across * away);
-
-        const floatL past = t - length;
-        const floatL before = LESSER(t, 0.0f);
-        const floatL end = GREATER(past, before);
-        const floatL out = GREATER(r, 0.0f);
-        const floatL corner = GREATER(beyond, 0.0f);
-        const floatL in_plane = y < 0.0f ? corner * corner + y * y : end * end + out * out;
-        const floatL squared = in_plane + z * z;
+        const floatL squared = squared_distance(p, o, i, j, k);
 #ifdef NEAREST
         const uint triangle = p->triangle;
         const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
@@ -181,7 +164,7 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
             const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
             store_row(as_uint8(value), x0, x1, (__global uint*)distance + at + begin.x);
 #ifdef NEAREST
-            store_row(in_band ? vload8(0, nearest + row) : (uint8)NO_TRIANGLE, x0, x1, triangle + at + begin.x);
+            store_row(in_band ? vload8(0, nearest + row) : (uint8)CLSDF_NO_TRIANGLE, x0, x1, triangle + at + begin.x);
 #endif
 #ifdef COUNT
             int in[8];
@@ -206,7 +189,7 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
     for (uint b = 0; b < SUBBLOCKS; ++b) {
         minimum.squared[b] = INFINITY;
 #ifdef NEAREST
-        minimum.triangle[b] = NO_TRIANGLE;
+        minimum.triangle[b] = CLSDF_NO_TRIANGLE;
 #endif
         caps[b] = brick_cap;
     }
