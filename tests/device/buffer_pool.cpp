@@ -54,7 +54,10 @@ BOOST_AUTO_TEST_CASE(a_lease_of_nothing_is_a_buffer_all_the_same) {
 
 BOOST_AUTO_TEST_CASE(a_lease_outlives_its_pool_and_ends_on_another_thread) {
     BufferPool::Lease lease = new_pool()->lease(1000, "test");
+    const cl::Buffer buffer = *lease;
+    const cl_uint held = buffer.getInfo<CL_MEM_REFERENCE_COUNT>();
     std::thread([moved = std::move(lease)]() mutable { BufferPool::Lease last = std::move(moved); }).join();
+    BOOST_TEST(buffer.getInfo<CL_MEM_REFERENCE_COUNT>() < held);
 }
 
 BOOST_AUTO_TEST_CASE(more_than_the_device_allocates_at_once_is_refused_by_name) {

@@ -5,19 +5,29 @@
 #include "device/context.hpp"
 #include "device/kernel_text.hpp"
 
+#include <vector>
+
 using namespace clsdf;
 
 BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
     const Device device = Device::best();
-    const cl::CommandQueue& queue = device.internal().queue();
-    test::check_throws(ErrorCode::device_failure, {"clEnqueueReadBuffer", "CL_INVALID_MEM_OBJECT"}, [&] {
-        device::guarded([&] {
-            float value = 0;
-            queue.enqueueReadBuffer(cl::Buffer(), CL_TRUE, 0, sizeof value, &value);
-        });
+    const device::Context& context = device.internal();
+    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
+    std::vector<char> beyond(128);
+    test::check_throws(ErrorCode::device_failure, {"clEnqueueReadBuffer", "CL_INVALID_VALUE"}, [&] {
+        device::guarded([&] { context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, beyond.size(), beyond.data()); });
     });
-    test::check_throws(ErrorCode::device_failure, {"clEnqueueNDRangeKernel", "CL_INVALID_KERNEL"}, [&] {
-        device::guarded([&] { queue.enqueueNDRangeKernel(cl::Kernel(), cl::NullRange, cl::NDRange(1)); });
+    test::check_throws(ErrorCode::device_failure, {"clCreateKernel", "CL_INVALID_KERNEL_NAME"}, [&] {
+        device::guarded([&] { cl::Kernel(device.internal().program("scan.cl", "-cl-std=CL1.2"), "absent"); });
+    });
+}
+
+BOOST_AUTO_TEST_CASE(memory_of_another_context_is_a_failed_call) {
+    const Device device = Device::best();
+    const cl::Context other(cl::Device(device.id(), true));
+    const cl::Buffer foreign(other, CL_MEM_READ_WRITE, 64);
+    test::check_throws(ErrorCode::device_failure, {"clEnqueueFillBuffer", "CL_INVALID_CONTEXT"}, [&] {
+        device::guarded([&] { device.internal().queue().enqueueFillBuffer(foreign, cl_uint{0}, 0, 64); });
     });
 }
 
@@ -39,8 +49,8 @@ BOOST_AUTO_TEST_CASE(a_kernel_that_does_not_build_is_an_error_with_the_compilers
     // The kernels' vectors have 8 or 16 lanes.
     test::check_throws(
         ErrorCode::device_failure,
-        {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "bricks.cl", "-DLANES=3", device.name(), "floatL"},
-        [&] { device.internal().program("bricks.cl", "-cl-std=CL1.2 -DLANES=3"); });
+        {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "coarse_lists.cl", "-DLANES=3", device.name(), "floatL"},
+        [&] { device.internal().program("coarse_lists.cl", "-cl-std=CL1.2 -DLANES=3"); });
 }
 
 BOOST_AUTO_TEST_CASE(a_kernel_file_that_is_not_there_is_named) {
@@ -48,7 +58,7 @@ BOOST_AUTO_TEST_CASE(a_kernel_file_that_is_not_there_is_named) {
 }
 
 BOOST_AUTO_TEST_CASE(a_kernels_text_holds_each_included_file_once) {
-    const std::string text = device::kernel_text("bricks.cl");
+    const std::string text = device::kernel_text("coarse_lists.cl");
     BOOST_TEST(text.find("#include \"") == std::string::npos);
     const std::size_t first = text.find("typedef struct Polyhedron {");
     BOOST_TEST(first != std::string::npos);
