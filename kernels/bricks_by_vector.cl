@@ -157,8 +157,7 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
             const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
             const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
             const int8 in_band = square <= limit;
-            const float8 root = sqrt(square);
-            const float8 length = LESSER(root * layout.voxel_high + root * layout.voxel_low, fabs(fill));
+            const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
             const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
             const size_t at = ((size_t)z * size.y + y) * size.x;
             const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
