@@ -4,6 +4,6 @@ function(clsdf_transform_test name)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::reference)
 endfunction()
 
-foreach(name counterexamples shapes bands grids)
+foreach(name counterexamples shapes bands grids accuracy)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
