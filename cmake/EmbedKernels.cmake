@@ -1,14 +1,16 @@
-# clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, declared in
-# "kernel_sources.hpp" as clsdf::kernels::<name without ending>; nothing is looked for at run time.
+# clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, so that nothing is looked
+# for at run time: clsdf::kernels::files in "kernel_sources.hpp", a table of file names and texts.
 set(CLSDF_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels_script.cmake)
 
 function(clsdf_embed_kernels target)
-  set(output ${CMAKE_CURRENT_BINARY_DIR}/kernel_sources.hpp)
+  set(directory ${CMAKE_CURRENT_BINARY_DIR}/embedded/${target})
+  set(output ${directory}/kernel_sources.hpp)
   add_custom_command(
     OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} "-DINPUTS=${ARGN}" -DOUTPUT=${output} -P ${CLSDF_EMBED_SCRIPT}
     DEPENDS ${ARGN} ${CLSDF_EMBED_SCRIPT}
+    COMMENT "Embedding the kernels"
     VERBATIM)
   target_sources(${target} PRIVATE ${output})
-  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
+  target_include_directories(${target} BEFORE PRIVATE ${directory})
 endfunction()

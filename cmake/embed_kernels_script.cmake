@@ -1,18 +1,36 @@
-# Run by clsdf_embed_kernels: INPUTS (a list of files) -> OUTPUT (a header of raw string literals).
-# A string literal is limited to 65,536 characters by some compilers, so each file is cut into adjacent pieces.
-set(text "#pragma once\n\n// Made from kernels/ by the build.\n\n#include <string_view>\n\nnamespace clsdf::kernels {\n")
+# Run by clsdf_embed_kernels: INPUTS (a list of files) -> OUTPUT (a header with the text of every file).
+#
+# A text is only ever handled as one quoted argument: as a list, CMake would split it at semicolons and join it at
+# brackets. It becomes ordinary literals, one a line: in raw ones GCC 12 alters blanks that follow a backslash.
+cmake_minimum_required(VERSION 3.25)
+
+set(table "")
 foreach(input IN LISTS INPUTS)
-  get_filename_component(name ${input} NAME_WE)
-  file(READ ${input} content)
-  string(LENGTH "${content}" length)
-  string(APPEND text "\ninline constexpr std::string_view ${name} =")
-  set(begin 0)
-  while(begin LESS length)
-    string(SUBSTRING "${content}" ${begin} 12000 piece)
-    string(APPEND text "\nR\"clsdf(${piece})clsdf\"")
-    math(EXPR begin "${begin} + 12000")
-  endwhile()
-  string(APPEND text ";\n")
+  get_filename_component(name "${input}" NAME)
+  file(READ "${input}" text)
+  string(REPLACE "\\" "\\\\" text "${text}")
+  string(REPLACE "\"" "\\\"" text "${text}")
+  string(REPLACE "\r" "\\r" text "${text}")
+  string(REPLACE "\n" "\\n\"\n     \"" text "${text}")
+  string(APPEND table "\n    {\"${name}\",\n     \"${text}\"},\n")
 endforeach()
-string(APPEND text "\n}  // namespace clsdf::kernels\n")
-file(WRITE ${OUTPUT} "${text}")
+
+file(WRITE "${OUTPUT}" "#pragma once
+
+// Made from kernels/ by the build. No warnings: the standard promises literals of 65,536 characters only.
+#pragma GCC system_header
+
+#include <string_view>
+
+namespace clsdf::kernels {
+
+struct File {
+    std::string_view name;
+    std::string_view text;
+};
+
+inline constexpr File files[] = {
+${table}};
+
+}  // namespace clsdf::kernels
+")

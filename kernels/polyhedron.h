@@ -1,7 +1,7 @@
 // One definition for the host and the kernels: the polyhedron of a triangle (or of a point site) as the device reads
 // it.
 //
-// Lengths are in voxels (the smallest spacing), in the metric frame. The frame of a triangle has its origin at the foot
+// Lengths are in units, in the metric frame; the unit is the greatest power of two (of the mesh's units) not above the voxel. The frame of a triangle has its origin at the foot
 // of the altitude on the longest edge:
 //   X along the longest edge, the triangle's base; its ends lie at X = -base[left] and X = +base[right];
 //   Y in the plane, from the base to the apex; the apex lies at (0, altitude);
@@ -11,7 +11,7 @@
 //
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
-// where the gradients contain the ratio of the axis' spacing to the voxel. Each number is the sum of a float `high` and
+// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and
 // a float `low` (48 bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no
 // double.
 //
@@ -79,6 +79,7 @@ typedef struct Polyhedron {
     // block's width in that direction.
     float reach_cube[5];   // of a cube, per sample of half its side: |g_x| + |g_y| + |g_z|
     float reach_4x2x2[5];  // of 4 x 2 x 2 samples: 1.5 |g_x| + 0.5 |g_y| + 0.5 |g_z|
+    float unused[4];       // a record fills four cache lines
 } Polyhedron;
 
 #ifndef __OPENCL_VERSION__

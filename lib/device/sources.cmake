@@ -1,1 +1,7 @@
-target_sources(clsdf PRIVATE)
+target_sources(
+  clsdf
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/buffer_pool.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/context.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/device.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/kernel_text.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/opencl.cpp)

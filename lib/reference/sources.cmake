@@ -1,1 +1,26 @@
-# The reference uses GPL parts of CGAL (the AABB tree), so it is a library of its own.
+# The reference uses GPL parts of CGAL (the AABB tree), so it is a library of its own. Nothing of polyhedra/, transform/
+# or kernels/ is on its include path by intent: it must not share a mistake with what it judges.
+add_library(clsdf_reference)
+add_library(clsdf::reference ALIAS clsdf_reference)
+set_target_properties(clsdf_reference PROPERTIES EXPORT_NAME reference)
+target_sources(
+  clsdf_reference
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/triangle_frame.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/nearest.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/triangle_tree.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/exact_line.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/ray_counter.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/oracle.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/true_samples.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sample_choice.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/judge.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/check.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp)
+target_include_directories(clsdf_reference PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+# Without contraction the same triangle gives the same bits wherever it is evaluated, on every processor.
+target_compile_options(clsdf_reference PRIVATE -ffp-contract=off)
+target_link_libraries(
+  clsdf_reference
+  PUBLIC clsdf::clsdf
+  PRIVATE TBB::tbb fmt::fmt $<BUILD_INTERFACE:CGAL::CGAL> $<BUILD_INTERFACE:clsdf_warnings> $<INSTALL_INTERFACE:mpfr>
+          $<INSTALL_INTERFACE:gmp>)

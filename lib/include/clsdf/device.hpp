@@ -32,6 +32,7 @@ public:
 
     /// For the library's own stages.
     device::Context& internal() const { return *context_; }
+    const std::shared_ptr<device::Context>& shared() const { return context_; }
 
 private:
     explicit Device(std::shared_ptr<device::Context> context) : context_(std::move(context)) {}

@@ -20,12 +20,21 @@ struct Outputs {
     bool triangle = false;  ///< the nearest triangle of every sample in the band
 };
 
+/// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
+enum class KernelBody {
+    automatic,  ///< by_vector on processors, by_group elsewhere
+    by_vector,  ///< a work-item computes vectors of samples, one after the other: for processors
+    by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
+};
+
 /// Callbacks, and how the sign is decided.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
+    KernelBody body = KernelBody::automatic;
     std::function<void(double fraction)> progress;        ///< called between launches, from the calling thread
     std::function<void(const std::string& message)> log;  ///< warnings, e.g. that a mesh is open
     std::stop_token stop;                                 ///< looked at between launches; Error(cancelled)
+    bool count = false;                                   ///< fill the statistics counted on the device; costs time
 };
 
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
@@ -38,7 +47,7 @@ struct TransformStatistics {
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
     std::size_t device_bytes = 0;     ///< buffers on the device, the field excluded
 
-    // Counted on the device where TransformOptions ask for it (clsdf compute --json does): they cost time.
+    // Counted on the device with TransformOptions::count.
     std::size_t brick_pairs = 0;      ///< (polyhedron, brick)
     std::size_t lanes_evaluated = 0;  ///< seven-site distances computed
     std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
@@ -53,6 +62,12 @@ struct TransformStatistics {
 struct DeviceOutputs {
     cl_mem distance = nullptr;  ///< float, the mesh's units
     cl_mem triangle = nullptr;  ///< uint32, or null
+};
+
+/// The caller's own host memory; each span holds grid.sample_count() values, or is empty where not wanted.
+struct HostOutputs {
+    std::span<float> distance;
+    std::span<std::uint32_t> triangle;
 };
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
@@ -98,7 +113,10 @@ public:
     /// The field on the host. Grids whose field exceeds what the device can allocate are computed in slabs.
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {});
 
-    /// Statistics of the last call of operator().
+    /// The same into the caller's memory.
+    void compute(const Grid& grid, const Band& band, const HostOutputs& host);
+
+    /// Statistics of the last computation.
     const TransformStatistics& statistics() const;
 
     /// May block; sizes and fills every buffer. Throws Error(invalid_argument or out_of_memory).

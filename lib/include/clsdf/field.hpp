@@ -17,18 +17,28 @@ inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
 struct Field {
     Grid grid;
     Band band;
-    SignRule sign = SignRule::none;
+    SignRule sign = SignRule::none;  ///< `automatic` where a file of another program does not say
     std::string mesh_name;
 
     std::vector<float> distance;          ///< signed distance in the mesh's units
     std::vector<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
 
-    /// By the file's ending: .nrrd (raw, attached, little endian) or .npy (with a .json beside it). Complete or not at
-    /// all. Throws Error(output_failure), or Error(unsupported) for an unknown ending.
+    /// By the file's ending: .nrrd (raw, attached, little endian) or .npy (C order, shape (nz, ny, nx), with
+    /// FILE.npy.json beside it, which says what .npy cannot). Triangles go to a file of their own, FILE_triangle.nrrd
+    /// or FILE_triangle.npy, which the field's header or sidecar names. Nothing appears under its final name before
+    /// everything has been written; the distances appear last.
+    /// Throws Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) where the
+    /// arrays do not fit the grid.
     void write(const std::string& path) const;
 
-    /// Reads what write() wrote, and such files of other programs where they say enough. Throws
-    /// Error(unreadable_input).
+    /// Throws what write() would throw for the ending or for a folder that is missing or write-protected, so that
+    /// nothing is computed in vain. Leaves nothing behind.
+    static void check_output(const std::string& path);
+
+    /// Reads what write() wrote, with the very same grid, and such files of other programs where they say enough:
+    /// float or double of either byte order, raw, on a grid parallel to the axes. What they do not state is a band
+    /// without end and the sign rule `automatic`. `triangle` is empty where its file is not there.
+    /// Throws Error(unreadable_input) that names the file, the field and the value, or Error(out_of_memory).
     static Field read(const std::string& path);
 };
 

@@ -4,8 +4,11 @@
 #include <clsdf/mesh.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -22,19 +25,38 @@ struct Nearest {
     Vec3 point{};            ///< the closest point of the mesh
 };
 
-/// Distance from a point to a closed triangle in double precision, right on slivers and on degenerate triangles.
+/// Distance from a point to a closed triangle in double precision, right on slivers and on degenerate triangles; its
+/// error is a few units of rounding of the farthest vertex's distance from the point. Sites are decided within that
+/// rounding, in favour of the vertex, then the edge. `triangle` of the result is 0.
 Nearest nearest_on_triangle(const Vec3& query, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// Every triangle looked at, in order.
 Nearest nearest_by_brute_force(const Mesh& mesh, const Vec3& query);
 
-/// Distances by CGAL's AABB tree, signs by exact orientation predicates on the coordinates as given.
+/// What a ray crosses on its way.
+struct RayCount {
+    int winding = 0;    ///< triangles left through their front, less those entered: the winding number of a closed mesh
+    int crossings = 0;  ///< all of them
+};
+
+/// Distances by CGAL's AABB tree, equal to those by brute force to the last bit; signs by exact orientation predicates
+/// on the coordinates as given. Rays run along +x. A ray through an edge or a vertex is decided as if it were moved by
+/// (e, e^2) in (y, z) for an arbitrarily small e: a closed surface is crossed consistently, and triangles that have no
+/// area seen along x, faces with repeated vertices among them, are not crossed at all.
+/// Constant functions may be called from several threads at once.
 class Oracle {
 public:
+    /// Keeps a copy of the mesh.
     explicit Oracle(const Mesh& mesh);
+    Oracle(Oracle&&) noexcept;
+    Oracle& operator=(Oracle&&) noexcept;
     ~Oracle();
 
+    /// Throws Error(invalid_argument) where a coordinate is not finite, as do the others.
     Nearest nearest(const Vec3& query) const;
+
+    /// The same where the distance is at most `bound`, and quicker; else nothing.
+    std::optional<Nearest> nearest_within(const Vec3& query, double bound) const;
 
     /// The winding number of the surface around the point; nullopt where the point lies on the surface.
     std::optional<int> winding_number(const Vec3& query) const;
@@ -42,23 +64,33 @@ public:
     /// Number of triangles a ray crosses; nullopt where the point lies on the surface.
     std::optional<int> crossings(const Vec3& query) const;
 
+    /// Both for a whole row of points (x[i], y, z), x ascending: thousands of points cost little more than one.
+    std::vector<std::optional<RayCount>> count_along_row(std::span<const double> x, double y, double z) const;
+
 private:
     struct State;
     std::unique_ptr<State> state_;
 };
 
+/// The field as it should be, distance and triangle, computed plainly. Its sign is that of the exact winding number (or
+/// parity) at the double nearest to the sample; a sample on the surface carries +0. Throws what resolve_sign_rule() and
+/// the validation of grid and band throw.
+Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign = SignRule::automatic);
+
 struct CheckOptions {
-    std::size_t samples = 20000;  ///< 0: every sample of the grid
+    std::size_t samples = 20000;  ///< 0, or not fewer than the grid has: every sample of the grid
     std::uint64_t seed = 1;
     double tolerance_voxels = 1e-5;  ///< an error is within the contract up to max(this, tolerance_ulp ulp)
     double tolerance_ulp = 2;
-    double sign_margin_voxels = 1e-6;  ///< nearer the surface than this, the sign is not judged
+    double sign_margin_voxels = 1e-6;                 ///< nearer the surface than this, the sign is not judged
+    std::function<void(double fraction)> progress{};  ///< one call at a time, from any thread
+    std::stop_token stop{};                           ///< Error(cancelled)
 };
 
 /// A field held against the reference.
 struct CheckReport {
     struct Finding {
-        Index3 sample{};
+        Index3 sample{};  ///< counted from the field's first one
         double expected = 0;
         double found = 0;
         std::string what;
@@ -79,8 +111,12 @@ struct CheckReport {
     bool passed() const { return wrong_values + wrong_signs + missed + leaked + wrong_triangles == 0; }
 };
 
-/// Half of the samples are drawn uniformly, half near the band's limits, edges and vertices; the result does not depend
-/// on the number of threads.
+/// Holds a field against the band's contract. Half of the samples are drawn uniformly, half near the band's limits,
+/// edges and vertices. A sample whose true distance is within the tolerance of a limit may carry its distance or the
+/// fill value. A sample counts once in each way in which it is wrong; the result does not depend on the number of
+/// threads. Positions and distances are formed beyond double precision where the grid is far from the origin.
+/// Throws Error(invalid_argument) where an array of the field does not fit its grid, Error(invalid_mesh) where the mesh
+/// cannot honour the field's sign rule, Error(cancelled).
 CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options = {});
 
 }  // namespace clsdf::reference

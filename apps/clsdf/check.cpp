@@ -1,0 +1,123 @@
+#include "command.hpp"
+#include "output.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/reference.hpp>
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+
+namespace {
+
+using clsdf::reference::CheckReport;
+using nlohmann::ordered_json;
+
+struct Options {
+    std::string mesh;
+    std::string field;
+    clsdf::reference::CheckOptions check;
+    bool complete = false;
+    bool json = false;
+};
+
+ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
+    ordered_json findings = ordered_json::array();
+    for (const CheckReport::Finding& finding : report.findings) {
+        const auto& [i, j, k] = finding.sample;
+        findings.push_back({{"what", finding.what},
+                            {"sample", finding.sample},
+                            {"position", grid.position(i, j, k)},
+                            {"expected", finding.expected},
+                            {"found", finding.found}});
+    }
+    return {{"passed", report.passed()},
+            {"samples", report.samples},
+            {"band_samples", report.band_samples},
+            {"wrong_values", report.wrong_values},
+            {"wrong_signs", report.wrong_signs},
+            {"missed", report.missed},
+            {"leaked", report.leaked},
+            {"wrong_triangles", report.wrong_triangles},
+            {"max_error_voxels", report.max_error_voxels},
+            {"max_error_ulp", report.max_error_ulp},
+            {"rms_error_voxels", report.rms_error_voxels},
+            {"findings", findings}};
+}
+
+void print_human(const CheckReport& report, const clsdf::Field& field, double seconds) {
+    fmt::print(stderr, "grid      {}\nband      {}\nsign      {}\n", human(field.grid),
+               human(field.band, field.grid.voxel()), name_of(field.sign));
+    fmt::print(stderr, "looked at {} samples, {} of them in the band, in {:.2f} s\n", report.samples,
+               report.band_samples, seconds);
+    fmt::print(stderr, "error     at most {:.3g} voxels and {:.3g} ulp, {:.3g} voxels in the root mean square\n",
+               report.max_error_voxels, report.max_error_ulp, report.rms_error_voxels);
+    fmt::print(stderr, "found     {} wrong values, {} wrong signs, {} missed, {} leaked{}\n", report.wrong_values,
+               report.wrong_signs, report.missed, report.leaked,
+               field.triangle.empty() ? "" : fmt::format(", {} wrong triangles", report.wrong_triangles));
+    for (const CheckReport::Finding& finding : report.findings) {
+        const auto& [i, j, k] = finding.sample;
+        const clsdf::Vec3 position = field.grid.position(i, j, k);
+        fmt::print(stderr, "  {} at sample ({}, {}, {}), position ({:.9g}, {:.9g}, {:.9g}): {:.9g} instead of {:.9g}\n",
+                   finding.what, i, j, k, position[0], position[1], position[2], finding.found, finding.expected);
+    }
+    fmt::print(stderr, "{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
+}
+
+ExitStatus run(const Options& options) {
+    const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
+    clsdf::Field field = clsdf::Field::read(options.field);
+    if (field.sign == clsdf::SignRule::automatic)
+        field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
+
+    clsdf::reference::CheckOptions check_options = options.check;
+    if (options.complete) check_options.samples = 0;
+    const auto start = std::chrono::steady_clock::now();
+    const CheckReport report = clsdf::reference::check(mesh, field, check_options);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+
+    print_human(report, field, seconds.count());
+    if (options.json) {
+        ordered_json result{{"mesh", options.mesh},
+                            {"field", options.field},
+                            {"grid", describe(field.grid)},
+                            {"band", describe(field.band)},
+                            {"sign", name_of(field.sign)},
+                            {"seed", check_options.seed},
+                            {"tolerance_voxels", check_options.tolerance_voxels},
+                            {"seconds", seconds.count()}};
+        result.update(describe_report(report, field.grid));
+        print_result(result);
+    }
+    return report.passed() ? ExitStatus::done : ExitStatus::check_failed;
+}
+
+}  // namespace
+
+Command add_check(CLI::App& program) {
+    const auto options = std::make_shared<Options>();
+    CLI::App* parser = program.add_subcommand("check", "Hold a field against the reference, in double precision");
+    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
+    parser->add_option("FIELD", options->field, "its field: .nrrd or .npy")->required();
+    auto* samples =
+        parser->add_option("--samples", options->check.samples, "samples to look at, half of them where it is hard")
+            ->check(CLI::PositiveNumber)
+            ->capture_default_str();
+    parser->add_flag("--complete", options->complete, "look at every sample")->excludes(samples);
+    parser->add_option("--seed", options->check.seed, "of the random choice of samples")->capture_default_str();
+    parser
+        ->add_option("--tolerance-voxels", options->check.tolerance_voxels,
+                     "an error up to this, or up to 2 ulp, keeps the contract")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    parser->add_flag("--json", options->json, "print the result as JSON on standard output");
+    parser->footer(
+        "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
+        "the exit status is 1 where there is one.\n\n"
+        "Examples:\n"
+        "  clsdf check bunny.off bunny.nrrd\n"
+        "  clsdf check bunny.off bunny.nrrd --samples 1000000 --seed 7\n"
+        "  clsdf check bunny.off bunny.nrrd --complete --json > report.json");
+    return {parser, [options] { return run(*options); }};
+}

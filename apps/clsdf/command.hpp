@@ -1,0 +1,17 @@
+#pragma once
+
+#include "exit_status.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+
+/// A subcommand: how it is parsed, and what it does after that. run() throws clsdf::Error.
+struct Command {
+    CLI::App* parser;
+    std::function<ExitStatus()> run;
+};
+
+Command add_compute(CLI::App& program);
+Command add_check(CLI::App& program);
+Command add_shape(CLI::App& program);

@@ -1,0 +1,162 @@
+#include "compute_options.hpp"
+
+#include "exit_status.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+using clsdf::Band;
+using clsdf::Box;
+using clsdf::Error;
+using clsdf::ErrorCode;
+using clsdf::Grid;
+using clsdf::Index3;
+using clsdf::Length;
+using clsdf::Vec3;
+
+namespace {
+
+// "1,2,3" -> three numbers; nothing where it is anything else.
+template <class Number>
+std::optional<std::vector<Number>> parse_list(const std::string& text) {
+    std::vector<Number> numbers;
+    const char* position = text.data();
+    const char* const end = text.data() + text.size();
+    while (true) {
+        Number number{};
+        const auto [stop, error] = std::from_chars(position, end, number);
+        if (error != std::errc()) return std::nullopt;
+        numbers.push_back(number);
+        if (stop == end) return numbers;
+        if (*stop != ',') return std::nullopt;
+        position = stop + 1;
+    }
+}
+
+template <class Number>
+std::array<Number, 3> parse_triple(const std::string& option, const std::string& text, const std::string& expected,
+                                   bool one_for_all) {
+    const auto numbers = parse_list<Number>(text);
+    if (numbers && numbers->size() == 3) return {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
+    if (numbers && numbers->size() == 1 && one_for_all) return {(*numbers)[0], (*numbers)[0], (*numbers)[0]};
+    throw Error(ErrorCode::invalid_argument, fmt::format("{} \"{}\": expected {}", option, text, expected));
+}
+
+Length parse_length(const std::string& option, const std::string& text) {
+    try {
+        return Length::parse(text);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("{}: {}", option, error.what()));
+    }
+}
+
+Grid parse_stated_grid(const ComputeOptions& options) {
+    if (options.size.empty() || options.origin.empty() || options.spacing.empty())
+        throw Error(
+            ErrorCode::invalid_argument,
+            "a grid stated in full needs --size, --origin and --spacing; without --size and --origin it is laid "
+            "around the mesh");
+    Grid grid;
+    grid.size = parse_triple<std::int64_t>("--size", options.size, "three whole numbers, as 256,256,128", true);
+    grid.origin = parse_triple<double>("--origin", options.origin, "three numbers, as -1,-1,0", false);
+    grid.spacing = parse_triple<double>("--spacing", options.spacing, "one number or three, as 0.01 or 1,1,0.5", true);
+    if (options.cell_centred) grid = grid.cell_centred();
+    grid.validate();
+    return grid;
+}
+
+clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
+    clsdf::Outputs outputs;
+    for (const std::string& name : names) {
+        if (name != "triangle")
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("--with {}: the outputs beside the distance are: triangle", name));
+        outputs.triangle = true;
+    }
+    return outputs;
+}
+
+}  // namespace
+
+void add_options(CLI::App& parser, ComputeOptions& options) {
+    parser.add_option("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply")->required();
+    parser.add_option("-o,--output", options.output, "the field: .nrrd, or .npy (with a .json beside it)")
+        ->type_name("FILE");
+
+    CLI::Option* resolution =
+        parser.add_option("--resolution", options.resolution, "samples on the longest side, margin included")
+            ->capture_default_str();
+    CLI::Option* spacing =
+        parser.add_option("--spacing", options.spacing, "distance of the samples, for all axes or each")
+            ->type_name("H[,H,H]");
+    spacing->excludes(resolution);
+    CLI::Option* size =
+        parser.add_option("--size", options.size, "samples of a grid stated in full")->type_name("NX,NY,NZ");
+    size->excludes(resolution);
+    parser.add_option("--origin", options.origin, "its first sample")->type_name("X,Y,Z");
+    parser.add_option("--margin", options.margin, "room around the mesh [the band's outside half width]")
+        ->type_name("LENGTH")
+        ->excludes(size);
+    parser.add_flag("--cubic", options.cubic, "as many samples on every axis")->excludes(size);
+    parser.add_flag("--cell-centred", options.cell_centred, "samples at the centres of cells: half a voxel further");
+
+    parser.add_option("--band", options.band, "half width of the band on both sides")
+        ->type_name("LENGTH")
+        ->capture_default_str();
+    parser.add_option("--band-inside", options.band_inside, "half width inside [--band]")->type_name("LENGTH");
+    parser.add_option("--band-outside", options.band_outside, "half width outside [--band]")->type_name("LENGTH");
+    parser.add_option("--sign", options.sign, "what is inside: auto, nonzero, parity, or none for no sign")
+        ->type_name("RULE")
+        ->capture_default_str();
+    parser.add_option("--with", options.with, "beside the distance: triangle (the nearest one's index)")
+        ->type_name("OUTPUT,...")
+        ->delimiter(',');
+
+    parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
+    parser.add_flag("--json", options.json, "print the result as JSON on standard output");
+    parser.add_flag("--quiet", options.quiet, "print warnings and errors only");
+    parser.footer(
+        std::string(
+            "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or full\n"
+            "(no end). Samples beyond the band carry its half width, with the sign.\n\n"
+            "Examples:\n"
+            "  clsdf compute bunny.off -o bunny.nrrd\n"
+            "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
+            "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
+            "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02 --band full\n"
+            "  clsdf compute bunny.off --resolution 2048 --dry-run\n\n") +
+        exit_status_help());
+}
+
+ComputeRequest::ComputeRequest(const ComputeOptions& options)
+    : band_inside(options.band_inside.empty() ? parse_length("--band", options.band)
+                                              : parse_length("--band-inside", options.band_inside)),
+      band_outside(options.band_outside.empty() ? parse_length("--band", options.band)
+                                                : parse_length("--band-outside", options.band_outside)),
+      sign(clsdf::parse_sign_rule(options.sign)),
+      outputs(parse_outputs(options.with)) {
+    if (!options.size.empty() || !options.origin.empty()) {
+        stated_grid = parse_stated_grid(options);
+        return;
+    }
+    grid.resolution = options.resolution;
+    grid.cubic = options.cubic;
+    grid.cell_centred = options.cell_centred;
+    if (!options.spacing.empty())
+        grid.spacing =
+            parse_triple<double>("--spacing", options.spacing, "one number or three, as 0.01 or 1,1,0.5", true);
+    if (!options.margin.empty())
+        grid.margin = parse_length("--margin", options.margin);
+    else if (!band_outside.is_infinite())
+        grid.margin = band_outside;
+}
+
+Grid ComputeRequest::grid_around(const Box& box) const {
+    return stated_grid ? *stated_grid : Grid::around(box, grid);
+}
+
+Band ComputeRequest::band_on(const Grid& samples, const Box& box) const {
+    const double extent = box.longest_side();
+    return {band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
+}

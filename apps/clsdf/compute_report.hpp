@@ -1,0 +1,43 @@
+#pragma once
+
+#include <clsdf/clsdf.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+/// What "clsdf compute" is to compute.
+struct ComputeLayout {
+    const clsdf::Mesh& mesh;
+    std::string mesh_file;
+    clsdf::Grid grid;
+    clsdf::Band band;
+    clsdf::SignRule sign;
+    clsdf::Outputs outputs;
+    std::vector<std::string> warnings;
+};
+
+/// What it did.
+struct Computation {
+    std::string device_name;
+    std::string device_platform;
+    clsdf::TransformStatistics statistics;
+    std::size_t band_samples = 0;
+    double read_seconds = 0;
+    double setup_seconds = 0;  ///< the device, its context, the program
+    double compute_seconds = 0;
+    double write_seconds = 0;
+    std::string output;
+};
+
+/// Samples that differ from what is beyond the band.
+std::size_t count_band_samples(const clsdf::Field& field);
+
+/// To standard error.
+void print_layout(const ComputeLayout& layout);
+void print_memory(const ComputeLayout& layout);
+void print_outcome(const ComputeLayout& layout, const Computation& computation);
+
+nlohmann::ordered_json describe_dry_run(const ComputeLayout& layout);
+nlohmann::ordered_json describe(const ComputeLayout& layout, const Computation& computation);

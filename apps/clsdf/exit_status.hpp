@@ -1,0 +1,19 @@
+#pragma once
+
+#include <clsdf/error.hpp>
+
+/// What the command tells the shell.
+enum class ExitStatus {
+    done = 0,
+    check_failed = 1,
+    usage = 2,          ///< also what is unsupported
+    invalid_input = 3,  ///< a mesh or field that is unreadable or invalid
+    device = 4,         ///< no device, a failing one, or too little memory
+    output = 5,
+    cancelled = 6,
+};
+
+ExitStatus status_of(clsdf::ErrorCode code);
+
+/// One paragraph for the help page.
+const char* exit_status_help();

@@ -1,0 +1,89 @@
+#include "command.hpp"
+#include "interruption.hpp"
+#include "suggestion.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/version.hpp>
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <new>
+
+namespace {
+
+std::vector<std::string> known_words(const CLI::App& parser) {
+    std::vector<std::string> words;
+    for (const CLI::App* subcommand : parser.get_subcommands([](const CLI::App*) { return true; }))
+        words.push_back(subcommand->get_name());
+    for (const CLI::Option* option : parser.get_options())
+        for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+    return words;
+}
+
+// The first word that no option and no subcommand took, and what was probably meant by it.
+std::string explain_unknown_word(const CLI::App& program) {
+    const auto chosen = program.get_subcommands();
+    const CLI::App& parser = chosen.empty() ? program : *chosen.front();
+    for (const std::string& argument : parser.remaining()) {
+        const std::string word = argument.substr(0, argument.find('='));
+        const std::string meant = nearest_word(word, known_words(parser));
+        const char* what = word.starts_with('-') ? "option" : chosen.empty() ? "subcommand" : "argument";
+        return fmt::format("unknown {} {}{}", what, word,
+                           meant.empty() ? "" : fmt::format("; did you mean {}?", meant));
+    }
+    return {};
+}
+
+ExitStatus explain(const CLI::App& program, const CLI::ParseError& error) {
+    const auto chosen = program.get_subcommands();
+    const std::string unknown = explain_unknown_word(program);
+    fmt::print(stderr, "clsdf: {}\n", unknown.empty() ? error.what() : unknown);
+    fmt::print(stderr, "\"clsdf {}--help\" lists what there is.\n",
+               chosen.empty() ? "" : chosen.front()->get_name() + ' ');
+    return ExitStatus::usage;
+}
+
+ExitStatus run(int argument_count, char** arguments) {
+    CLI::App program("Exact signed distance fields of triangle meshes on regular grids, with OpenCL.", "clsdf");
+    program.set_version_flag("--version", "clsdf " + clsdf::version());
+    program.require_subcommand(1);
+    program.footer(std::string("\"clsdf SUBCOMMAND --help\" has the options and examples of each.\n\n"
+                               "Examples:\n"
+                               "  clsdf compute bunny.off -o bunny.nrrd\n"
+                               "  clsdf check bunny.off bunny.nrrd\n"
+                               "  clsdf shape sphere6 -o sphere6.off\n\n") +
+                   exit_status_help());
+    const std::vector<Command> commands{add_compute(program), add_check(program), add_shape(program)};
+    for (const Command& command : commands) command.parser->get_formatter()->column_width(34);
+
+    try {
+        program.parse(argument_count, arguments);
+    } catch (const CLI::Success& request) {  // --help or --version
+        program.exit(request);
+        return ExitStatus::done;
+    } catch (const CLI::ParseError& error) {
+        return explain(program, error);
+    }
+    for (const Command& command : commands)
+        if (command.parser->parsed()) return command.run();
+    return ExitStatus::usage;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+    end_when_interrupted();
+    ExitStatus status = ExitStatus::device;
+    try {
+        status = run(argument_count, arguments);
+    } catch (const clsdf::Error& error) {
+        fmt::print(stderr, "clsdf: {}\n", error.what());
+        status = status_of(error.code());
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "clsdf: the memory is too small for this; choose a coarser grid\n");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "clsdf: internal error: {}\n", error.what());
+    }
+    return static_cast<int>(status);
+}

@@ -1,0 +1,31 @@
+# What the library is built with. An absent package is named as Debian names it.
+#
+# clsdf_require(<package> <Debian package> [<argument of find_package>...])
+macro(clsdf_require package debian_package)
+  find_package(${package} QUIET ${ARGN})
+  if(NOT ${package}_FOUND)
+    message(FATAL_ERROR "clsdf needs ${package}, which CMake did not find.\n"
+                        "On Debian and its kin: apt-get install ${debian_package} "
+                        "(scripts/setup installs everything).")
+  endif()
+endmacro()
+
+# A project that adds this one as a subdirectory links what clsdf::clsdf links, so it must see these targets.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL TRUE)
+set(CGAL_DO_NOT_WARN_ABOUT_CMAKE_BUILD_TYPE TRUE)
+
+# CONFIG: CGAL brings find modules of its own for Eigen and TBB, which define other targets.
+clsdf_require(CGAL libcgal-dev CONFIG)
+clsdf_require(Eigen3 libeigen3-dev CONFIG)
+clsdf_require(TBB libtbb-dev CONFIG)
+clsdf_require(fmt libfmt-dev CONFIG)
+clsdf_require(nlohmann_json nlohmann-json3-dev CONFIG)
+clsdf_require(OpenCL ocl-icd-opencl-dev)
+
+find_path(CLSDF_OPENCL_CXX_BINDING CL/opencl.hpp HINTS ${OpenCL_INCLUDE_DIRS})
+mark_as_advanced(CLSDF_OPENCL_CXX_BINDING)
+if(NOT CLSDF_OPENCL_CXX_BINDING)
+  message(FATAL_ERROR "clsdf needs OpenCL's C++ binding (CL/opencl.hpp), which CMake did not find.\n"
+                      "On Debian and its kin: apt-get install opencl-clhpp-headers "
+                      "(scripts/setup installs everything).")
+endif()

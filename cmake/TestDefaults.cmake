@@ -1,0 +1,18 @@
+# clsdf_test_defaults(): at the end of a directory that adds tests. Every test gets a time limit, and an environment in
+# which nothing of the user's decides the outcome.
+function(clsdf_test_defaults)
+  get_property(tests DIRECTORY PROPERTY TESTS)
+  foreach(test IN LISTS tests)
+    get_test_property(${test} TIMEOUT timeout)
+    if(NOT timeout)
+      set_tests_properties(${test} PROPERTIES TIMEOUT $<IF:$<BOOL:${CLSDF_SANITIZE}>,900,300>)
+    endif()
+    set_property(
+      TEST ${test}
+      APPEND
+      PROPERTY ENVIRONMENT
+               "POCL_CACHE_DIR=${PROJECT_BINARY_DIR}/pocl-cache"
+               "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt:print_suppressions=0"
+               "UBSAN_OPTIONS=print_stacktrace=1")
+  endforeach()
+endfunction()

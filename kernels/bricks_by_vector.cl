@@ -1,0 +1,329 @@
+// The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest first,
+// and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
+//
+//   coarse brick: an upper bound of the distance for each of its bricks (cap); a mask of touched bricks per polyhedron;
+//   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
+//   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
+//
+// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; COUNT counts work.
+
+#include "blocks.h"
+#include "distance.h"
+
+#define SUBBLOCK_X (LANES / 4)
+#define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
+#define SUBBLOCKS (512 / LANES)
+#define CHUNK 256
+
+#ifdef COUNT
+#define COUNT_ADD(counter, n) counters[counter] += (n)
+#else
+#define COUNT_ADD(counter, n)
+#endif
+
+// Sub-blocks are SUBBLOCK_X x 2 x 2 samples; number b of a brick lies at (b % SUBBLOCKS_X, b / SUBBLOCKS_X % 4, ...).
+// Offsets of its first sample from the brick's centre:
+inline float subblock_x(uint b) { return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f; }
+inline float subblock_y(uint b) { return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f; }
+inline float subblock_z(uint b) { return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f; }
+
+// Appends to `chosen` the items whose mask has the bit, in order; returns how many.
+inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit, __global uint* chosen) {
+    uint n = 0;
+    for (uint i = 0; i < count; ++i) {
+        chosen[n] = items[i];
+        n += (uint)(masks[i] >> bit) & 1u;
+    }
+    return n;
+}
+
+inline ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __private const float* caps, float level_slack,
+                               float slack_rate) {
+#if LANES == 16
+    const Reach reach = reach_of(p->reach_4x2x2, 1.0f);
+#else
+    const Reach reach = reach_of(p->reach_cube, 0.5f);
+#endif
+    ulong touched = 0;
+    for (uint first = 0; first < SUBBLOCKS; first += LANES) {
+        const uintL b = LANE_NUMBERS + first;
+        const floatL i = convert_floatL(b & (SUBBLOCKS_X - 1)) * SUBBLOCK_X + (0.5f * (SUBBLOCK_X - 1) - 3.5f);
+        const floatL j = convert_floatL((b / SUBBLOCKS_X) & 3u) * 2.0f - 3.0f;
+        const floatL k = convert_floatL(b / (SUBBLOCKS_X * 4)) * 2.0f - 3.0f;
+        const floatL cap = load_lanes(0, caps + first);
+        touched |= (ulong)touched_blocks(p, o, i, j, k, reach, cap, cap * slack_rate + level_slack) << first;
+    }
+    return touched;
+}
+
+// The state of a brick's samples, a vector per sub-block.
+typedef struct Minimum {
+    floatL squared[SUBBLOCKS];
+#ifdef NEAREST
+    uintL triangle[SUBBLOCKS];
+#endif
+} Minimum;
+
+// The distance from the samples of sub-block b to the triangles of a list, into the minimum.
+inline void evaluate(uint b, uint count, __private const ushort* chosen, __global const uint* list, __private const Offsets* offsets,
+                     __global const Polyhedron* polyhedra, __private Minimum* minimum
+#ifdef COUNT
+                     , float half_width, float slack, __private ulong* counters
+#endif
+) {
+    const uintL lane = LANE_NUMBERS;
+    const floatL i = convert_floatL(lane & (SUBBLOCK_X - 1)) + subblock_x(b);
+    const floatL j = convert_floatL((lane / SUBBLOCK_X) & 1u) + subblock_y(b);
+    const floatL k = convert_floatL(lane / (SUBBLOCK_X * 2)) + subblock_z(b);
+    floatL least = minimum->squared[b];
+#ifdef NEAREST
+    uintL nearest = minimum->triangle[b];
+#endif
+    for (uint n = 0; n < count; ++n) {
+        const uint c = chosen[n];
+        const Offsets o = offsets[c];
+        __global const Polyhedron* p = polyhedra + list[c];
+        const floatL squared = squared_distance(p, o, i, j, k);
+#ifdef NEAREST
+        const uint triangle = p->triangle;
+        const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
+        nearest = better ? (uintL)triangle : nearest;
+        least = better ? squared : least;
+#else
+        least = squared < least ? squared : least;
+#endif
+#ifdef COUNT
+        Reach none = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+        counters[CLSDF_COUNT_COVERED] += popcount(touched_blocks(p, o, i, j, k, none, (floatL)half_width, (floatL)slack));
+#endif
+    }
+    minimum->squared[b] = least;
+#ifdef NEAREST
+    minimum->triangle[b] = nearest;
+#endif
+    COUNT_ADD(CLSDF_COUNT_LANES, (ulong)count * LANES);
+}
+
+// Puts a brick's vectors in the order of its samples, x fastest.
+inline void unpack(__private const uintL* vectors, __private uint* samples) {
+    for (uint b = 0; b < SUBBLOCKS; ++b) {
+        uint lanes[LANES];
+        store_lanes(vectors[b], 0, lanes);
+        const uint x = b % SUBBLOCKS_X * SUBBLOCK_X, y = b / SUBBLOCKS_X % 4 * 2, z = b / (SUBBLOCKS_X * 4) * 2;
+        for (uint lane = 0; lane < LANES; ++lane)
+            samples[(z + lane / (SUBBLOCK_X * 2)) * 64 + (y + lane / SUBBLOCK_X % 2) * 8 + x + lane % SUBBLOCK_X] = lanes[lane];
+    }
+}
+
+// Stores values[begin, end) of a row of a brick.
+inline void store_row(uint8 values, int begin, int end, __global uint* row) {
+    if (end - begin == 8) {
+        vstore8(values, 0, row);
+        return;
+    }
+    uint each[8];
+    vstore8(values, 0, each);
+    for (int x = begin; x < end; ++x) row[x - begin] = each[x];
+}
+
+// Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the fill.
+inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, __global const uint* sign_bits, __global float* distance
+#ifdef NEAREST
+                        , __global uint* triangle
+#endif
+#ifdef COUNT
+                        , __private ulong* counters
+#endif
+) {
+    uint squared[512];
+    unpack((__private const uintL*)minimum->squared, squared);
+#ifdef NEAREST
+    uint nearest[512];
+    unpack(minimum->triangle, nearest);
+#endif
+    const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
+    const int3 begin = max(brick * CLSDF_BRICK, first) - first, end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
+    const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
+    const int3 relative_brick = brick - vload3(0, layout.brick_first);
+    for (int z = begin.z; z < end.z; ++z)
+        for (int y = begin.y; y < end.y; ++y) {
+            // The rows of sign bits cover whole bricks.
+            const size_t bit_row = (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
+                                   (y - relative.y + relative_brick.y * CLSDF_BRICK);
+            const uint inside = (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
+            const int row = (z - relative.z) * 64 + (y - relative.y) * 8;
+            const float8 square = as_float8(vload8(0, squared + row));
+            const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
+            const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
+            const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
+            const int8 in_band = square <= limit;
+            const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
+            const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
+            const size_t at = ((size_t)z * size.y + y) * size.x;
+            const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
+            store_row(as_uint8(value), x0, x1, (__global uint*)distance + at + begin.x);
+#ifdef NEAREST
+            store_row(in_band ? vload8(0, nearest + row) : (uint8)CLSDF_NO_TRIANGLE, x0, x1, triangle + at + begin.x);
+#endif
+#ifdef COUNT
+            int in[8];
+            vstore8(in_band, 0, in);
+            for (int x = x0; x < x1; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
+#endif
+        }
+}
+
+// Computes one brick from its list. `cap` bounds the distance of its samples, or is the band's half width.
+inline void compute_brick(Layout layout, int3 brick, uint count, __global const uint* list, float brick_cap,
+                          __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global float* distance
+#ifdef NEAREST
+                          , __global uint* triangle
+#endif
+#ifdef COUNT
+                          , __private ulong* counters
+#endif
+) {
+    Minimum minimum;
+    float caps[SUBBLOCKS];
+    for (uint b = 0; b < SUBBLOCKS; ++b) {
+        minimum.squared[b] = INFINITY;
+#ifdef NEAREST
+        minimum.triangle[b] = CLSDF_NO_TRIANGLE;
+#endif
+        caps[b] = brick_cap;
+    }
+    Offsets offsets[CHUNK];
+    ushort chosen[SUBBLOCKS][CHUNK];
+    const double centre = 0.5 * (CLSDF_BRICK - 1);
+    const double x = (double)brick.x * CLSDF_BRICK + centre, y = (double)brick.y * CLSDF_BRICK + centre,
+                 z = (double)brick.z * CLSDF_BRICK + centre;
+    for (uint begin = 0; begin < count; begin += CHUNK) {
+        const uint chunk = min((uint)CHUNK, count - begin);
+        uint lengths[SUBBLOCKS];
+        for (uint b = 0; b < SUBBLOCKS; ++b) lengths[b] = 0;
+        ulong any = 0;
+        for (uint c = 0; c < chunk; ++c) {
+            __global const Polyhedron* p = polyhedra + list[begin + c];
+            offsets[c] = offsets_at(p, x, y, z);
+            ulong touched = touched_subblocks(p, offsets[c], caps, layout.brick_slack, layout.slack_rate);
+            any |= touched;
+            while (touched) {
+                const uint b = 63 - (uint)clz(touched & (0 - touched));
+                touched &= touched - 1;
+                chosen[b][lengths[b]++] = (ushort)c;
+            }
+        }
+        while (any) {
+            const uint b = 63 - (uint)clz(any & (0 - any));
+            any &= any - 1;
+            evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, &minimum
+#ifdef COUNT
+                     , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
+#endif
+            );
+            const float reached = sqrt(greatest_lane(minimum.squared[b]));
+            caps[b] = LESSER(reached, brick_cap);
+        }
+    }
+    COUNT_ADD(CLSDF_COUNT_BRICK_PAIRS, count);
+    write_brick(layout, brick, &minimum, sign_bits, distance
+#ifdef NEAREST
+                , triangle
+#endif
+#ifdef COUNT
+                , counters
+#endif
+    );
+}
+
+// Upper bounds of the distance for the samples of each of a coarse brick's 64 bricks: the distance of the brick's centre to
+// the nearest of the surface points it knows (the feet of the altitudes), and the brick's radius.
+inline void brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries, __global const Polyhedron* polyhedra,
+                       float coarse_cap, __private float* caps) {
+    floatL least[64 / LANES];
+    for (uint v = 0; v < 64 / LANES; ++v) least[v] = INFINITY;
+    const double centre = 0.5 * (CLSDF_COARSE - 1);
+    for (uint e = 0; e < count; ++e) {
+        __global const Polyhedron* p = polyhedra + entries[e];
+        const double4 frame = frame_at(p, (double)coarse.x * CLSDF_COARSE + centre, (double)coarse.y * CLSDF_COARSE + centre,
+                                       (double)coarse.z * CLSDF_COARSE + centre);
+        const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
+        for (uint v = 0; v < 64 / LANES; ++v) {
+            const uintL block = LANE_NUMBERS + v * LANES;
+            const floatL i = (convert_floatL(block & 3u) - 1.5f) * CLSDF_BRICK;
+            const floatL j = (convert_floatL((block >> 2) & 3u) - 1.5f) * CLSDF_BRICK;
+            const floatL k = (convert_floatL(block >> 4) - 1.5f) * CLSDF_BRICK;
+            const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + (k * p->gradient_z_high[0] + fx));
+            const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + (k * p->gradient_z_high[1] + fy));
+            const floatL dz = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + fz));
+            const floatL squared = dx * dx + dy * dy + dz * dz;
+            least[v] = squared < least[v] ? squared : least[v];
+        }
+    }
+    for (uint v = 0; v < 64 / LANES; ++v) {
+        const floatL bound = sqrt(least[v]) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
+        store_lanes(LESSER(bound, coarse_cap), v, caps);
+    }
+}
+
+// Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's first.
+__kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order, __global const uint* starts,
+                     uint parts, __global const uint* entries, __global const float* coarse_caps,
+                     __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global uchar* computed,
+                     __global ulong* scratch_masks, __global uint* scratch_list, uint scratch_length, __global float* distance
+#ifdef NEAREST
+                     , __global uint* triangle
+#endif
+#ifdef COUNT
+                     , __global ulong* all_counters
+#endif
+) {
+    const size_t item = get_global_id(0);
+    __global ulong* masks = scratch_masks + item * scratch_length;
+    __global uint* list = scratch_list + item * scratch_length;
+#ifdef COUNT
+    ulong counters[CLSDF_COUNTERS] = {0, 0, 0, 0};
+#endif
+    const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
+    const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
+    for (;;) {
+        const uint turn = atomic_inc(turns + launch);
+        if (turn >= end) break;
+        const uint number = order[turn];
+        const uint begin = starts[number * parts], count = starts[(number + 1) * parts] - begin;
+        const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
+        float caps[64];
+        brick_caps(layout, coarse, count, entries + begin, polyhedra, coarse_caps[number], caps);
+        ulong wanted = 0;
+        for (uint b = 0; b < 64; ++b) {
+            const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
+            wanted |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
+        }
+        ulong any = 0;
+        for (uint e = 0; e < count; ++e) {
+            const ulong touched = wanted & touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE, coarse.y * CLSDF_COARSE,
+                                                         coarse.z * CLSDF_COARSE, CLSDF_BRICK, caps, layout.brick_slack, layout.slack_rate);
+            masks[e] = touched;
+            any |= touched;
+        }
+        while (any) {
+            const uint b = 63 - (uint)clz(any & (0 - any));
+            any &= any - 1;
+            const uint length = choose(masks, entries + begin, count, b, list);
+            const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
+            const int3 relative = brick - brick_first;
+            computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;
+            compute_brick(layout, brick, length, list, caps[b], polyhedra, sign_bits, distance
+#ifdef NEAREST
+                          , triangle
+#endif
+#ifdef COUNT
+                          , counters
+#endif
+            );
+        }
+    }
+#ifdef COUNT
+    for (uint c = 0; c < CLSDF_COUNTERS; ++c) all_counters[item * CLSDF_COUNTERS + c] += counters[c];
+#endif
+}

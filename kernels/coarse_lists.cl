@@ -1,0 +1,92 @@
+// The list of polyhedra of each coarse brick (32 x 32 x 32 samples), by count, scan, fill.
+//
+// Each work-item takes a contiguous range of polyhedra and counts into a histogram of its own, so that no atomics are needed
+// and the lists are in the order of the polyhedra, whatever the number of work-items:
+//   counts[brick * parts + part], scanned, is where a part's entries of a brick begin.
+
+#include "blocks.h"
+
+// An upper bound of the distance to the mesh for every sample of a coarse brick: the distance of its centre to the nearest of
+// some of the surface's points (the feet of the altitudes; points of the triangles), and the brick's radius. `stride` leaves
+// most of them out; a coarse bound is enough here, the bricks find finer ones.
+__kernel void coarse_caps(Layout layout, uint count, uint stride, __global const Polyhedron* polyhedra, __global float* caps) {
+    const int brick = get_global_id(0);
+    const int nx = layout.coarse_bricks[0], ny = layout.coarse_bricks[1];
+    const double half_side = 0.5 * (CLSDF_COARSE - 1);
+    const double x = (double)(layout.coarse_first[0] + brick % nx) * CLSDF_COARSE + half_side;
+    const double y = (double)(layout.coarse_first[1] + brick / nx % ny) * CLSDF_COARSE + half_side;
+    const double z = (double)(layout.coarse_first[2] + brick / (nx * ny)) * CLSDF_COARSE + half_side;
+    float least = INFINITY;
+    for (uint i = 0; i < count; i += stride) {
+        const double4 frame = frame_at(polyhedra + i, x, y, z);
+        const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
+        const float squared = fx * fx + fy * fy + fz * fz;
+        least = LESSER(least, squared);
+    }
+    const float bound = sqrt(least) * (1.0f + 1.0e-6f) + layout.coarse_radius + layout.coarse_slack;
+    caps[brick] = LESSER(bound, layout.half_width);
+}
+
+// The coarse bricks of the lattice that the box of the triangle, enlarged by the half width, overlaps on one axis; limits
+// included. The answer does not depend on the part that is computed.
+inline int2 box_range(__global const Polyhedron* p, __global const float* gradient, int origin, float reach) {
+    // One axis of the metric position is spacing * (index - origin). Its unit vector in the frame is the axis' gradient
+    // divided by the spacing, so that (gradient . frame point) / spacing^2 is an index.
+    const float gx = gradient[0], gy = gradient[1], gz = gradient[2];
+    const float squared = gx * gx + gy * gy + gz * gz;
+    const float altitude = GREATER(p->normal_along_high[CLSDF_HALF_RIGHT] * p->slanted_length_right,
+                                   p->normal_along_high[CLSDF_HALF_LEFT] * p->slanted_length_left);
+    const float foot = -(gx * p->constant_high[0] + gy * p->constant_high[1] + gz * p->constant_high[2]);
+    const float right = gx * p->base_high[CLSDF_HALF_RIGHT], left = -gx * p->base_high[CLSDF_HALF_LEFT], apex = gy * altitude;
+    const float margin = reach * sqrt(squared) + 1.0e-5f * (fabs(right) + fabs(left) + fabs(apex) + fabs(foot));
+    const float low = (foot + LESSER(LESSER(right, left), apex) - margin) / squared;
+    const float high = (foot + GREATER(GREATER(right, left), apex) + margin) / squared;
+    // The clamps keep the conversion defined for triangles far outside; the lattice's indices are below 2^30.
+    const float limit = 1.0e9f;
+    return (int2)((origin + (int)clamp(floor(low), -limit, limit) - (CLSDF_COARSE - 1)) >> 5,
+                  (origin + (int)clamp(ceil(high), -limit, limit)) >> 5);
+}
+
+// With `fill` 0 it counts; with 1 it writes the entries, `counts` being where each part's begin.
+__kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps,
+                           __global uint* counts, __global uint* entries, int fill) {
+    const uint part = get_global_id(0), parts = get_global_size(0);
+    const uint begin = (uint)((ulong)count * part / parts), end = (uint)((ulong)count * (part + 1) / parts);
+    const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
+    const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
+    if (!fill)
+        for (uint brick = 0; brick < (uint)(size.x * size.y * size.z); ++brick) counts[brick * parts + part] = 0;
+
+    float block_caps[64];
+    for (uint i = begin; i < end; ++i) {
+        __global const Polyhedron* p = polyhedra + i;
+        const int2 rx = box_range(p, p->gradient_x_high, p->origin_x, reach);
+        const int2 ry = box_range(p, p->gradient_y_high, p->origin_y, reach);
+        const int2 rz = box_range(p, p->gradient_z_high, p->origin_z, reach);
+        const int3 low = max((int3)(rx.x, ry.x, rz.x), first);
+        const int3 high = min((int3)(rx.y, ry.y, rz.y), first + size - 1);
+        // Groups of 4 x 4 x 4 start at multiples of four of the lattice, so that a pair is tested alike in every part.
+        for (int z = low.z & ~3; z <= high.z; z += 4)
+            for (int y = low.y & ~3; y <= high.y; y += 4)
+                for (int x = low.x & ~3; x <= high.x; x += 4) {
+                    ulong wanted = 0;
+                    for (int b = 0; b < 64; ++b) {
+                        const int3 at = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4));
+                        const bool in = all(at >= low) && all(at <= high);
+                        const int3 relative = at - first;
+                        block_caps[b] = in ? caps[((size_t)relative.z * size.y + relative.y) * size.x + relative.x] : 0.0f;
+                        wanted |= (ulong)in << b;
+                    }
+                    ulong touched = wanted & touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE,
+                                                            block_caps, layout.coarse_slack, layout.slack_rate);
+                    while (touched) {
+                        const int b = 63 - (int)clz(touched & (0 - touched));
+                        touched &= touched - 1;
+                        const int3 relative = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4)) - first;
+                        const size_t brick = ((size_t)relative.z * size.y + relative.y) * size.x + relative.x;
+                        const uint slot = counts[brick * parts + part]++;
+                        if (fill) entries[slot] = i;
+                    }
+                }
+    }
+}

@@ -1,0 +1,71 @@
+// Explicit vectors: on a processor the loop over work-items around an inner loop is not vectorised, so one work-item works on
+// LANES samples or blocks at once: 16 or 8, by the device's width. On a GPU a work-item is a lane itself: LANES is 1.
+#ifndef CLSDF_LANES_H
+#define CLSDF_LANES_H
+
+#if LANES == 16
+typedef float16 floatL;
+typedef int16 intL;
+typedef uint16 uintL;
+#define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
+#define load_lanes vload16
+#define store_lanes vstore16
+#define convert_floatL convert_float16
+#define as_uintL as_uint16
+#elif LANES == 8
+typedef float8 floatL;
+typedef int8 intL;
+typedef uint8 uintL;
+#define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
+#define load_lanes vload8
+#define store_lanes vstore8
+#define convert_floatL convert_float8
+#define as_uintL as_uint8
+#elif LANES == 1
+typedef float floatL;
+typedef int intL;
+typedef uint uintL;
+#define LANE_NUMBERS 0u
+#define load_lanes(offset, p) ((p)[offset])
+#define store_lanes(value, offset, p) ((p)[offset] = (value))
+#define convert_floatL convert_float
+#endif
+
+// Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the
+// compiler has them, save a tree of eight operations in the innermost loops.
+inline uint lanes_to_bits(intL mask) {
+#if LANES == 1
+    return mask != 0;
+#elif LANES == 16 && defined(__AVX512DQ__)
+    return (uint)(ushort)__builtin_ia32_cvtd2mask512(mask);
+#elif LANES == 8 && defined(__AVX__)
+    return (uint)__builtin_ia32_movmskps256(as_float8(mask));
+#else
+    uintL bits = (as_uintL(mask) >> 31) << LANE_NUMBERS;
+#if LANES == 16
+    const uint8 eight = bits.lo | bits.hi;
+#else
+    const uint8 eight = bits;
+#endif
+    const uint4 four = eight.lo | eight.hi;
+    const uint2 two = four.lo | four.hi;
+    return two.x | two.y;
+#endif
+}
+
+inline float greatest_lane(floatL values) {
+#if LANES == 1
+    return values;
+#else
+#if LANES == 16
+    const float8 eight = GREATER(values.lo, values.hi);
+#else
+    const float8 eight = values;
+#endif
+    const float4 four = GREATER(eight.lo, eight.hi);
+    const float2 two = GREATER(four.lo, four.hi);
+    return GREATER(two.x, two.y);
+#endif
+}
+
+#endif

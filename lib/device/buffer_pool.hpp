@@ -1,0 +1,59 @@
+#pragma once
+
+#include "device/context.hpp"
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace clsdf::device {
+
+/// Device buffers kept between computations: fresh memory costs page faults, many times what a kernel needs to fill it.
+/// Plans may outlive their transform and end on another thread, so a mutex guards the free ones.
+class BufferPool : public std::enable_shared_from_this<BufferPool> {
+public:
+    explicit BufferPool(std::shared_ptr<Context> context) : context_(std::move(context)) {}
+
+    /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself.
+    class Lease {
+    public:
+        Lease() = default;
+        Lease(std::shared_ptr<BufferPool> pool, cl::Buffer buffer, std::size_t bytes)
+            : pool_(std::move(pool)), buffer_(std::move(buffer)), bytes_(bytes) {}
+        Lease(Lease&& other) noexcept = default;
+        Lease& operator=(Lease&& other) noexcept;
+        ~Lease() { give_back(); }
+
+        const cl::Buffer& operator*() const { return buffer_; }
+        std::size_t bytes() const { return bytes_; }
+
+    private:
+        void give_back() noexcept;
+
+        std::shared_ptr<BufferPool> pool_;
+        cl::Buffer buffer_;
+        std::size_t bytes_ = 0;
+    };
+
+    /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once.
+    Lease lease(std::size_t bytes, const char* purpose);
+
+    /// Releases the free buffers that were not in use since the last call.
+    void trim();
+
+private:
+    struct Free {
+        cl::Buffer buffer;
+        std::size_t bytes;
+        bool used = true;
+    };
+
+    std::optional<Lease> take_free(std::size_t wanted);
+
+    std::shared_ptr<Context> context_;
+    std::mutex mutex_;
+    std::vector<Free> free_;
+};
+
+}  // namespace clsdf::device

@@ -1,0 +1,54 @@
+#include "device/context.hpp"
+
+#include "device/kernel_text.hpp"
+
+#include <fmt/format.h>
+
+namespace clsdf::device {
+
+namespace {
+
+Context::Capabilities capabilities_of(const cl::Device& device) {
+    Context::Capabilities capabilities;
+    capabilities.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
+    capabilities.float_width = device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>();
+    capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+    capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
+    capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+    capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+    return capabilities;
+}
+
+}  // namespace
+
+Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
+    : context_(std::move(context)), device_(std::move(device)), queue_(std::move(queue)) {
+    guarded([&] { capabilities_ = capabilities_of(device_); });
+    if (device_.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format(
+                "the device \"{}\" has no double precision (cl_khr_fp64), which exact offsets need; choose another one",
+                device_.getInfo<CL_DEVICE_NAME>()));
+}
+
+cl::Program Context::program(std::string_view kernel_file, const std::string& options) {
+    const std::scoped_lock lock(programs_mutex_);
+    const std::string key = fmt::format("{} {}", kernel_file, options);
+    if (const auto found = programs_.find(key); found != programs_.end()) return found->second;
+
+    cl::Program program(context_, kernel_text(kernel_file));
+    try {
+        program.build(device_, options.c_str());
+    } catch (const cl::Error& error) {
+        throw Error(
+            ErrorCode::device_failure,
+            fmt::format("the OpenCL call {} failed for {}: {}; options \"{}\" on \"{}\"; the compiler said:\n{}",
+                        error.what(), kernel_file, code_name(error.err()), options, device_.getInfo<CL_DEVICE_NAME>(),
+                        program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
+    }
+    programs_.emplace(key, program);
+    return program;
+}
+
+}  // namespace clsdf::device

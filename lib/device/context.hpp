@@ -1,0 +1,45 @@
+#pragma once
+
+#include "device/opencl.hpp"
+
+#include <cstddef>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+namespace clsdf::device {
+
+/// One OpenCL device with its context, its queue and the programs built for it.
+class Context {
+public:
+    Context(cl::Context context, cl::Device device, cl::CommandQueue queue);
+
+    const cl::Context& context() const { return context_; }
+    const cl::Device& device() const { return device_; }
+    const cl::CommandQueue& queue() const { return queue_; }
+
+    /// What kernels and launches are shaped by.
+    struct Capabilities {
+        unsigned compute_units = 1;
+        unsigned float_width = 1;       ///< native vector width of float; 1 on most GPUs
+        bool is_processor = false;      ///< shares the host's memory and runs one work-item a core
+        std::size_t largest_group = 1;  ///< work-items
+        std::size_t largest_allocation = 0;
+        std::size_t memory = 0;
+    };
+    const Capabilities& capabilities() const { return capabilities_; }
+
+    /// Builds one of the library's kernel files, once per options. Throws Error(device_failure) with the build log.
+    cl::Program program(std::string_view kernel_file, const std::string& options);
+
+private:
+    cl::Context context_;
+    cl::Device device_;
+    cl::CommandQueue queue_;
+    Capabilities capabilities_;
+    std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
+    std::map<std::string, cl::Program> programs_;
+};
+
+}  // namespace clsdf::device

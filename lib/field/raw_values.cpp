@@ -1,0 +1,139 @@
+#include "field/raw_values.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+
+namespace clsdf {
+namespace {
+
+static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
+
+constexpr std::size_t chunk = std::size_t{1} << 16;  // values converted at a time
+
+std::uint64_t bytes_of(ValueType type) {
+    return type == ValueType::float64 ? 8 : 4;
+}
+
+template <class Value>
+void swap_bytes(std::span<Value> values) {
+    for (Value& value : values) {
+        const auto bytes = std::as_writable_bytes(std::span(&value, 1));
+        std::reverse(bytes.begin(), bytes.end());
+    }
+}
+
+template <class Value>
+void read_values(InputFile& file, std::uint64_t offset, std::endian order, std::span<Value> values) {
+    file.read(offset, std::as_writable_bytes(values));
+    if (order != std::endian::native) swap_bytes(values);
+}
+
+template <class Value>
+void write_values(AtomicFile& file, std::span<const Value> values) {
+    if constexpr (std::endian::native == std::endian::little) {
+        file.write(std::as_bytes(values));
+    } else {
+        std::vector<Value> swapped;
+        for (std::size_t begin = 0; begin < values.size(); begin += chunk) {
+            const auto part = values.subspan(begin, std::min(chunk, values.size() - begin));
+            swapped.assign(part.begin(), part.end());
+            swap_bytes(std::span(swapped));
+            file.write(std::as_bytes(std::span(swapped)));
+        }
+    }
+}
+
+}  // namespace
+
+InputFile::InputFile(std::string path) : path_(std::move(path)) {
+    std::error_code error;
+    const std::filesystem::file_status status = std::filesystem::status(path_, error);
+    if (status.type() == std::filesystem::file_type::not_found) fail("there is no such file");
+    if (error) fail(error.message());
+    if (!std::filesystem::is_regular_file(status)) fail("not a regular file; its size must be known before it is read");
+    size_ = std::filesystem::file_size(path_, error);
+    if (error) fail(error.message());
+    errno = 0;
+    stream_.open(path_, std::ios::binary);
+    if (!stream_) fail(errno != 0 ? std::generic_category().message(errno) : "cannot be opened");
+}
+
+void InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) {
+    stream_.clear();
+    stream_.seekg(static_cast<std::streamoff>(offset));
+    stream_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!stream_)
+        fail(fmt::format("{} bytes from byte {} on cannot be read; the file has {}", bytes.size(), offset, size_));
+}
+
+std::string InputFile::beginning(std::size_t limit) {
+    std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(limit, size_)), '\0');
+    read(0, std::as_writable_bytes(std::span(text)));
+    return text;
+}
+
+void InputFile::fail(const std::string& what) const {
+    throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", path_, what));
+}
+
+std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes) {
+    const std::uint64_t available = file.size() - std::min(file.size(), values.offset);
+    const std::uint64_t width = bytes_of(values.type);
+    std::uint64_t count = 1;
+    for (const std::int64_t size : sizes) {
+        if (size < 1)
+            file.fail(fmt::format("sizes: {} is not a number of samples; each axis has at least one",
+                                  fmt::join(sizes, " x ")));
+        const auto factor = static_cast<std::uint64_t>(size);
+        if (count > available / width / factor)
+            file.fail(
+                fmt::format("sizes: {} values of {} bytes do not fit the {} bytes after the header; the file is "
+                            "truncated, or its header is wrong",
+                            fmt::join(sizes, " x "), width, available));
+        count *= factor;
+    }
+    if (count * width != available)
+        file.fail(
+            fmt::format("sizes: {} values of {} bytes leave {} of the {} bytes after the header unused; the "
+                        "header is wrong",
+                        fmt::join(sizes, " x "), width, available - count * width, available));
+    return static_cast<std::size_t>(count);
+}
+
+std::vector<float> read_floats(InputFile& file, const RawValues& values, std::size_t count) {
+    std::vector<float> result(count);
+    if (values.type == ValueType::float32) {
+        read_values(file, values.offset, values.order, std::span(result));
+        return result;
+    }
+    std::vector<double> buffer(std::min(chunk, count));
+    for (std::size_t begin = 0; begin < count; begin += chunk) {
+        const auto part = std::span(buffer).first(std::min(chunk, count - begin));
+        read_values(file, values.offset + begin * sizeof(double), values.order, part);
+        for (std::size_t i = 0; i < part.size(); ++i) result[begin + i] = static_cast<float>(part[i]);
+    }
+    return result;
+}
+
+std::vector<std::uint32_t> read_indices(InputFile& file, const RawValues& values, std::size_t count) {
+    std::vector<std::uint32_t> result(count);
+    read_values(file, values.offset, values.order, std::span(result));
+    return result;
+}
+
+void write_little_endian(AtomicFile& file, std::span<const float> values) {
+    write_values(file, values);
+}
+
+void write_little_endian(AtomicFile& file, std::span<const std::uint32_t> values) {
+    write_values(file, values);
+}
+
+}  // namespace clsdf

@@ -1,0 +1,207 @@
+#include "polyhedra/edge_slopes.hpp"
+
+#include "polyhedra/dihedral.hpp"
+#include "polyhedra/parallel.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace clsdf::polyhedra {
+
+namespace {
+
+/// A face's edge, filed under the lower of its vertices; in order, the faces of an edge follow each other.
+class EdgeEntry {
+public:
+    EdgeEntry(std::uint32_t higher_vertex, Corner edge)
+        : key_(static_cast<std::uint64_t>(higher_vertex) << 32 | edge.packed()) {}
+
+    std::uint32_t higher_vertex() const { return static_cast<std::uint32_t>(key_ >> 32); }
+    Corner edge() const { return Corner::unpack(static_cast<std::uint32_t>(key_)); }
+
+    friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
+
+private:
+    std::uint64_t key_;
+};
+
+class EdgeSlopes {
+public:
+    EdgeSlopes(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
+               std::span<FaceEdges> faces, float open)
+        : mesh_(mesh), triangles_(triangles), frames_(frames), faces_(faces), open_(open) {}
+
+    /// Collects the edges of which `vertex` is the lower end.
+    void collect(const OneRings& rings, std::uint32_t vertex, std::vector<EdgeEntry>& entries) const {
+        entries.clear();
+        for (std::size_t i = 0; i < rings.size(vertex); ++i) {
+            const Corner corner = rings.corner(vertex, i);
+            const Triangle& triangle = triangles_[corner.face];
+            const std::uint32_t previous = previous_of_three(corner.vertex);
+            const std::uint32_t to = triangle[next_of_three(corner.vertex)];
+            const std::uint32_t from = triangle[previous];
+            if (to > vertex) entries.emplace_back(to, corner);
+            if (from > vertex) entries.emplace_back(from, Corner{corner.face, previous});
+        }
+        std::sort(entries.begin(), entries.end());
+    }
+
+    /// Sets what is known of one edge, given all its faces.
+    void set(std::span<const EdgeEntry> faces) const {
+        if (faces.size() == 2 && faces[0].edge().face != faces[1].edge().face) {
+            set_pair(faces[0].edge(), faces[1].edge());
+            return;
+        }
+        const std::uint8_t marks = faces.size() == 1 ? edge_open : edge_non_manifold;
+        for (const EdgeEntry& entry : faces) faces_[entry.edge().face].marks[entry.edge().vertex] = marks;
+        const auto is_box = [&](const EdgeEntry& entry) { return frames_[entry.edge().face].is_box; };
+        if (std::any_of(faces.begin(), faces.end(), is_box)) {
+            for (const EdgeEntry& entry : faces) set_slopes(entry.edge(), 0, 0);
+        } else if (faces.size() == 1) {
+            set_slopes(faces[0].edge(), infinite, infinite);
+        } else {
+            set_around(faces);
+        }
+    }
+
+private:
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+    /// A box takes the wedges of all its edges, so that faces beside it need none.
+    void set_slopes(const Corner& edge, double above, double below) const {
+        const bool is_box = frames_[edge.face].is_box;
+        FaceEdges& face = faces_[edge.face];
+        face.above[edge.vertex] = is_box ? open_ : std::min(open_, rounded_up(above));
+        face.below[edge.vertex] = is_box ? open_ : std::min(open_, rounded_up(below));
+    }
+
+    void set_pair(const Corner& first, const Corner& second) const {
+        const bool oriented = triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex];
+        const int side = side_of_plane(mesh_, triangles_, frames_, first, second);
+        std::uint8_t marks = 0;
+        if (!oriented) {
+            marks = edge_unoriented;
+        } else if (side != 0) {
+            marks = side < 0 ? edge_convex : edge_concave;
+        }
+
+        double above = 0;
+        double below = 0;
+        const TriangleFrame& first_frame = frames_[first.face];
+        const TriangleFrame& second_frame = frames_[second.face];
+        if (!first_frame.is_box && !second_frame.is_box) {
+            const Vector first_inward = first_frame.inward(first.vertex);
+            const Vector second_inward = second_frame.inward(second.vertex);
+            if (folded(first_inward, second_inward)) {
+                marks |= edge_open;
+                above = below = infinite;
+            } else if (side != 0) {
+                (side < 0 ? above : below) = half_wedge_slope(first_inward, second_inward);
+            }
+        }
+        set_one_of_pair(first, second, marks, above, below);
+        if (!oriented) std::swap(above, below);
+        set_one_of_pair(second, first, marks, above, below);
+    }
+
+    void set_one_of_pair(const Corner& edge, const Corner& across, std::uint8_t marks, double above,
+                         double below) const {
+        faces_[edge.face].marks[edge.vertex] = marks;
+        faces_[edge.face].across[edge.vertex] = across.packed();
+        set_slopes(edge, above, below);
+    }
+
+    /// Three faces or more: each shares its wedges with the next faces in either direction around the edge. Faces
+    /// folded onto each other have an empty wedge between them, whichever comes first.
+    void set_around(std::span<const EdgeEntry> faces) const {
+        struct Spoke {
+            double angle;
+            Corner edge;
+        };
+        const TriangleFrame& first = frames_[faces[0].edge().face];
+        const Vector x = first.inward(faces[0].edge().vertex);
+        const Vector y = first.normal;
+        std::vector<Spoke> spokes;
+        for (const EdgeEntry& entry : faces) {
+            const Vector inward = frames_[entry.edge().face].inward(entry.edge().vertex);
+            spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), entry.edge()});
+        }
+        std::stable_sort(spokes.begin(), spokes.end(),
+                         [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
+
+        constexpr double turn = 2 * std::numbers::pi;
+        const auto slope_of_gap = [](double gap) {
+            if (gap <= std::numbers::pi) return 0.0;
+            return gap < turn - fold_angle ? -1 / std::tan(gap / 2) : infinite;
+        };
+        for (std::size_t i = 0; i < spokes.size(); ++i) {
+            const double angle = spokes[i].angle;
+            const double next = i + 1 < spokes.size() ? spokes[i + 1].angle : spokes.front().angle + turn;
+            const double previous = i > 0 ? spokes[i - 1].angle : spokes.back().angle - turn;
+            const Vector turning = -std::sin(angle) * x + std::cos(angle) * y;
+            double above = slope_of_gap(next - angle);
+            double below = slope_of_gap(angle - previous);
+            if (frames_[spokes[i].edge.face].normal.dot(turning) < 0) std::swap(above, below);
+            set_slopes(spokes[i].edge, above, below);
+        }
+    }
+
+    const Mesh& mesh_;
+    std::span<const Triangle> triangles_;
+    std::span<const TriangleFrame> frames_;
+    std::span<FaceEdges> faces_;
+    float open_;
+};
+
+}  // namespace
+
+float open_slope(double half_width, double slack) {
+    return std::max(CLSDF_OPEN_SLOPE, rounded_up(2 * half_width / slack));
+}
+
+std::vector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
+                                   std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
+    std::vector<FaceEdges> faces(triangles.size());
+    for_each_index(triangles.size(), [&](std::size_t face) {
+        if (frames[face].is_box) faces[face].above = faces[face].below = {open, open, open};
+    });
+    const EdgeSlopes slopes(mesh, triangles, frames, faces, open);
+    tbb::enumerable_thread_specific<std::vector<EdgeEntry>> entries_of_thread;
+    for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
+        std::vector<EdgeEntry>& entries = entries_of_thread.local();
+        for (std::size_t vertex = begin; vertex != end; ++vertex) {
+            slopes.collect(rings, static_cast<std::uint32_t>(vertex), entries);
+            for (auto first = entries.begin(); first != entries.end();) {
+                const auto last = std::find_if(first, entries.end(), [first](const EdgeEntry& entry) {
+                    return entry.higher_vertex() != first->higher_vertex();
+                });
+                slopes.set({first, last});
+                first = last;
+            }
+        }
+    });
+    return faces;
+}
+
+void lean(const TriangleFrame& frame, FaceEdges& edges) {
+    const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
+                          frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
+    if (!(cosine > 0)) return;
+    const std::size_t right = next_of_three(frame.base_edge);
+    const std::size_t left = previous_of_three(frame.base_edge);
+    for (std::array<float, 3>* slopes : {&edges.above, &edges.below}) {
+        float& at_right = (*slopes)[right];
+        float& at_left = (*slopes)[left];
+        const float from_right = rounded_up(cosine * static_cast<double>(at_right));
+        const float from_left = rounded_up(cosine * static_cast<double>(at_left));
+        at_right = std::max(at_right, from_left);
+        at_left = std::max(at_left, from_right);
+    }
+}
+
+}  // namespace clsdf::polyhedra

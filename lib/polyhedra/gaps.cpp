@@ -1,0 +1,222 @@
+#include "polyhedra/gaps.hpp"
+
+#include "polyhedra/cone_search.hpp"
+#include "polyhedra/parallel.hpp"
+#include "polyhedra/vertex_fans.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace clsdf::polyhedra {
+
+namespace {
+
+constexpr std::uint8_t saddle = edge_convex | edge_concave;
+
+/// Widens the normal cone, so that rounding cannot close one that has no thickness.
+constexpr double cone_tolerance = 1e-9;
+
+constexpr std::size_t large_fan = 32;
+
+/// Decides one vertex after the other; keeps its memory in between.
+class GapTest {
+public:
+    GapTest(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
+            std::span<const FaceEdges> faces, const OneRings& rings, const LatticeView& lattice, double margin)
+        : mesh_(mesh),
+          triangles_(triangles),
+          frames_(frames),
+          faces_(faces),
+          rings_(rings),
+          per_voxel_(std::min(1 / lattice.voxel, std::numeric_limits<double>::max())),
+          margin_(margin) {}
+
+    std::uint8_t operator()(std::size_t vertex) {
+        std::uint8_t edges = 0;
+        bool at_box = false;
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
+            const Corner corner = rings_.corner(vertex, i);
+            edges |= marks_at(corner);
+            at_box |= frames_[corner.face].is_box;
+        }
+        const bool is_saddle = (edges & saddle) == saddle;
+        return static_cast<std::uint8_t>((is_saddle ? vertex_saddle : 0) |
+                                         (has_gap(vertex, edges, at_box) ? vertex_gap : 0));
+    }
+
+private:
+    std::uint8_t marks_at(const Corner& corner) const {
+        const FaceEdges& face = faces_[corner.face];
+        return face.marks[corner.vertex] | face.marks[previous_of_three(corner.vertex)];
+    }
+
+    static bool can_be_mixed(std::uint8_t edges) {
+        return (edges & saddle) == saddle || (edges & edge_unoriented) != 0;
+    }
+
+    /// Only a closed fan with edges of both kinds can leave directions out, and only if every fan of the vertex does.
+    /// Where more than two faces share an edge there are no fans, and any normal may be left out.
+    bool has_gap(std::size_t vertex, std::uint8_t edges, bool at_box) {
+        if (at_box) return false;  // the box holds all points that are nearest to the vertex
+        if (edges & edge_non_manifold) return has_normals(vertex);
+        if ((edges & edge_open) || !can_be_mixed(edges)) return false;
+
+        fans_.build(triangles_, faces_, rings_, vertex);
+        for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
+            std::uint8_t fan_edges = 0;
+            for (std::size_t i = fans_.start(fan); i < fans_.start(fan + 1); ++i)
+                fan_edges |= marks_at(fans_.faces()[i].corner);
+            if (!can_be_mixed(fan_edges)) return false;
+        }
+        spokes_.clear();
+        for (const VertexFans::Face& face : fans_.faces()) spokes_.push_back(spoke(vertex, face.neighbour));
+        return for_axes(vertex, [&](const Vector& axis) { return leaves_direction_out(axis); });
+    }
+
+    bool has_normals(std::size_t vertex) {
+        spokes_.clear();
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
+            const Corner corner = rings_.corner(vertex, i);
+            const Triangle& triangle = triangles_[corner.face];
+            spokes_.push_back(spoke(vertex, triangle[next_of_three(corner.vertex)]));
+            spokes_.push_back(spoke(vertex, triangle[previous_of_three(corner.vertex)]));
+        }
+        return for_axes(vertex, [&](const Vector& axis) { return add_normal_cone(axis); });
+    }
+
+    /// The direction from the vertex to a neighbour.
+    Vector spoke(std::size_t vertex, std::uint32_t neighbour) const {
+        const Vec3& from = mesh_.vertices()[vertex];
+        const Vec3& to = mesh_.vertices()[neighbour];
+        const Vector edge = Vector(to[0] - from[0], to[1] - from[1], to[2] - from[2]) * per_voxel_;
+        return edge * (1 / edge.norm());
+    }
+
+    /// Whether `search` succeeds from one of the axes: unit vectors such that every normal u of the vertex (u . spoke
+    /// <= 0 for all spokes) has axis . u >= 0 for one of them. The sum of the spokes, reversed, is such an axis. Where
+    /// it vanishes, normals are perpendicular to all spokes, if there are any.
+    template <typename Search>
+    bool for_axes(std::size_t vertex, const Search& search) {
+        Vector sum = Vector::Zero();
+        for (const Vector& s : spokes_) sum -= s;
+        const double length = sum.norm();
+        if (length > 1e-6 * static_cast<double>(spokes_.size())) return search(sum / length);
+        const Vector& normal = frames_[rings_.corner(vertex, 0).face].normal;
+        return search(normal) || search(-normal);
+    }
+
+    /// u . spoke <= 0 for all spokes.
+    bool add_normal_cone(const Vector& axis) {
+        search_.start(axis);
+        order(0, spokes_.size());
+        return std::all_of(order_.begin(), order_.end(),
+                           [&](std::size_t i) { return search_.add(cone_tolerance * axis - spokes_[i]); });
+    }
+
+    /// Every edge of a fan rejects a direction for one of its two faces at most, so where all faces reject one, all do
+    /// at their edge with the face before, or all at their edge with the face after.
+    bool leaves_direction_out(const Vector& axis) {
+        if (!add_normal_cone(axis)) return false;
+        const ConeSearch::State normals = search_.state();
+        for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
+            bool rejected = false;
+            for (const bool by_edge_before : {true, false}) {
+                search_.return_to(normals);
+                rejected = rejected || add_rejections(fan, by_edge_before);
+            }
+            if (!rejected) return false;
+        }
+        return true;
+    }
+
+    /// Whether every face of the fan rejects some unit vector u by the margin at one of its edges: g . u >= margin. The
+    /// plane of an edge is the higher one of two, above the face and below, so that is a condition for each side; first
+    /// that of the side on which the normals lie, which mostly decides.
+    ///
+    /// A linear condition can only ask for g . u >= margin (m . u) with a unit vector m, which is weaker, and least so
+    /// where u is near m. A direction that is found becomes the m of further conditions: it stands if it is found
+    /// again.
+    bool add_rejections(std::size_t fan, bool by_edge_before) {
+        constexpr int rounds = 4;  // a flat vertex has normals on both sides, and some room for rounding
+        order(fans_.start(fan), fans_.start(fan + 1));
+        for (int round = 0; round < rounds; ++round) {
+            const Vector middle = search_.direction();
+            for (const bool side_of_middle : {true, false}) {
+                for (const std::size_t i : order_) {
+                    const Corner corner = fans_.faces()[i].corner;
+                    const bool above = (frames_[corner.face].normal.dot(middle) >= 0) == side_of_middle;
+                    if (!search_.add(rejection(fan, i, by_edge_before, above) - margin_ * middle)) return false;
+                }
+            }
+        }
+        return true;
+    }
+
+    /// g with g . u > 0 where the plane of the face's edge, on one side of the face, has u outside. Scaled such that g
+    /// . u counts in units by which the slack widens that plane.
+    Vector rejection(std::size_t fan, std::size_t i, bool by_edge_before, bool above) const {
+        const VertexFans::Face& face = fans_.faces()[i];
+        const Vector& normal = frames_[face.corner.face].normal;
+        const std::size_t after = i + 1 < fans_.start(fan + 1) ? i + 1 : fans_.start(fan);
+        const bool leaving = by_edge_before == face.forward;  // the face's own edge from the vertex, or to it
+        const Vector& along = spokes_[by_edge_before ? i : after];
+        const Vector outward = leaving ? along.cross(normal) : normal.cross(along);
+        const std::uint32_t edge = leaving ? face.corner.vertex : previous_of_three(face.corner.vertex);
+        const FaceEdges& edges = faces_[face.corner.face];
+        const double slope = static_cast<double>((above ? edges.above : edges.below)[edge]);
+        return (outward - (above ? slope : -slope) * normal) * (1 / (1 + slope));
+    }
+
+    /// Sets the order in which [first, last) are gone through: thirds of the way round, because opposite conditions
+    /// contradict each other soonest. In large fans random, so that no fan can make every condition fail in turn.
+    void order(std::size_t first, std::size_t last) {
+        const std::size_t count = last - first;
+        const std::size_t third = (count + 2) / 3;
+        order_.clear();
+        for (std::size_t start = 0; start < third; ++start)
+            for (std::size_t i = start; i < count; i += third) order_.push_back(first + i);
+        if (count <= large_fan) return;
+        std::uint64_t random = 1;
+        for (std::size_t i = count - 1; i > 0; --i) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            std::swap(order_[i], order_[(random >> 33) % (i + 1)]);
+        }
+    }
+
+    const Mesh& mesh_;
+    std::span<const Triangle> triangles_;
+    std::span<const TriangleFrame> frames_;
+    std::span<const FaceEdges> faces_;
+    const OneRings& rings_;
+    double per_voxel_;  // only the directions of what it scales are used
+    double margin_;
+
+    VertexFans fans_;
+    std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<std::size_t> order_;
+    ConeSearch search_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> triangles,
+                                    std::span<const TriangleFrame> frames, std::span<const FaceEdges> faces,
+                                    const OneRings& rings, const LatticeView& lattice, double half_width,
+                                    double slack) {
+    // A direction rejected by less than this lies within a quarter of the slack of the polyhedron (METHOD,
+    // section 8.2).
+    const double margin = slack / (4 * std::max(half_width, 1.0));
+    tbb::enumerable_thread_specific<GapTest> test_of_thread(
+        [&] { return GapTest(mesh, triangles, frames, faces, rings, lattice, margin); });
+    std::vector<std::uint8_t> marks(rings.vertex_count());
+    for_each_range(marks.size(), [&](std::size_t begin, std::size_t end) {
+        GapTest& test = test_of_thread.local();
+        for (std::size_t vertex = begin; vertex != end; ++vertex) marks[vertex] = test(vertex);
+    });
+    return marks;
+}
+
+}  // namespace clsdf::polyhedra

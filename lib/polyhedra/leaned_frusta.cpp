@@ -1,0 +1,56 @@
+#include "polyhedra/leaned_frusta.hpp"
+
+#include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/gaps.hpp"
+#include "polyhedra/morton_order.hpp"
+#include "polyhedra/one_rings.hpp"
+#include "polyhedra/pack.hpp"
+#include "polyhedra/parallel.hpp"
+#include "polyhedra/point_site.hpp"
+#include "polyhedra/triangle_frame.hpp"
+
+#include <algorithm>
+
+namespace clsdf::polyhedra {
+
+LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
+                           const LeanedFrustaOptions& options) {
+    const std::vector<std::uint32_t> order = morton_order(mesh);
+    const std::size_t count = order.size();
+    std::vector<Triangle> triangles(count);
+    std::vector<TriangleFrame> frames(count);
+    for_each_index(count, [&](std::size_t face) {
+        const Triangle& triangle = triangles[face] = mesh.triangles()[order[face]];
+        const std::vector<Vec3>& vertices = mesh.vertices();
+        frames[face] = triangle_frame({vertices[triangle[0]], vertices[triangle[1]], vertices[triangle[2]]}, lattice);
+    });
+
+    const OneRings rings(triangles, mesh.vertices().size());
+    const float open = open_slope(half_width, slack);
+    std::vector<FaceEdges> faces = edge_slopes(mesh, triangles, frames, rings, open);
+    if (options.lean) for_each_index(count, [&](std::size_t face) { lean(frames[face], faces[face]); });
+    const std::vector<std::uint8_t> marks =
+        find_gaps(mesh, triangles, frames, faces, rings, lattice, half_width, slack);
+
+    LeanedFrusta result;
+    std::vector<std::size_t> gaps;
+    for (std::size_t vertex = 0; vertex < marks.size(); ++vertex) {
+        if (marks[vertex] & vertex_saddle) ++result.saddle_vertices;
+        if ((marks[vertex] & vertex_gap) && options.point_sites) gaps.push_back(vertex);
+    }
+    result.point_sites = gaps.size();
+    result.boxes = static_cast<std::size_t>(
+        std::count_if(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; }));
+
+    result.polyhedra.resize(count + gaps.size());
+    for_each_index(count, [&](std::size_t face) {
+        result.polyhedra[face] = pack(frames[face], faces[face], order[face], lattice);
+    });
+    for_each_index(gaps.size(), [&](std::size_t i) {
+        const PointSite site = point_site(mesh, triangles, order, rings, gaps[i], lattice, open);
+        result.polyhedra[count + i] = pack(site.frame, site.edges, order[site.face], lattice);
+    });
+    return result;
+}
+
+}  // namespace clsdf::polyhedra

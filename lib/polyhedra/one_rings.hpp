@@ -1,0 +1,53 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// A corner of a triangle, and the edge of the triangle that begins there.
+struct Corner {
+    std::uint32_t face;    ///< place of the triangle in the list
+    std::uint32_t vertex;  ///< which of its vertices, 0 to 2
+
+    std::uint32_t packed() const { return face << 2 | vertex; }
+    static Corner unpack(std::uint32_t packed) { return {packed >> 2, packed & 3}; }
+};
+
+constexpr std::uint32_t next_of_three(std::uint32_t k) {
+    return k == 2 ? 0 : k + 1;
+}
+constexpr std::uint32_t previous_of_three(std::uint32_t k) {
+    return k == 0 ? 2 : k - 1;
+}
+
+/// The corners that meet at each vertex, by face.
+class OneRings {
+public:
+    /// Throws Error(unsupported) for 2^30 triangles or more.
+    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
+
+    std::size_t vertex_count() const { return start_.size() - 1; }
+
+    std::size_t size(std::size_t vertex) const { return start_[vertex + 1] - start_[vertex]; }
+
+    Corner corner(std::size_t vertex, std::size_t i) const { return Corner::unpack(corners_[start_[vertex] + i]); }
+
+    /// The i of a corner at the vertex.
+    std::size_t place(std::size_t vertex, const Corner& corner) const {
+        const auto begin = corners_.begin() + start_[vertex];
+        const auto end = corners_.begin() + start_[vertex + 1];
+        return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
+    }
+
+private:
+    std::vector<std::uint32_t> start_;    // of each vertex in corners_, and the end of the last
+    std::vector<std::uint32_t> corners_;  // packed
+};
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,106 @@
+#include "polyhedra/triangle_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clsdf::polyhedra {
+
+namespace {
+
+constexpr double sliver = 1e-8;
+constexpr double vanishing = 1e-100;  // voxels; squares of shorter lengths leave the range of double
+constexpr std::size_t right = CLSDF_HALF_RIGHT;
+constexpr std::size_t left = CLSDF_HALF_LEFT;
+
+/// Differences are taken before positions are brought to voxels: a small triangle far from the lattice's origin keeps
+/// its shape to the last bit of the coordinates given.
+Vector difference(const Vec3& to, const Vec3& from, double voxel) {
+    return Vector{to[0] - from[0], to[1] - from[1], to[2] - from[2]} / voxel;
+}
+
+void set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
+    const double length = std::sqrt(frame.base[half] * frame.base[half] + altitude * altitude);
+    frame.slanted[half] = length;
+    frame.normal_along[half] = length > 0 ? altitude / length : 0;
+    frame.normal_across[half] = length > 0 ? frame.base[half] / length : 1;
+}
+
+void set_equilateral_normals(TriangleFrame& frame) {
+    frame.normal_along = {std::sqrt(0.75), std::sqrt(0.75)};
+    frame.normal_across = {0.5, 0.5};
+}
+
+}  // namespace
+
+Vector TriangleFrame::inward(std::uint32_t k) const {
+    switch (polyhedron_edge(k)) {
+        case CLSDF_EDGE_BASE:
+            return across;
+        case CLSDF_EDGE_RIGHT:
+            return -normal_along[right] * along - normal_across[right] * across;
+        default:
+            return normal_along[left] * along - normal_across[left] * across;
+    }
+}
+
+TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
+    const std::array<Vector, 3> edges{difference(corners[1], corners[0], lattice.voxel),
+                                      difference(corners[2], corners[1], lattice.voxel),
+                                      difference(corners[0], corners[2], lattice.voxel)};
+    const std::array<double, 3> squared{edges[0].squaredNorm(), edges[1].squaredNorm(), edges[2].squaredNorm()};
+    std::uint32_t base = squared[0] >= squared[1] ? 0 : 1;
+    if (squared[2] > squared[base]) base = 2;
+    const std::uint32_t to_apex = base == 2 ? 0 : base + 1;
+    const std::uint32_t from_apex = base == 0 ? 2 : base - 1;
+
+    TriangleFrame frame;
+    frame.base_edge = base;
+    double length = std::sqrt(squared[base]);
+    if (!(length > vanishing)) length = 0;
+    frame.along = length > 0 ? Vector(edges[base] / length) : Vector::UnitX();
+
+    // Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
+    frame.base[right] = std::max(0.0, -edges[to_apex].dot(frame.along));
+    frame.base[left] = std::max(0.0, -edges[from_apex].dot(frame.along));
+    const bool right_is_nearer = squared[to_apex] <= squared[from_apex];
+    const Vector apex = right_is_nearer ? edges[to_apex] : Vector(-edges[from_apex]);
+    Vector altitude = apex - apex.dot(frame.along) * frame.along;
+    altitude -= altitude.dot(frame.along) * frame.along;
+    double height = altitude.norm();
+    frame.is_box = !(height > sliver * length);
+    if (height > 0) {
+        frame.across = altitude / height;
+        frame.across = (frame.across - frame.across.dot(frame.along) * frame.along).normalized();
+    }
+    if (!(height > 0) || !(std::abs(frame.across.dot(frame.along)) < 1e-12)) {
+        height = 0;
+        frame.across = any_perpendicular(frame.along);
+    }
+    frame.normal = frame.along.cross(frame.across);
+
+    set_slanted_edge(frame, right, height);
+    set_slanted_edge(frame, left, height);
+    if (!(length > 0)) set_equilateral_normals(frame);
+
+    const Vec3& near_end = corners[right_is_nearer ? to_apex : base];
+    const Vec3& origin = lattice.origin;
+    frame.foot = difference(near_end, origin, lattice.voxel) +
+                 (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
+    return frame;
+}
+
+TriangleFrame point_frame(const Vector& position, const Vector& normal) {
+    TriangleFrame frame;
+    frame.normal = normal;
+    frame.along = any_perpendicular(normal);
+    frame.across = normal.cross(frame.along);
+    frame.foot = position;
+    frame.base = {0, 0};
+    frame.slanted = {0, 0};
+    set_equilateral_normals(frame);
+    frame.base_edge = 0;
+    frame.is_box = false;
+    return frame;
+}
+
+}  // namespace clsdf::polyhedra

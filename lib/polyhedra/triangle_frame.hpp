@@ -1,0 +1,44 @@
+#pragma once
+
+#include "polyhedra/leaned_frusta.hpp"
+#include "polyhedra/vector.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace clsdf::polyhedra {
+
+/// The frame of kernels/polyhedron.h in double precision, in voxels.
+struct TriangleFrame {
+    Vector along;   ///< X, along the longest edge: the base
+    Vector across;  ///< Y, from the base to the apex
+    Vector normal;  ///< Z
+    Vector foot;    ///< of the altitude, from the lattice's sample (0, 0, 0)
+
+    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT):
+    std::array<double, 2> base;           ///< from the foot to the end of the base
+    std::array<double, 2> slanted;        ///< length of the slanted edge
+    std::array<double, 2> normal_along;   ///< components of the slanted edge's outward normal,
+    std::array<double, 2> normal_across;  ///< along X away from the foot and along Y
+
+    std::uint32_t base_edge;  ///< 0 to 2; edge k of the triangle runs from its vertex k to the next
+    bool is_box;              ///< so degenerate that its lateral planes are left out: all its slopes are open
+
+    double base_length() const { return base[0] + base[1]; }
+    double altitude() const { return normal_along[CLSDF_HALF_RIGHT] * slanted[CLSDF_HALF_RIGHT]; }
+
+    /// Index of edge k of the triangle in the polyhedron: CLSDF_EDGE_BASE, _RIGHT or _LEFT.
+    std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
+
+    /// Unit vector in the plane, perpendicular to edge k of the triangle, into the triangle.
+    Vector inward(std::uint32_t k) const;
+};
+
+/// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
+/// a segment the base is the segment, of a point everything has length zero.
+TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice);
+
+/// The frame of an equilateral triangle that has shrunk to the point at `position` voxels.
+TriangleFrame point_frame(const Vector& position, const Vector& normal);
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,64 @@
+#include "ray_counter.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/reference.hpp>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace clsdf::reference {
+
+namespace {
+
+void require_finite(const Vec3& query) {
+    if (!std::isfinite(query[0]) || !std::isfinite(query[1]) || !std::isfinite(query[2])) {
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("the point ({}, {}, {}) is not finite: ask for a finite one", query[0], query[1], query[2]));
+    }
+}
+
+}  // namespace
+
+struct Oracle::State {
+    explicit State(const Mesh& given) : mesh(given), tree(mesh), rays(tree) {}
+
+    Mesh mesh;
+    TriangleTree tree;
+    RayCounter rays;
+};
+
+Oracle::Oracle(const Mesh& mesh) : state_(std::make_unique<State>(mesh)) {}
+Oracle::Oracle(Oracle&&) noexcept = default;
+Oracle& Oracle::operator=(Oracle&&) noexcept = default;
+Oracle::~Oracle() = default;
+
+Nearest Oracle::nearest(const Vec3& query) const {
+    require_finite(query);
+    return *state_->tree.nearest({query, {}});
+}
+
+std::optional<Nearest> Oracle::nearest_within(const Vec3& query, double bound) const {
+    require_finite(query);
+    return state_->tree.nearest({query, {}}, bound);
+}
+
+std::optional<int> Oracle::winding_number(const Vec3& query) const {
+    const std::optional<RayCount> count = count_along_row({query.data(), 1}, query[1], query[2]).front();
+    return count ? std::optional(count->winding) : std::nullopt;
+}
+
+std::optional<int> Oracle::crossings(const Vec3& query) const {
+    const std::optional<RayCount> count = count_along_row({query.data(), 1}, query[1], query[2]).front();
+    return count ? std::optional(count->crossings) : std::nullopt;
+}
+
+std::vector<std::optional<RayCount>> Oracle::count_along_row(std::span<const double> x, double y, double z) const {
+    for (const double at : x) {
+        require_finite({at, y, z});
+    }
+    return state_->rays.count_along_row(x, y, z);
+}
+
+}  // namespace clsdf::reference

@@ -1,0 +1,174 @@
+#include "triangle_frame.hpp"
+
+#include "exact_line.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clsdf::reference {
+
+namespace {
+
+using Wide = long double;
+using WideVector = Eigen::Matrix<Wide, 3, 1>;
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// Below this ratio of height to longest edge a triangle is not told from its edges in double precision.
+constexpr Wide degenerate_ratio = 4 * std::numeric_limits<double>::epsilon();
+
+WideVector difference(const Vec3& to, const Vec3& from) {
+    return {Wide{to[0]} - Wide{from[0]}, Wide{to[1]} - Wide{from[1]}, Wide{to[2]} - Wide{from[2]}};
+}
+
+/// The norm without overflow or underflow of the squares.
+template <typename Scalar>
+Scalar stable_norm(const Eigen::Matrix<Scalar, 3, 1>& vector) {
+    const Scalar largest = vector.cwiseAbs().maxCoeff();
+    if (largest > Scalar{1e-140} && largest < Scalar{1e140}) {
+        return std::sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+    }
+    if (largest == 0 || !std::isfinite(largest)) {
+        return largest;
+    }
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    const Eigen::Matrix<Scalar, 3, 1> scaled =
+        vector.unaryExpr([exponent](Scalar component) { return std::ldexp(component, -exponent); });
+    return std::ldexp(scaled.norm(), exponent);
+}
+
+Vec3 translated(const Vec3& point, const Eigen::Vector3d& by) {
+    return {point[0] + by[0], point[1] + by[1], point[2] + by[2]};
+}
+
+Site edge_site(std::size_t one, std::size_t other) {
+    const std::size_t sum = one + other;  // edge k runs from vertex k to vertex k + 1
+    return sum == 1 ? Site::edge0 : sum == 3 ? Site::edge1 : Site::edge2;
+}
+
+bool is_better(double distance, Site site, const TriangleFrame::Closest& best) {
+    return distance < best.distance || (distance == best.distance && site < best.site);
+}
+
+}  // namespace
+
+TriangleFrame::TriangleFrame(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3 given[3] = {a, b, c};
+    std::size_t order[3] = {0, 1, 2};
+    std::stable_sort(order, order + 3, [&](std::size_t left, std::size_t right) { return given[left] < given[right]; });
+    for (std::size_t i = 0; i < 3; ++i) {
+        vertices_[i] = given[order[i]];
+        vertex_sites_[i] = static_cast<Site>(order[i]);
+    }
+
+    constexpr unsigned char ends[3][2] = {{0, 1}, {1, 2}, {0, 2}};
+    WideVector directions[3];
+    Wide lengths[3];
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto [from, to] = ends[i];
+        const WideVector along = difference(vertices_[to], vertices_[from]);
+        lengths[i] = stable_norm(along);
+        directions[i] = lengths[i] > 0 ? WideVector(along / lengths[i]) : WideVector(WideVector::Zero());
+        edges_[i] = {from, to, edge_site(order[from], order[to]), directions[i].cast<double>(),
+                     static_cast<double>(lengths[i])};
+    }
+
+    // The altitude over the longest edge, then the cross product with that edge: the normal is perpendicular to it to
+    // the last bit, however thin the triangle is, and what error is left turns the frame about that edge.
+    const std::size_t longest = static_cast<std::size_t>(std::max_element(lengths, lengths + 3) - lengths);
+    const std::size_t opposite = 3U - ends[longest][0] - ends[longest][1];
+    WideVector altitude = difference(vertices_[opposite], vertices_[ends[longest][0]]);
+    altitude -= altitude.dot(directions[longest]) * directions[longest];
+    const Wide height = stable_norm(altitude);
+    degenerate_ = !(height > degenerate_ratio * lengths[longest]);
+    normal_.setZero();
+    for (Eigen::Vector3d& outward : outward_) {
+        outward.setZero();
+    }
+    if (degenerate_) {
+        return;
+    }
+    const WideVector normal = directions[longest].cross(altitude / height).normalized();
+    normal_ = normal.cast<double>();
+    for (std::size_t i = 0; i < 3; ++i) {
+        WideVector outward = directions[i].cross(normal).normalized();
+        const std::size_t inner = 3U - ends[i][0] - ends[i][1];
+        if (outward.dot(difference(vertices_[inner], vertices_[ends[i][0]])) > 0) {
+            outward = -outward;
+        }
+        outward_[i] = outward.cast<double>();
+    }
+}
+
+Eigen::Vector3d TriangleFrame::offset(const ExactPosition& query, std::size_t vertex) const {
+    const Vec3& v = vertices_[vertex];
+    return {(query.head[0] - v[0]) + query.tail[0], (query.head[1] - v[1]) + query.tail[1],
+            (query.head[2] - v[2]) + query.tail[2]};
+}
+
+double TriangleFrame::height_bound(const ExactPosition& query) const {
+    const Eigen::Vector3d from = offset(query, 0);
+    return std::fabs(normal_.dot(from)) - 4 * epsilon * from.lpNorm<1>();
+}
+
+void TriangleFrame::consider_vertex(const Eigen::Vector3d* offsets, std::size_t vertex, Closest& best) const {
+    const double distance = stable_norm<double>(offsets[vertex]);
+    if (is_better(distance, vertex_sites_[vertex], best)) {
+        best = {distance, vertex_sites_[vertex], vertices_[vertex]};
+    }
+}
+
+void TriangleFrame::consider_edge(const Eigen::Vector3d* offsets, const Edge& edge, Closest& best) const {
+    const double along = edge.direction.dot(offsets[edge.from]);
+    const double beyond = edge.direction.dot(offsets[edge.to]);  // negative before the edge's end
+    const bool at_start = along <= 4 * epsilon * offsets[edge.from].lpNorm<1>();
+    const bool at_end = beyond >= -4 * epsilon * offsets[edge.to].lpNorm<1>();
+    if (at_start) {
+        consider_vertex(offsets, edge.from, best);
+    }
+    if (at_end) {
+        consider_vertex(offsets, edge.to, best);
+    }
+    if (at_start || at_end) {
+        return;
+    }
+    // From the nearer end: the rounding grows with the way from there.
+    const std::size_t base = along <= -beyond ? edge.from : edge.to;
+    const Eigen::Vector3d foot = (along <= -beyond ? along : beyond) * edge.direction;
+    const double distance = stable_norm<double>(offsets[base] - foot);
+    if (is_better(distance, edge.site, best)) {
+        best = {distance, edge.site, translated(vertices_[base], foot)};
+    }
+}
+
+TriangleFrame::Closest TriangleFrame::closest(const ExactPosition& query) const {
+    const Eigen::Vector3d offsets[3] = {offset(query, 0), offset(query, 1), offset(query, 2)};
+    Closest best{std::numeric_limits<double>::infinity(), Site::face, {}};
+    bool over_the_face = !degenerate_;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Eigen::Vector3d& from = offsets[edges_[i].from];
+        if (degenerate_ || outward_[i].dot(from) >= -4 * epsilon * from.lpNorm<1>()) {
+            over_the_face = false;
+            consider_edge(offsets, edges_[i], best);
+        }
+    }
+    if (over_the_face) {
+        const double height = normal_.dot(offsets[0]);
+        const Eigen::Vector3d foot = offsets[0] - height * normal_;
+        best = {std::fabs(height), Site::face, translated(vertices_[0], foot)};
+    }
+    // A point on the triangle has the distance 0 and no rounding of it.
+    const double rounding = 8 * epsilon * offsets[0].cwiseAbs().cwiseMax(offsets[1].cwiseAbs()).lpNorm<1>();
+    if (best.distance <= rounding && query.rounding() == 0 &&
+        lies_on({vertices_[0], vertices_[1], vertices_[2]}, query.head)) {
+        best.distance = 0;
+        best.point = query.head;
+    }
+    return best;
+}
+
+}  // namespace clsdf::reference

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "exact_position.hpp"
+
+#include <clsdf/reference.hpp>
+
+#include <Eigen/Core>
+
+namespace clsdf::reference {
+
+/// A triangle with the frame in which the distance to it is evaluated: its unit normal and its edges' unit directions.
+/// With s the height over the face and r_i the distances beyond the edges, the nearest point of a convex polygon lies
+/// on its face where every r_i < 0, and else on an edge that is visible (r_i >= 0). Unlike barycentric coordinates,
+/// none of these divides by the triangle's area.
+///
+/// Vertices are kept in lexicographic order and edges run from the lower to the higher one, so that triangles which
+/// share an edge or a vertex return the same bits for it, and equal distances are seen as equal.
+class TriangleFrame {
+public:
+    TriangleFrame() = default;
+    TriangleFrame(const Vec3& a, const Vec3& b, const Vec3& c);
+
+    struct Closest {
+        double distance;
+        Site site;  ///< in the order of the caller's vertices
+        Vec3 point;
+    };
+
+    /// Sites are decided within the rounding of double: what is nearer to a border than that belongs to the border, so
+    /// that ties go to the vertex before the edge before the face.
+    Closest closest(const ExactPosition& query) const;
+
+    /// A lower bound of the distance, less its own rounding, that costs one product; 0 for a degenerate triangle.
+    double height_bound(const ExactPosition& query) const;
+
+private:
+    struct Edge {
+        unsigned char from, to;  ///< vertices of this frame
+        Site site;
+        Eigen::Vector3d direction;
+        double length;
+    };
+
+    Eigen::Vector3d offset(const ExactPosition& query, std::size_t vertex) const;
+    void consider_vertex(const Eigen::Vector3d* offsets, std::size_t vertex, Closest& best) const;
+    void consider_edge(const Eigen::Vector3d* offsets, const Edge& edge, Closest& best) const;
+
+    Vec3 vertices_[3];
+    Site vertex_sites_[3];
+    Edge edges_[3];
+    Eigen::Vector3d normal_;
+    Eigen::Vector3d outward_[3];  ///< in-plane unit normals of the edges
+    bool degenerate_;             ///< without a normal: its edges are all there is
+};
+
+}  // namespace clsdf::reference

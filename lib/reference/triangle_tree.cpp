@@ -1,0 +1,208 @@
+#include "triangle_tree.hpp"
+
+#include "triangle_frame.hpp"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/Simple_cartesian.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cmath>
+#include <utility>
+
+namespace clsdf::reference {
+
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+
+/// What the tree holds of a triangle: its index, and where to find it.
+class Primitive {
+public:
+    using Id = std::uint32_t;
+    using Point = Kernel::Point_3;
+    using Datum = Kernel::Triangle_3;
+
+    Primitive() = default;
+    Primitive(const Mesh& mesh, Id id) : mesh_(&mesh), id_(id) {}
+
+    Id id() const { return id_; }
+    Point reference_point() const { return corner(0); }
+    Datum datum() const { return {corner(0), corner(1), corner(2)}; }
+
+private:
+    Point corner(std::size_t index) const {
+        const Vec3& vertex = mesh_->vertices()[mesh_->triangles()[id_][index]];
+        return {vertex[0], vertex[1], vertex[2]};
+    }
+
+    const Mesh* mesh_ = nullptr;
+    Id id_ = 0;
+};
+
+using Traits = CGAL::AABB_traits<Kernel, Primitive>;
+using Tree = CGAL::AABB_tree<Traits>;
+using Node = CGAL::AABB_node<Traits>;
+
+double gap(double value, double lower, double upper) {
+    return value < lower ? lower - value : (value > upper ? value - upper : 0);
+}
+
+double squared_distance_to_box(const ExactPosition& query, const CGAL::Bbox_3& box) {
+    const double x = gap(query.head[0], box.xmin(), box.xmax());
+    const double y = gap(query.head[1], box.ymin(), box.ymax());
+    const double z = gap(query.head[2], box.zmin(), box.zmax());
+    return x * x + y * y + z * z;
+}
+
+/// CGAL's traversal by priority: the nearer box first, boxes beyond the best distance so far not at all.
+class NearestTraversal {
+public:
+    using Priority = double;
+
+    NearestTraversal(const std::vector<TriangleFrame>& frames, const std::vector<std::uint32_t>& slots,
+                     const ExactPosition& query, double extent, double bound)
+        : frames_(frames),
+          slots_(slots),
+          slack_(8 * std::numeric_limits<double>::epsilon() * extent + 2 * query.rounding()) {
+        set_bound(bound);
+    }
+
+    bool go_further() const { return true; }
+
+    bool do_intersect(const ExactPosition& query, const Node& node) const {
+        return squared_distance_to_box(query, node.bbox()) <= squared_bound_;
+    }
+
+    std::pair<bool, Priority> do_intersect_with_priority(const ExactPosition& query, const Node& node) const {
+        const double squared = squared_distance_to_box(query, node.bbox());
+        return {squared <= squared_bound_, -squared};
+    }
+
+    void intersection(const ExactPosition& query, const Primitive& primitive) {
+        const std::uint32_t index = primitive.id();
+        const TriangleFrame& frame = frames_[slots_[index]];
+        if (frame.height_bound(query) > bound_) {
+            return;
+        }
+        const TriangleFrame::Closest closest = frame.closest(query);
+        if (closest.distance < bound_ || (closest.distance == bound_ && (!found_ || index < nearest_.triangle))) {
+            found_ = true;
+            nearest_ = {closest.distance, index, closest.site, closest.point};
+            set_bound(closest.distance);
+        }
+    }
+
+    std::optional<Nearest> result() const { return found_ ? std::optional(nearest_) : std::nullopt; }
+
+private:
+    // A box as far as the bound may hold a triangle that is as near as the best one and has a lower index; the slack
+    // covers the rounding of both distances, and the last summand what squares lose where they underflow.
+    void set_bound(double bound) {
+        bound_ = bound;
+        const double widened = bound * (1 + 16 * std::numeric_limits<double>::epsilon()) + slack_;
+        squared_bound_ = widened * widened + std::numeric_limits<double>::min();
+    }
+
+    const std::vector<TriangleFrame>& frames_;
+    const std::vector<std::uint32_t>& slots_;
+    double slack_;
+    double bound_ = 0;
+    double squared_bound_ = 0;
+    bool found_ = false;
+    Nearest nearest_;
+};
+
+/// The triangles in the order in which the tree's leaves lie.
+class LeafOrder {
+public:
+    bool go_further() const { return true; }
+    bool do_intersect(int, const Node&) const { return true; }
+    void intersection(int, const Primitive& primitive) { triangles.push_back(primitive.id()); }
+
+    std::vector<std::uint32_t> triangles;
+};
+
+struct RayQuery {
+    double x, y, z;
+};
+
+class RayTraversal {
+public:
+    explicit RayTraversal(std::vector<std::uint32_t>& triangles) : triangles_(triangles) {}
+
+    bool go_further() const { return true; }
+
+    bool do_intersect(const RayQuery& ray, const Node& node) const { return meets(ray, node.bbox()); }
+
+    void intersection(const RayQuery& ray, const Primitive& primitive) {
+        if (meets(ray, primitive.datum().bbox())) {
+            triangles_.push_back(primitive.id());
+        }
+    }
+
+private:
+    static bool meets(const RayQuery& ray, const CGAL::Bbox_3& box) {
+        return ray.x <= box.xmax() && box.ymin() <= ray.y && ray.y <= box.ymax() && box.zmin() <= ray.z &&
+               ray.z <= box.zmax();
+    }
+
+    std::vector<std::uint32_t>& triangles_;
+};
+
+}  // namespace
+
+struct TriangleTree::State {
+    const Mesh& mesh;
+    Tree tree;
+    std::vector<TriangleFrame> frames;  ///< in the order of the leaves: what is read together lies together
+    std::vector<std::uint32_t> slots;   ///< where a triangle's frame is
+    double extent = 0;
+};
+
+TriangleTree::TriangleTree(const Mesh& mesh) : state_(new State{mesh, {}, {}, {}}) {
+    const auto count = static_cast<std::uint32_t>(mesh.triangles().size());
+    for (std::uint32_t index = 0; index < count; ++index) {
+        state_->tree.insert(Primitive(mesh, index));
+    }
+    // Now, not at the first query: queries come from several threads.
+    state_->tree.build();
+    LeafOrder order;
+    state_->tree.traversal(0, order);
+
+    state_->frames.resize(count);
+    state_->slots.resize(count);
+    oneapi::tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t slot) {
+        const std::uint32_t index = order.triangles[slot];
+        const Triangle& triangle = mesh.triangles()[index];
+        state_->slots[index] = slot;
+        state_->frames[slot] =
+            TriangleFrame(mesh.vertices()[triangle[0]], mesh.vertices()[triangle[1]], mesh.vertices()[triangle[2]]);
+    });
+    const Vec3 extent = mesh.box().extent();
+    state_->extent = extent[0] + extent[1] + extent[2];
+}
+
+TriangleTree::~TriangleTree() = default;
+
+std::optional<Nearest> TriangleTree::nearest(const ExactPosition& query, double bound) const {
+    NearestTraversal traversal(state_->frames, state_->slots, query, state_->extent, bound);
+    state_->tree.traversal_with_priority(query, traversal);
+    return traversal.result();
+}
+
+double TriangleTree::distance_to(std::uint32_t triangle, const ExactPosition& query) const {
+    return state_->frames[state_->slots[triangle]].closest(query).distance;
+}
+
+void TriangleTree::meet_ray(double x, double y, double z, std::vector<std::uint32_t>& triangles) const {
+    triangles.clear();
+    RayTraversal traversal(triangles);
+    state_->tree.traversal(RayQuery{x, y, z}, traversal);
+}
+
+const Mesh& TriangleTree::mesh() const {
+    return state_->mesh;
+}
+
+}  // namespace clsdf::reference

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "exact_position.hpp"
+#include "ray_counter.hpp"
+#include "triangle_tree.hpp"
+
+#include <clsdf/field.hpp>
+
+namespace clsdf::reference {
+
+/// What is true at one sample.
+struct TrueSample {
+    double distance = 0;  ///< unsigned; infinite where it is beyond the reach
+    std::uint32_t triangle = no_triangle;
+    bool inside = false;
+    bool on_surface = false;  ///< of the double nearest to the sample, to which the sign belongs
+    double rounding = 0;  ///< how far the sample may be from that double; its sign is uncertain that near the surface
+
+    double signed_distance() const { return inside ? -distance : distance; }
+};
+
+/// The truth at the samples of a grid. Constant functions may be called from several threads at once.
+class TrueSamples {
+public:
+    /// Distances beyond `reach` are not needed. The mesh must outlive this. The rule is resolved against the mesh.
+    TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, double reach);
+
+    SignRule sign() const { return sign_; }
+    bool is_signed() const { return sign_ != SignRule::none; }
+    const TriangleTree& tree() const { return tree_; }
+
+    TrueSample at(const Index3& sample) const;
+
+    /// All samples (i, j, k) of one row, i = 0 ... size - 1.
+    void row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& samples) const;
+
+    double distance_to(std::uint32_t triangle, const Index3& sample) const {
+        return tree_.distance_to(triangle, exact_position(grid_, sample));
+    }
+
+private:
+    void measure(const ExactPosition& position, double bound, TrueSample& sample) const;
+    void take_sign(const std::optional<RayCount>& count, TrueSample& sample) const;
+
+    Grid grid_;
+    SignRule sign_;
+    double reach_;
+    TriangleTree tree_;
+    RayCounter rays_;
+};
+
+/// The half width that a sample's side of the surface has.
+inline double half_width(const Band& band, bool is_signed, bool inside) {
+    return is_signed && inside ? band.inside : band.outside;
+}
+
+/// The largest distance a sample of the band can have.
+inline double widest(const Band& band, bool is_signed) {
+    return is_signed ? band.widest() : band.outside;
+}
+
+}  // namespace clsdf::reference

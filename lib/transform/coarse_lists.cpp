@@ -1,0 +1,84 @@
+#include "transform/coarse_lists.hpp"
+
+#include "transform/layout_of.hpp"
+#include "transform/programs.hpp"
+#include "transform/scan.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace clsdf::transform {
+
+namespace {
+
+// Surface points that the coarse bounds look at, at most: they need not be tight.
+constexpr std::size_t cap_points = 20000;
+
+void bound_coarse_bricks(device::Context& context, const Programs& programs, const Layout& layout,
+                         const cl::Buffer& polyhedra, std::size_t polyhedron_count, const cl::Buffer& caps,
+                         std::size_t bricks) {
+    // In a narrow band no coarse bound is below the half width.
+    if (layout.half_width <= 2 * layout.coarse_radius) {
+        context.queue().enqueueFillBuffer(caps, layout.half_width, 0, bricks * sizeof(float));
+        return;
+    }
+    cl::Kernel kernel(programs.coarse_lists, "coarse_caps");
+    kernel.setArg(0, layout);
+    kernel.setArg(1, static_cast<cl_uint>(polyhedron_count));
+    kernel.setArg(2, static_cast<cl_uint>(std::max<std::size_t>(1, polyhedron_count / cap_points)));
+    kernel.setArg(3, polyhedra);
+    kernel.setArg(4, caps);
+    context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(bricks));
+}
+
+}  // namespace
+
+CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
+                              const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                              const cl::Buffer& polyhedra, std::size_t polyhedron_count) {
+    return device::guarded([&] {
+        const cl::CommandQueue& queue = context.queue();
+        const std::size_t bricks = coarse_brick_count(layout);
+        CoarseLists lists;
+        lists.parts = programs.parallel_parts(context, bricks);
+        const std::size_t counters = bricks * lists.parts;
+        lists.caps = pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
+        bound_coarse_bricks(context, programs, layout, polyhedra, polyhedron_count, *lists.caps, bricks);
+
+        const auto counts = pool->lease(counters * sizeof(cl_uint), "counts of the coarse lists");
+        cl::Kernel kernel(programs.coarse_lists, "coarse_lists");
+        kernel.setArg(0, layout);
+        kernel.setArg(1, static_cast<cl_uint>(polyhedron_count));
+        kernel.setArg(2, polyhedra);
+        kernel.setArg(3, *lists.caps);
+        kernel.setArg(4, *counts);
+        kernel.setArg(5, *counts);  // no entries yet
+        kernel.setArg(6, cl_int{0});
+        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(programs.part_group()));
+
+        lists.starts = pool->lease((counters + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        lists.pairs = scan(context, programs.scan, pool, *counts, *lists.starts, counters,
+                           "pairs of a triangle and a coarse brick");
+        lists.entries = pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
+
+        queue.enqueueCopyBuffer(*lists.starts, *counts, 0, 0, counters * sizeof(cl_uint));
+        kernel.setArg(5, *lists.entries);
+        kernel.setArg(6, cl_int{1});
+        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(programs.part_group()));
+
+        std::vector<cl_uint> starts(counters + 1);
+        queue.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
+        const auto length = [&](cl_uint brick) {
+            return starts[(std::size_t{brick} + 1) * lists.parts] - starts[std::size_t{brick} * lists.parts];
+        };
+        for (cl_uint brick = 0; brick < bricks; ++brick)
+            if (length(brick) > 0) lists.order.push_back(brick);
+        std::stable_sort(lists.order.begin(), lists.order.end(),
+                         [&](cl_uint a, cl_uint b) { return length(a) > length(b); });
+        lists.lengths.reserve(lists.order.size());
+        for (const cl_uint brick : lists.order) lists.lengths.push_back(length(brick));
+        return lists;
+    });
+}
+
+}  // namespace clsdf::transform

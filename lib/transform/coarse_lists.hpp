@@ -1,0 +1,29 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "layout.h"
+
+#include <vector>
+
+namespace clsdf::transform {
+
+struct Programs;
+
+/// Which polyhedra touch which coarse bricks, on the device.
+struct CoarseLists {
+    device::BufferPool::Lease caps;     ///< float a coarse brick: an upper bound of its samples' distance
+    device::BufferPool::Lease starts;   ///< `parts` values a coarse brick: where its entries begin
+    device::BufferPool::Lease entries;  ///< numbers of polyhedra, ascending in each brick
+    std::size_t parts = 1;
+    std::size_t pairs = 0;
+
+    /// Coarse bricks with a list, the longest first, and the lists' lengths.
+    std::vector<cl_uint> order;
+    std::vector<cl_uint> lengths;
+};
+
+CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
+                              const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                              const cl::Buffer& polyhedra, std::size_t polyhedron_count);
+
+}  // namespace clsdf::transform

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <clsdf/band.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/sign.hpp>
+
+#include "layout.h"
+#include "polyhedra/leaned_frusta.hpp"
+
+#include <cstddef>
+
+namespace clsdf::transform {
+
+/// Where the bricks of a part of a lattice lie, and the band in voxels, as the kernels want them. Nothing but first,
+/// size and the ranges of bricks depends on the part. Throws Error(invalid_argument) where a number is out of the
+/// kernels' range.
+Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
+
+/// How polyhedra see the lattice.
+polyhedra::LatticeView lattice_of(const Grid& grid);
+
+/// The half width, in voxels, that the polyhedra are made for, and their slack. Frusta for an infinite band hold for
+/// every finite cap, because the slack of a test grows with its cap.
+struct PolyhedronWidths {
+    double half_width;
+    double slack;
+};
+PolyhedronWidths polyhedron_widths(const Layout& layout);
+
+std::size_t brick_count(const Layout& layout);
+std::size_t coarse_brick_count(const Layout& layout);
+/// Rows of sign bits: every row of samples of the part's bricks.
+std::size_t sign_row_count(const Layout& layout);
+
+}  // namespace clsdf::transform

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "transform/brick_kernel.hpp"
+#include "transform/prepared_mesh.hpp"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace clsdf {
+
+/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs.
+struct Plan::State {
+    State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
+          std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
+          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count);
+
+    /// As Plan::enqueue; `between_launches` (may be empty) is called with the fraction done before each launch.
+    cl::Event enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
+                      const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
+
+    /// Reads the counters of the last computation into the statistics, where it was asked for.
+    void read_counters();
+
+    Device device;
+    std::shared_ptr<device::BufferPool> pool;
+    std::shared_ptr<const transform::PreparedMesh> prepared;
+    Grid grid;
+    Band band;
+    SignRule sign;
+    Outputs outputs;
+    TransformStatistics statistics;
+
+private:
+    Layout layout_;
+    transform::CoarseLists lists_;
+    device::BufferPool::Lease sign_bits_;
+    device::BufferPool::Lease computed_;
+    std::unique_ptr<transform::BrickKernel> bricks_;
+    cl::Kernel fill_kernel_;
+};
+
+}  // namespace clsdf

@@ -1,0 +1,15 @@
+# A program of another project builds and runs against the library, in each of the ways there are to get at it.
+# A sanitized library is not one to install.
+if(NOT CLSDF_SANITIZE)
+  foreach(way find_package add_subdirectory pkg_config)
+    add_test(
+      NAME consumer_${way}
+      COMMAND
+        ${CMAKE_COMMAND} -DWAY=${way} -DCLSDF=${PROJECT_SOURCE_DIR} -DBUILD=${PROJECT_BINARY_DIR}
+        -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/consumer/${way} -DGENERATOR=${CMAKE_GENERATOR}
+        -DCOMPILER=${CMAKE_CXX_COMPILER} -DLAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+        -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+  endforeach()
+  # It compiles the library once more.
+  set_tests_properties(consumer_add_subdirectory PROPERTIES TIMEOUT 900)
+endif()
