@@ -267,7 +267,7 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
 }
 
 // Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's first.
-__kernel void bricks(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order, __global const uint* starts,
+__kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order, __global const uint* starts,
                      uint parts, __global const uint* entries, __global const float* coarse_caps,
                      __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global uchar* computed,
                      __global ulong* scratch_masks, __global uint* scratch_list, uint scratch_length, __global float* distance

@@ -16,8 +16,9 @@
 inline floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k) {
     const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
     const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
-    const floatL z = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z));
+    const floatL dz = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z_low));
     const floatL y = o.y + dy;
+    const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
 
     const intL right = o.x + dx >= 0.0f;
     const floatL away = right ? dx : -dx;

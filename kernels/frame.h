@@ -16,6 +16,7 @@
 // The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point.
 typedef struct Offsets {
     float x, y, z;
+    float z_low;                        // what z lacks: most samples' nearest site is a face, and their distance is |z|
     float beyond_right, beyond_left;              // X - base[right], -X - base[left]
     float outward_right, outward_left;            // distance outward from the line of a slanted edge
     float along_right, along_left;                // position along it, from the base to the apex
@@ -46,6 +47,7 @@ inline Offsets offsets_at(__global const Polyhedron* p, double x, double y, doub
     o.x = (float)frame.x;
     o.y = (float)frame.y;
     o.z = (float)frame.z;
+    o.z_low = (float)(frame.z - (double)o.z);
     o.beyond_right = (float)beyond_right;
     o.beyond_left = (float)beyond_left;
     o.outward_right = (float)(normal.x * beyond_right + normal.z * frame.y);

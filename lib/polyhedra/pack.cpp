@@ -8,10 +8,14 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// Stores x as the sum of two floats.
+/// Stores x as the sum of two floats. The high one is cut out of x by Veltkamp's product, because g++ 12 takes the
+/// float rounding out of x - static_cast<double>(static_cast<float>(x)) where it vectorizes two of them, and leaves 0.
 void split(double x, float& high, float& low) {
-    high = static_cast<float>(x);
-    low = static_cast<float>(x - static_cast<double>(high));
+    constexpr double shift = (1 << 29) + 1;  // of the 53 bits of a double, a float has 24
+    const double product = shift * x;
+    const double rounded = product - (product - x);
+    high = static_cast<float>(rounded);
+    low = static_cast<float>(x - rounded);
 }
 
 /// The nearest sample along an axis. Beyond the clamp the offset in the constants does the rest.

@@ -72,11 +72,6 @@ LineMeeting meet_line(const Corners& triangle, double y, double z) {
         }
         crosses = crosses && moved_turn(sign, from, to) == meeting.facing;
     }
-    if (meeting.facing == 0) {
-        // On the line through the projection; within it?
-        const auto [left, right] = std::minmax({corners[0], corners[1], corners[2]});
-        meeting.touches = left <= line && line <= right;
-    }
     meeting.crossing = crosses ? meeting.facing : 0;
     return meeting;
 }

@@ -159,7 +159,7 @@ void Judge::judge_distance(const Case& sample, Tally& tally) const {
             }
             return;
         case Case::Place::at_limit:
-            if (!(error <= 2 * allowed) && !is_fill) {
+            if (!(error <= allowed) && !is_fill) {
                 sample.report(tally, &CheckReport::wrong_values, "at the band's limit, with another distance");
             }
             return;

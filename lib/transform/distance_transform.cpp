@@ -27,7 +27,7 @@ struct DistanceTransform::State {
           mesh(std::move(mesh_in)),
           options(std::move(options_in)),
           topology(describe_topology(mesh)),
-          programs(device::guarded([&] { return transform::Programs(device.internal()); })),
+          programs(device::guarded([&] { return transform::Programs(device.internal(), options.body); })),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
         const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
         sign = resolved.rule;

@@ -20,9 +20,17 @@ struct Outputs {
     bool triangle = false;  ///< the nearest triangle of every sample in the band
 };
 
+/// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
+enum class KernelBody {
+    automatic,  ///< by_vector on processors, by_group elsewhere
+    by_vector,  ///< a work-item computes vectors of samples, one after the other: for processors
+    by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
+};
+
 /// Callbacks, and how the sign is decided.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
+    KernelBody body = KernelBody::automatic;
     std::function<void(double fraction)> progress;        ///< called between launches, from the calling thread
     std::function<void(const std::string& message)> log;  ///< warnings, e.g. that a mesh is open
     std::stop_token stop;                                 ///< looked at between launches; Error(cancelled)
