@@ -1,6 +1,5 @@
 #include "apps/process.hpp"
 
-#include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
 using clsdf::test::Outcome;
@@ -8,10 +7,10 @@ using clsdf::test::Process;
 using clsdf::test::run_command;
 using clsdf::test::TemporaryFolder;
 
-BOOST_AUTO_TEST_SUITE(an_interrupted_computation)
+namespace {
 
 // Some hundred milliseconds after the mesh has been read, the device is being set up or computes.
-BOOST_DATA_TEST_CASE(ends_soon_with_status_6_and_leaves_nothing, (std::vector<int>{SIGINT, SIGTERM}), signal) {
+void check_interrupted_by(int signal) {
     for (const int milliseconds : {0, 100, 500}) {
         BOOST_TEST_CONTEXT("interrupted after " << milliseconds << " ms") {
             const TemporaryFolder folder;
@@ -30,6 +29,18 @@ BOOST_DATA_TEST_CASE(ends_soon_with_status_6_and_leaves_nothing, (std::vector<in
             BOOST_TEST(folder.file_count() == 1U);
         }
     }
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(an_interrupted_computation)
+
+BOOST_AUTO_TEST_CASE(ends_soon_with_status_6_and_leaves_nothing) {
+    check_interrupted_by(SIGINT);
+}
+
+BOOST_AUTO_TEST_CASE(ends_the_same_way_when_it_is_told_to_terminate) {
+    check_interrupted_by(SIGTERM);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

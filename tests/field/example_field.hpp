@@ -1,10 +1,13 @@
 #pragma once
 
+#include "support/temporary_folder.hpp"
+
 #include <clsdf/field.hpp>
 
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -33,6 +36,17 @@ inline Field example_field() {
 /// Bit by bit, so that -0.0 is not 0.0.
 inline bool same_bits(const std::vector<float>& one, const std::vector<float>& other) {
     return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(float)) == 0;
+}
+
+/// Runs a statement that holds for every format, each in a folder of its own.
+inline void for_each_format(
+    const std::function<void(const TemporaryFolder& folder, const std::string& ending)>& statement) {
+    for (const std::string ending : {".nrrd", ".npy"}) {
+        const TemporaryFolder folder;
+        BOOST_TEST_CONTEXT("format " << ending) {
+            statement(folder, ending);
+        }
+    }
 }
 
 /// The bytes of the values in the order asked for.

@@ -4,7 +4,6 @@
 
 #include <clsdf/field.hpp>
 
-#include <boost/test/data/test_case.hpp>
 #include <boost/test/unit_test.hpp>
 
 #include <sys/resource.h>
@@ -15,11 +14,10 @@ using clsdf::Field;
 using clsdf::test::check_throws;
 using clsdf::test::content_of;
 using clsdf::test::example_field;
+using clsdf::test::for_each_format;
 using clsdf::test::TemporaryFolder;
 
 namespace {
-
-const std::vector<std::string> endings{".nrrd", ".npy"};
 
 // While it lives, no file of this process grows beyond so many bytes, as on a disk that is full.
 class SmallDisk {
@@ -40,35 +38,37 @@ private:
 
 BOOST_AUTO_TEST_SUITE(writing_a_field)
 
-BOOST_DATA_TEST_CASE(leaves_nothing_where_the_disk_is_full, endings, ending) {
-    const TemporaryFolder folder;
-    Field field = example_field();
-    field.grid.size = {64, 64, 64};
-    field.distance.assign(field.grid.sample_count(), 1.0F);
-    field.triangle.assign(field.grid.sample_count(), 1);
-    {
-        const SmallDisk disk(100000);
-        check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
-    }
-    BOOST_TEST(folder.file_count() == 0U);
+BOOST_AUTO_TEST_CASE(leaves_nothing_where_the_disk_is_full) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        Field field = example_field();
+        field.grid.size = {64, 64, 64};
+        field.distance.assign(field.grid.sample_count(), 1.0F);
+        field.triangle.assign(field.grid.sample_count(), 1);
+        {
+            const SmallDisk disk(100000);
+            check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
+        }
+        BOOST_TEST(folder.file_count() == 0U);
+    });
 }
 
-BOOST_DATA_TEST_CASE(that_fails_keeps_the_field_that_was_there, endings, ending) {
-    const TemporaryFolder folder;
-    example_field().write(folder.file("field" + ending));
-    const std::size_t files = folder.file_count();
-    const std::string before = content_of(folder.file("field" + ending));
-    Field field = example_field();
-    field.grid.size = {64, 64, 64};
-    field.distance.assign(field.grid.sample_count(), 1.0F);
-    field.triangle.clear();
-    {
-        const SmallDisk disk(100000);
-        check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
-    }
-    BOOST_CHECK(content_of(folder.file("field" + ending)) == before);
-    BOOST_TEST(folder.file_count() == files);
-    BOOST_CHECK(Field::read(folder.file("field" + ending)).grid == example_field().grid);
+BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        example_field().write(folder.file("field" + ending));
+        const std::size_t files = folder.file_count();
+        const std::string before = content_of(folder.file("field" + ending));
+        Field field = example_field();
+        field.grid.size = {64, 64, 64};
+        field.distance.assign(field.grid.sample_count(), 1.0F);
+        field.triangle.clear();
+        {
+            const SmallDisk disk(100000);
+            check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
+        }
+        BOOST_CHECK(content_of(folder.file("field" + ending)) == before);
+        BOOST_TEST(folder.file_count() == files);
+        BOOST_CHECK(Field::read(folder.file("field" + ending)).grid == example_field().grid);
+    });
 }
 
 BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
