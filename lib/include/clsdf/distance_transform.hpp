@@ -66,8 +66,8 @@ struct DeviceOutputs {
 
 /// The caller's own host memory; each span holds grid.sample_count() values, or is empty where not wanted.
 struct HostOutputs {
-    std::span<float> distance;
-    std::span<std::uint32_t> triangle;
+    std::span<float> distance = {};
+    std::span<std::uint32_t> triangle = {};
 };
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
