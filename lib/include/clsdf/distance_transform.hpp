@@ -116,6 +116,9 @@ public:
     /// The same into the caller's memory.
     void compute(const Grid& grid, const Band& band, const HostOutputs& host);
 
+    /// Replaces TransformOptions::stop, for the calls that follow.
+    void set_stop(std::stop_token stop);
+
     /// Statistics of the last computation.
     const TransformStatistics& statistics() const;
 
