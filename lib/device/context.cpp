@@ -13,6 +13,7 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
     capabilities.float_width = device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>();
     capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+    capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
     return capabilities;

@@ -32,12 +32,12 @@ public:
         return true;
     }
 
+    /// A direction in the middle, not of unit length.
     Vector2 middle() const {
         if (is_whole_) return {1, 0};
-        const Vector2 from = first_.normalized();
-        const Vector2 sum = from + last_.normalized();
-        const double length = sum.norm();
-        return length > 1e-8 ? Vector2(sum / length) : Vector2(-from.y(), from.x());
+        const Vector2 sum = first_ + std::sqrt(first_.squaredNorm() / last_.squaredNorm()) * last_;
+        // The ends of half a turn cancel; its middle is a quarter turn after the first one.
+        return sum.squaredNorm() > 1e-16 * first_.squaredNorm() ? sum : Vector2(-first_.y(), first_.x());
     }
 
 private:
@@ -75,16 +75,16 @@ private:
 }  // namespace
 
 bool ConeSearch::move_to_circle_of_last() {
-    const Vector pole = conditions_.back().normalized();
-    const Vector towards = direction_ - direction_.dot(pole) * pole;
-    const double length = towards.norm();
-    const Vector x = length > 0.01 ? Vector(towards / length) : any_perpendicular(pole);
+    // x and y are perpendicular to the last condition, and about equally long; no more is needed.
+    const Vector& pole = conditions_.back();
+    Vector x = direction_ - direction_.dot(pole) / pole.squaredNorm() * pole;
+    if (x.squaredNorm() < 1e-4) x = any_perpendicular(pole.normalized());
     const Vector y = pole.cross(x);
     Arc arc;
     for (std::size_t i = 0; i + 1 < conditions_.size(); ++i)
         if (!arc.cut({conditions_[i].dot(x), conditions_[i].dot(y)})) return false;
     const Vector2 middle = arc.middle();
-    direction_ = middle.x() * x + middle.y() * y;
+    direction_ = (middle.x() * x + middle.y() * y).normalized();
     return true;
 }
 

@@ -25,15 +25,15 @@ double frame_error(const TriangleFrame& frame) {
 }  // namespace
 
 int side_of_plane(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
-                  const EdgeUse& first, const EdgeUse& second) {
+                  const Corner& first, const Corner& second) {
     const TriangleFrame& first_frame = frames[first.face];
     const TriangleFrame& second_frame = frames[second.face];
     if (!first_frame.is_box && !second_frame.is_box) {
-        const double sine = second_frame.inward(second.edge).dot(first_frame.normal);
+        const double sine = second_frame.inward(second.vertex).dot(first_frame.normal);
         if (std::abs(sine) > frame_error(first_frame) + frame_error(second_frame)) return sine > 0 ? 1 : -1;
     }
     const Triangle& triangle = triangles[first.face];
-    const std::uint32_t opposite = triangles[second.face][previous_of_three(second.edge)];
+    const std::uint32_t opposite = triangles[second.face][previous_of_three(second.vertex)];
     return static_cast<int>(CGAL::orientation(point(mesh, triangle[0]), point(mesh, triangle[1]),
                                               point(mesh, triangle[2]), point(mesh, opposite)));
 }

@@ -5,12 +5,6 @@
 
 namespace clsdf::polyhedra {
 
-/// One face at an edge: edge `edge` of the face at `face` of the list runs along it, from the face's vertex `edge`.
-struct EdgeUse {
-    std::uint32_t face;
-    std::uint32_t edge;
-};
-
 /// Two faces whose inward directions differ by less than this angle are folded onto each other.
 inline constexpr double fold_angle = 1e-6;
 
@@ -25,8 +19,9 @@ inline bool folded(const Vector& first, const Vector& second) {
 }
 
 /// On which side of the first face's plane the second face's opposite vertex lies: 1 above (the edge is concave seen
-/// from above), -1 below, 0 in it. Exact for the coordinates as given (CGAL's predicate, behind a filter).
+/// from above), -1 below, 0 in it. Exact for the coordinates as given (CGAL's predicate, behind a filter). `first` and
+/// `second` are the faces' own edges.
 int side_of_plane(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
-                  const EdgeUse& first, const EdgeUse& second);
+                  const Corner& first, const Corner& second);
 
 }  // namespace clsdf::polyhedra

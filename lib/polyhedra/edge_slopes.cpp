@@ -15,16 +15,19 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// A face at an edge, filed under the edge's lower vertex.
-struct EdgeEntry {
-    std::uint32_t other;  // the edge's higher vertex
-    EdgeUse use;
-    bool upward;  // the face runs along the edge from the lower vertex to the higher one
+/// A face's edge, filed under the lower of its vertices; in order, the faces of an edge follow each other.
+class EdgeEntry {
+public:
+    EdgeEntry(std::uint32_t higher_vertex, Corner edge)
+        : key_(static_cast<std::uint64_t>(higher_vertex) << 32 | edge.packed()) {}
 
-    bool operator<(const EdgeEntry& right) const {
-        if (other != right.other) return other < right.other;
-        return use.face != right.use.face ? use.face < right.use.face : use.edge < right.use.edge;
-    }
+    std::uint32_t higher_vertex() const { return static_cast<std::uint32_t>(key_ >> 32); }
+    Corner edge() const { return Corner::unpack(static_cast<std::uint32_t>(key_)); }
+
+    friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
+
+private:
+    std::uint64_t key_;
 };
 
 class EdgeSlopes {
@@ -42,48 +45,44 @@ public:
             const std::uint32_t previous = previous_of_three(corner.vertex);
             const std::uint32_t to = triangle[next_of_three(corner.vertex)];
             const std::uint32_t from = triangle[previous];
-            if (to > vertex) entries.push_back({to, {corner.face, corner.vertex}, true});
-            if (from > vertex) entries.push_back({from, {corner.face, previous}, false});
+            if (to > vertex) entries.emplace_back(to, corner);
+            if (from > vertex) entries.emplace_back(from, Corner{corner.face, previous});
         }
         std::sort(entries.begin(), entries.end());
     }
 
-    /// Sets slopes and marks of one edge, given all its faces.
-    void set(std::span<const EdgeEntry> edge) const {
-        std::uint8_t marks = 0;
-        if (edge.size() == 1) marks = edge_open;
-        if (edge.size() > 2) marks = edge_non_manifold;
-        if (edge.size() == 2 && edge[0].use.face != edge[1].use.face) {
-            set_pair(edge[0], edge[1]);
+    /// Sets what is known of one edge, given all its faces.
+    void set(std::span<const EdgeEntry> faces) const {
+        if (faces.size() == 2 && faces[0].edge().face != faces[1].edge().face) {
+            set_pair(faces[0].edge(), faces[1].edge());
             return;
         }
-        for (const EdgeEntry& entry : edge) mark(entry.use, marks);
-        const auto is_box = [&](const EdgeEntry& entry) { return frames_[entry.use.face].is_box; };
-        if (std::any_of(edge.begin(), edge.end(), is_box)) {
-            for (const EdgeEntry& entry : edge) set_slopes(entry.use, 0, 0);
-        } else if (edge.size() == 1) {
-            set_slopes(edge[0].use, infinite, infinite);
+        const std::uint8_t marks = faces.size() == 1 ? edge_open : edge_non_manifold;
+        for (const EdgeEntry& entry : faces) faces_[entry.edge().face].marks[entry.edge().vertex] = marks;
+        const auto is_box = [&](const EdgeEntry& entry) { return frames_[entry.edge().face].is_box; };
+        if (std::any_of(faces.begin(), faces.end(), is_box)) {
+            for (const EdgeEntry& entry : faces) set_slopes(entry.edge(), 0, 0);
+        } else if (faces.size() == 1) {
+            set_slopes(faces[0].edge(), infinite, infinite);
         } else {
-            set_around(edge);
+            set_around(faces);
         }
     }
 
 private:
     static constexpr double infinite = std::numeric_limits<double>::infinity();
 
-    void mark(const EdgeUse& use, std::uint8_t marks) const { faces_[use.face].marks[use.edge] = marks; }
-
     /// A box takes the wedges of all its edges, so that faces beside it need none.
-    void set_slopes(const EdgeUse& use, double above, double below) const {
-        const bool is_box = frames_[use.face].is_box;
-        FaceEdges& face = faces_[use.face];
-        face.above[use.edge] = is_box ? open_ : std::min(open_, rounded_up(above));
-        face.below[use.edge] = is_box ? open_ : std::min(open_, rounded_up(below));
+    void set_slopes(const Corner& edge, double above, double below) const {
+        const bool is_box = frames_[edge.face].is_box;
+        FaceEdges& face = faces_[edge.face];
+        face.above[edge.vertex] = is_box ? open_ : std::min(open_, rounded_up(above));
+        face.below[edge.vertex] = is_box ? open_ : std::min(open_, rounded_up(below));
     }
 
-    void set_pair(const EdgeEntry& first, const EdgeEntry& second) const {
-        const bool oriented = first.upward != second.upward;
-        const int side = side_of_plane(mesh_, triangles_, frames_, first.use, second.use);
+    void set_pair(const Corner& first, const Corner& second) const {
+        const bool oriented = triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex];
+        const int side = side_of_plane(mesh_, triangles_, frames_, first, second);
         std::uint8_t marks = 0;
         if (!oriented) {
             marks = edge_unoriented;
@@ -93,11 +92,11 @@ private:
 
         double above = 0;
         double below = 0;
-        const TriangleFrame& first_frame = frames_[first.use.face];
-        const TriangleFrame& second_frame = frames_[second.use.face];
+        const TriangleFrame& first_frame = frames_[first.face];
+        const TriangleFrame& second_frame = frames_[second.face];
         if (!first_frame.is_box && !second_frame.is_box) {
-            const Vector first_inward = first_frame.inward(first.use.edge);
-            const Vector second_inward = second_frame.inward(second.use.edge);
+            const Vector first_inward = first_frame.inward(first.vertex);
+            const Vector second_inward = second_frame.inward(second.vertex);
             if (folded(first_inward, second_inward)) {
                 marks |= edge_open;
                 above = below = infinite;
@@ -105,31 +104,35 @@ private:
                 (side < 0 ? above : below) = half_wedge_slope(first_inward, second_inward);
             }
         }
-        mark(first.use, marks);
-        mark(second.use, marks);
-        set_slopes(first.use, above, below);
+        set_one_of_pair(first, second, marks, above, below);
         if (!oriented) std::swap(above, below);
-        set_slopes(second.use, above, below);
+        set_one_of_pair(second, first, marks, above, below);
+    }
+
+    void set_one_of_pair(const Corner& edge, const Corner& across, std::uint8_t marks, double above,
+                         double below) const {
+        faces_[edge.face].marks[edge.vertex] = marks;
+        faces_[edge.face].across[edge.vertex] = across.packed();
+        set_slopes(edge, above, below);
     }
 
     /// Three faces or more: each shares its wedges with the next faces in either direction around the edge. Faces
     /// folded onto each other have an empty wedge between them, whichever comes first.
-    void set_around(std::span<const EdgeEntry> edge) const {
+    void set_around(std::span<const EdgeEntry> faces) const {
         struct Spoke {
             double angle;
-            std::size_t entry;
+            Corner edge;
         };
-        const TriangleFrame& first = frames_[edge[0].use.face];
-        const Vector x = first.inward(edge[0].use.edge);
+        const TriangleFrame& first = frames_[faces[0].edge().face];
+        const Vector x = first.inward(faces[0].edge().vertex);
         const Vector y = first.normal;
         std::vector<Spoke> spokes;
-        for (std::size_t i = 0; i < edge.size(); ++i) {
-            const Vector inward = frames_[edge[i].use.face].inward(edge[i].use.edge);
-            spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), i});
+        for (const EdgeEntry& entry : faces) {
+            const Vector inward = frames_[entry.edge().face].inward(entry.edge().vertex);
+            spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), entry.edge()});
         }
-        std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
-            return a.angle != b.angle ? a.angle < b.angle : a.entry < b.entry;
-        });
+        std::stable_sort(spokes.begin(), spokes.end(),
+                         [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
 
         constexpr double turn = 2 * std::numbers::pi;
         const auto slope_of_gap = [](double gap) {
@@ -140,12 +143,11 @@ private:
             const double angle = spokes[i].angle;
             const double next = i + 1 < spokes.size() ? spokes[i + 1].angle : spokes.front().angle + turn;
             const double previous = i > 0 ? spokes[i - 1].angle : spokes.back().angle - turn;
-            const EdgeUse& use = edge[spokes[i].entry].use;
             const Vector turning = -std::sin(angle) * x + std::cos(angle) * y;
             double above = slope_of_gap(next - angle);
             double below = slope_of_gap(angle - previous);
-            if (frames_[use.face].normal.dot(turning) < 0) std::swap(above, below);
-            set_slopes(use, above, below);
+            if (frames_[spokes[i].edge.face].normal.dot(turning) < 0) std::swap(above, below);
+            set_slopes(spokes[i].edge, above, below);
         }
     }
 
@@ -170,14 +172,17 @@ std::vector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> t
     });
     const EdgeSlopes slopes(mesh, triangles, frames, faces, open);
     tbb::enumerable_thread_specific<std::vector<EdgeEntry>> entries_of_thread;
-    for_each_index(rings.vertex_count(), [&](std::size_t vertex) {
+    for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
         std::vector<EdgeEntry>& entries = entries_of_thread.local();
-        slopes.collect(rings, static_cast<std::uint32_t>(vertex), entries);
-        const auto end = entries.end();
-        for (auto first = entries.begin(); first != end;) {
-            const auto last = std::find_if(first, end, [&](const EdgeEntry& e) { return e.other != first->other; });
-            slopes.set({first, last});
-            first = last;
+        for (std::size_t vertex = begin; vertex != end; ++vertex) {
+            slopes.collect(rings, static_cast<std::uint32_t>(vertex), entries);
+            for (auto first = entries.begin(); first != entries.end();) {
+                const auto last = std::find_if(first, entries.end(), [first](const EdgeEntry& entry) {
+                    return entry.higher_vertex() != first->higher_vertex();
+                });
+                slopes.set({first, last});
+                first = last;
+            }
         }
     });
     return faces;

@@ -20,11 +20,11 @@ enum EdgeMark : std::uint8_t {
         16,  ///< two faces that run along it in the same direction: convex for one is concave for the other
 };
 
-/// Of each edge of a face (edge k runs from the face's vertex k to the next): the slopes of its lateral plane above and
-/// below the face (METHOD, section 8.1), rounded up to float, and its marks.
+/// Of each edge of a face; edge k runs from the face's vertex k to the next.
 struct FaceEdges {
-    std::array<float, 3> above{};
-    std::array<float, 3> below{};
+    std::array<float, 3> above{};           ///< slope of its lateral plane above the face (METHOD, section 8.1) and
+    std::array<float, 3> below{};           ///< below it, rounded up to float
+    std::array<std::uint32_t, 3> across{};  ///< the other face's edge, packed, where there is exactly one other face
     std::array<std::uint8_t, 3> marks{};
 };
 

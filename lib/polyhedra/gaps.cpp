@@ -7,8 +7,8 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <array>
-#include <numeric>
+#include <limits>
+#include <utility>
 
 namespace clsdf::polyhedra {
 
@@ -19,7 +19,6 @@ constexpr std::uint8_t saddle = edge_convex | edge_concave;
 /// Widens the normal cone, so that rounding cannot close one that has no thickness.
 constexpr double cone_tolerance = 1e-9;
 
-/// Larger fans are searched in random order: in their own order every condition could fail in turn.
 constexpr std::size_t large_fan = 32;
 
 /// Decides one vertex after the other; keeps its memory in between.
@@ -32,7 +31,7 @@ public:
           frames_(frames),
           faces_(faces),
           rings_(rings),
-          lattice_(lattice),
+          per_voxel_(std::min(1 / lattice.voxel, std::numeric_limits<double>::max())),
           margin_(margin) {}
 
     std::uint8_t operator()(std::size_t vertex) {
@@ -65,7 +64,7 @@ private:
         if (edges & edge_non_manifold) return has_normals(vertex);
         if ((edges & edge_open) || !can_be_mixed(edges)) return false;
 
-        fans_.build(triangles_, rings_, vertex);
+        fans_.build(triangles_, faces_, rings_, vertex);
         for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
             std::uint8_t fan_edges = 0;
             for (std::size_t i = fans_.start(fan); i < fans_.start(fan + 1); ++i)
@@ -92,7 +91,8 @@ private:
     Vector spoke(std::size_t vertex, std::uint32_t neighbour) const {
         const Vec3& from = mesh_.vertices()[vertex];
         const Vec3& to = mesh_.vertices()[neighbour];
-        return (Vector(to[0] - from[0], to[1] - from[1], to[2] - from[2]) / lattice_.voxel).normalized();
+        const Vector edge = Vector(to[0] - from[0], to[1] - from[1], to[2] - from[2]) * per_voxel_;
+        return edge * (1 / edge.norm());
     }
 
     /// Whether `search` succeeds from one of the axes: unit vectors such that every normal u of the vertex (u . spoke
@@ -167,16 +167,20 @@ private:
         const std::uint32_t edge = leaving ? face.corner.vertex : previous_of_three(face.corner.vertex);
         const FaceEdges& edges = faces_[face.corner.face];
         const double slope = static_cast<double>((above ? edges.above : edges.below)[edge]);
-        return (outward - (above ? slope : -slope) * normal) / (1 + slope);
+        return (outward - (above ? slope : -slope) * normal) * (1 / (1 + slope));
     }
 
-    /// Sets the order in which [first, last) are gone through.
+    /// Sets the order in which [first, last) are gone through: thirds of the way round, because opposite conditions
+    /// contradict each other soonest. In large fans random, so that no fan can make every condition fail in turn.
     void order(std::size_t first, std::size_t last) {
-        order_.resize(last - first);
-        std::iota(order_.begin(), order_.end(), first);
-        if (order_.size() <= large_fan) return;
+        const std::size_t count = last - first;
+        const std::size_t third = (count + 2) / 3;
+        order_.clear();
+        for (std::size_t start = 0; start < third; ++start)
+            for (std::size_t i = start; i < count; i += third) order_.push_back(first + i);
+        if (count <= large_fan) return;
         std::uint64_t random = 1;
-        for (std::size_t i = order_.size() - 1; i > 0; --i) {
+        for (std::size_t i = count - 1; i > 0; --i) {
             random = random * 6364136223846793005u + 1442695040888963407u;
             std::swap(order_[i], order_[(random >> 33) % (i + 1)]);
         }
@@ -187,7 +191,7 @@ private:
     std::span<const TriangleFrame> frames_;
     std::span<const FaceEdges> faces_;
     const OneRings& rings_;
-    const LatticeView& lattice_;
+    double per_voxel_;  // only the directions of what it scales are used
     double margin_;
 
     VertexFans fans_;
@@ -208,7 +212,10 @@ std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> 
     tbb::enumerable_thread_specific<GapTest> test_of_thread(
         [&] { return GapTest(mesh, triangles, frames, faces, rings, lattice, margin); });
     std::vector<std::uint8_t> marks(rings.vertex_count());
-    for_each_index(marks.size(), [&](std::size_t vertex) { marks[vertex] = test_of_thread.local()(vertex); });
+    for_each_range(marks.size(), [&](std::size_t begin, std::size_t end) {
+        GapTest& test = test_of_thread.local();
+        for (std::size_t vertex = begin; vertex != end; ++vertex) marks[vertex] = test(vertex);
+    });
     return marks;
 }
 

@@ -29,7 +29,7 @@ OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t place =
                 std::atomic_ref(start_[triangles[face][k] + 1]).fetch_add(1, std::memory_order_relaxed);
-            corners_[place] = static_cast<std::uint32_t>(face) << 2 | k;
+            corners_[place] = Corner{static_cast<std::uint32_t>(face), k}.packed();
         }
     });
     start_.pop_back();

@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -9,12 +10,13 @@
 
 namespace clsdf::polyhedra {
 
-/// A corner of a triangle: the triangle at `face` of the list, and which of its vertices, 0 to 2.
+/// A corner of a triangle, and the edge of the triangle that begins there.
 struct Corner {
-    std::uint32_t face;
-    std::uint32_t vertex;
+    std::uint32_t face;    ///< place of the triangle in the list
+    std::uint32_t vertex;  ///< which of its vertices, 0 to 2
 
-    friend auto operator<=>(const Corner&, const Corner&) = default;
+    std::uint32_t packed() const { return face << 2 | vertex; }
+    static Corner unpack(std::uint32_t packed) { return {packed >> 2, packed & 3}; }
 };
 
 constexpr std::uint32_t next_of_three(std::uint32_t k) {
@@ -34,14 +36,18 @@ public:
 
     std::size_t size(std::size_t vertex) const { return start_[vertex + 1] - start_[vertex]; }
 
-    Corner corner(std::size_t vertex, std::size_t i) const {
-        const std::uint32_t packed = corners_[start_[vertex] + i];
-        return {packed >> 2, packed & 3};
+    Corner corner(std::size_t vertex, std::size_t i) const { return Corner::unpack(corners_[start_[vertex] + i]); }
+
+    /// The i of a corner at the vertex.
+    std::size_t place(std::size_t vertex, const Corner& corner) const {
+        const auto begin = corners_.begin() + start_[vertex];
+        const auto end = corners_.begin() + start_[vertex + 1];
+        return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
     }
 
 private:
     std::vector<std::uint32_t> start_;    // of each vertex in corners_, and the end of the last
-    std::vector<std::uint32_t> corners_;  // 4 face + vertex of the face
+    std::vector<std::uint32_t> corners_;  // packed
 };
 
 }  // namespace clsdf::polyhedra

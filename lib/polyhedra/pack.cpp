@@ -8,10 +8,14 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// Stores x as the sum of two floats.
+/// Stores x as the sum of two floats. The high one is cut out of x by Veltkamp's product, because g++ 12 takes the
+/// float rounding out of x - static_cast<double>(static_cast<float>(x)) where it vectorizes two of them, and leaves 0.
 void split(double x, float& high, float& low) {
-    high = static_cast<float>(x);
-    low = static_cast<float>(x - static_cast<double>(high));
+    constexpr double shift = (1 << 29) + 1;  // of the 53 bits of a double, a float has 24
+    const double product = shift * x;
+    const double rounded = product - (product - x);
+    high = static_cast<float>(rounded);
+    low = static_cast<float>(x - rounded);
 }
 
 /// The nearest sample along an axis. Beyond the clamp the offset in the constants does the rest.
@@ -79,8 +83,7 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
     pack_reaches(frame, lattice, polyhedron);
-    polyhedron.slanted_length_right = static_cast<float>(frame.slanted[CLSDF_HALF_RIGHT]);
-    polyhedron.slanted_length_left = static_cast<float>(frame.slanted[CLSDF_HALF_LEFT]);
+    split(frame.altitude(), polyhedron.altitude_high, polyhedron.altitude_low);
     for (std::size_t half = 0; half < 2; ++half) {
         split(frame.base[half], polyhedron.base_high[half], polyhedron.base_low[half]);
         split(frame.normal_along[half], polyhedron.normal_along_high[half], polyhedron.normal_along_low[half]);

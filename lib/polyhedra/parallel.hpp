@@ -7,15 +7,21 @@
 
 namespace clsdf::polyhedra {
 
-/// Calls f(i) for every i < count on all cores. f writes only what belongs to i, so results are the same for any number
-/// of threads.
+/// Calls f(begin, end) for ranges that cover [0, count), on all cores. f writes only what belongs to its indices, so
+/// results are the same for any number of threads.
 template <typename Function>
-void for_each_index(std::size_t count, const Function& f) {
+void for_each_range(std::size_t count, const Function& f) {
     constexpr std::size_t grain = 512;  // some ten microseconds of work
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                      [&f](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
-                      });
+                      [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });
+}
+
+/// The same, an index at a time.
+template <typename Function>
+void for_each_index(std::size_t count, const Function& f) {
+    for_each_range(count, [&f](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i != end; ++i) f(i);
+    });
 }
 
 }  // namespace clsdf::polyhedra

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/one_rings.hpp"
 
 #include <cstddef>
@@ -20,7 +21,8 @@ public:
     };
 
     /// Orders the corners at `vertex`.
-    void build(std::span<const Triangle> triangles, const OneRings& rings, std::size_t vertex);
+    void build(std::span<const Triangle> triangles, std::span<const FaceEdges> faces, const OneRings& rings,
+               std::size_t vertex);
 
     std::size_t fan_count() const { return starts_.size() - 1; }
     /// Index of the first face of a fan; that of the one after the last is the number of faces.
@@ -30,15 +32,9 @@ public:
     std::span<const Face> faces() const { return faces_; }
 
 private:
-    struct Spoke {
-        std::uint32_t neighbour;
-        std::uint32_t place;  // of the corner in the ring
-    };
+    void walk(std::span<const Triangle> triangles, std::span<const FaceEdges> faces, std::size_t vertex, Corner first);
 
-    std::uint32_t other_place(std::uint32_t neighbour, std::uint32_t place) const;
-
-    std::vector<Spoke> spokes_;  // by neighbour: two for each
-    std::vector<std::uint8_t> used_;
+    std::vector<std::uint8_t> walked_;  // by place in the ring
     std::vector<Face> faces_;
     std::vector<std::size_t> starts_;
 };
