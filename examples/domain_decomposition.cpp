@@ -54,7 +54,7 @@ int main() {
 
             // Into memory that the simulation has anyway.
             std::vector<float> distance(block.sample_count());
-            transform.compute(block, band, {.distance = distance, .triangle = {}});
+            transform.compute(block, band, {.distance = distance});
 
             clsdf::Field field;
             field.grid = block;

@@ -9,8 +9,8 @@
 //
 // Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are scheduled.
 //
-// Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest triangle; COUNT
-// counts work. LANES is 1: a work-item is a lane.
+// Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest triangle;
+// LONG_BRICKS where spacing is so unequal that distances take double (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
 
 #include "blocks.h"
 #include "distance.h"
@@ -92,7 +92,7 @@ typedef struct Minimum {
 #endif
 } Minimum;
 
-inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra, __private Minimum* minimum
+inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
 #ifdef COUNT
                      , float half_width, float slack, __private uint* counters
 #endif
@@ -109,7 +109,12 @@ inline void evaluate(uint count, __local const Compacted* compacted, __global co
             if (!((compacted->subblocks[n] >> b) & 1u)) continue;
             const Offsets o = compacted->offsets[n];
             __global const Polyhedron* p = polyhedra + compacted->polyhedron[n];
+#ifdef LONG_BRICKS
+            const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), from_centre.x, from_centre.y,
+                                                              from_centre.z);
+#else
             const float squared = squared_distance(p, o, from_centre.x, from_centre.y, from_centre.z);
+#endif
 #ifdef NEAREST
             const uint triangle = p->triangle;
             const bool better = squared < least || (squared == least && triangle < nearest);
@@ -211,7 +216,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #ifdef COUNT
             if (item == 0) counters[CLSDF_COUNT_BRICK_PAIRS] += count;
 #endif
-            evaluate(count, &compacted, polyhedra, &minimum
+            evaluate(count, &compacted, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
                      , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif

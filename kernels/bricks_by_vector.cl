@@ -5,7 +5,8 @@
 //   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
 //   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
 //
-// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; COUNT counts work.
+// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal that
+// distances take double (distance.h); COUNT counts work.
 
 #include "blocks.h"
 #include "distance.h"
@@ -66,7 +67,7 @@ typedef struct Minimum {
 
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
 inline void evaluate(uint b, uint count, __private const ushort* chosen, __global const uint* list, __private const Offsets* offsets,
-                     __global const Polyhedron* polyhedra, __private Minimum* minimum
+                     __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
 #ifdef COUNT
                      , float half_width, float slack, __private ulong* counters
 #endif
@@ -83,7 +84,11 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
         const uint c = chosen[n];
         const Offsets o = offsets[c];
         __global const Polyhedron* p = polyhedra + list[c];
+#ifdef LONG_BRICKS
+        const floatL squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), i, j, k);
+#else
         const floatL squared = squared_distance(p, o, i, j, k);
+#endif
 #ifdef NEAREST
         const uint triangle = p->triangle;
         const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
@@ -216,7 +221,7 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
         while (any) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             any &= any - 1;
-            evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, &minimum
+            evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
                      , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif

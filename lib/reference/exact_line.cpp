@@ -96,8 +96,8 @@ bool lies_on(const Corners& triangle, const Vec3& point) {
             return turn(corners[k], corners[(k + 1) % 3], projected) != -facing;
         });
     }
-    return lies_on_segment(triangle[0], triangle[1], point) || lies_on_segment(triangle[1], triangle[2], point) ||
-           lies_on_segment(triangle[2], triangle[0], point);
+    // Collinear: two of the edges cover the third.
+    return lies_on_segment(triangle[0], triangle[1], point) || lies_on_segment(triangle[1], triangle[2], point);
 }
 
 }  // namespace clsdf::reference

@@ -5,6 +5,7 @@
 #include "transform/coarse_lists.hpp"
 #include "transform/command_chain.hpp"
 #include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
 
 #include <memory>
 #include <vector>
@@ -57,9 +58,9 @@ protected:
 
 std::unique_ptr<BrickKernel> make_bricks_by_vector(device::Context& context, const Programs& programs,
                                                    const std::shared_ptr<device::BufferPool>& pool,
-                                                   const BrickInputs& inputs, bool with_triangle, bool count);
+                                                   const BrickInputs& inputs, const BrickVariant& variant);
 std::unique_ptr<BrickKernel> make_bricks_by_group(device::Context& context, const Programs& programs,
                                                   const std::shared_ptr<device::BufferPool>& pool,
-                                                  const BrickInputs& inputs, bool with_triangle, bool count);
+                                                  const BrickInputs& inputs, const BrickVariant& variant);
 
 }  // namespace clsdf::transform

@@ -1,5 +1,4 @@
 #include "transform/brick_kernel.hpp"
-#include "transform/programs.hpp"
 
 namespace clsdf::transform {
 
@@ -13,12 +12,12 @@ constexpr std::size_t groups_per_coarse_brick = 64;
 class BricksByGroup final : public BrickKernel {
 public:
     BricksByGroup(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-                  const BrickInputs& inputs, bool with_triangle, bool count)
+                  const BrickInputs& inputs, const BrickVariant& variant)
         : BrickKernel(context, pool, inputs.lists, pairs_per_launch,
-                      count ? inputs.lists.order.size() * groups_per_coarse_brick : 0),
-          with_triangle_(with_triangle),
+                      variant.count ? inputs.lists.order.size() * groups_per_coarse_brick : 0),
+          with_triangle_(variant.triangle),
           group_size_(programs.group_size),
-          kernel_(programs.bricks_by_group(context, with_triangle, count), "bricks_by_group") {
+          kernel_(programs.bricks_by_group(context, variant), "bricks_by_group") {
         const CoarseLists& lists = inputs.lists;
         kernel_.setArg(arg_layout, inputs.layout);
         kernel_.setArg(arg_order, *order_);
@@ -29,7 +28,7 @@ public:
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
         kernel_.setArg(arg_computed, inputs.computed);
-        if (count) kernel_.setArg(with_triangle ? arg_optional + 1 : arg_optional, *counters_);
+        if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
     }
 
     void enqueue_reset(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
@@ -72,8 +71,8 @@ private:
 
 std::unique_ptr<BrickKernel> make_bricks_by_group(device::Context& context, const Programs& programs,
                                                   const std::shared_ptr<device::BufferPool>& pool,
-                                                  const BrickInputs& inputs, bool with_triangle, bool count) {
-    return std::make_unique<BricksByGroup>(context, programs, pool, inputs, with_triangle, count);
+                                                  const BrickInputs& inputs, const BrickVariant& variant) {
+    return std::make_unique<BricksByGroup>(context, programs, pool, inputs, variant);
 }
 
 }  // namespace clsdf::transform

@@ -1,5 +1,4 @@
 #include "transform/brick_kernel.hpp"
-#include "transform/programs.hpp"
 
 #include <algorithm>
 
@@ -15,12 +14,12 @@ constexpr double pairs_per_core_and_launch = 40000;
 class BricksByVector final : public BrickKernel {
 public:
     BricksByVector(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-                   const BrickInputs& inputs, bool with_triangle, bool count)
+                   const BrickInputs& inputs, const BrickVariant& variant)
         : BrickKernel(context, pool, inputs.lists, pairs_per_core_and_launch * context.capabilities().compute_units,
-                      count ? context.capabilities().compute_units : 0),
+                      variant.count ? context.capabilities().compute_units : 0),
           work_items_(context.capabilities().compute_units),
-          with_triangle_(with_triangle),
-          kernel_(programs.bricks_by_vector(context, with_triangle, count), "bricks_by_vector") {
+          with_triangle_(variant.triangle),
+          kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
         const std::size_t longest_list = lists.lengths.empty() ? 0 : lists.lengths.front();
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
@@ -46,7 +45,7 @@ public:
         kernel_.setArg(arg_masks, *masks_);
         kernel_.setArg(arg_list, *list_);
         kernel_.setArg(arg_list_length, static_cast<cl_uint>(longest_list));
-        if (count) kernel_.setArg(with_triangle ? arg_optional + 1 : arg_optional, *counters_);
+        if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
         warm_up(context.queue(), inputs.computed);
     }
 
@@ -117,8 +116,8 @@ private:
 
 std::unique_ptr<BrickKernel> make_bricks_by_vector(device::Context& context, const Programs& programs,
                                                    const std::shared_ptr<device::BufferPool>& pool,
-                                                   const BrickInputs& inputs, bool with_triangle, bool count) {
-    return std::make_unique<BricksByVector>(context, programs, pool, inputs, with_triangle, count);
+                                                   const BrickInputs& inputs, const BrickVariant& variant) {
+    return std::make_unique<BricksByVector>(context, programs, pool, inputs, variant);
 }
 
 }  // namespace clsdf::transform

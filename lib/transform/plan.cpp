@@ -31,7 +31,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
         const transform::BrickInputs inputs{layout_, *prepared, lists_, *sign_bits_, *computed_};
         const auto make =
             programs.body == KernelBody::by_group ? transform::make_bricks_by_group : transform::make_bricks_by_vector;
-        bricks_ = make(context, programs, pool, inputs, outputs.triangle, count);
+        bricks_ = make(context, programs, pool, inputs, {outputs.triangle, count, transform::has_long_bricks(grid)});
         fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
         fill_kernel_.setArg(0, layout_);
         fill_kernel_.setArg(1, *computed_);

@@ -21,8 +21,9 @@ std::string build_options(const device::Context& context, KernelBody body) {
                        rounds_roots ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
 }
 
-std::string brick_options(bool with_triangle, bool count) {
-    return fmt::format("{}{}", with_triangle ? " -DNEAREST" : "", count ? " -DCOUNT" : "");
+std::string options_of(const BrickVariant& variant) {
+    return fmt::format("{}{}{}", variant.triangle ? " -DNEAREST" : "", variant.count ? " -DCOUNT" : "",
+                       variant.long_bricks ? " -DLONG_BRICKS" : "");
 }
 
 // Counters of all histograms together: enough for a GPU's work-items, and a few megabytes.
@@ -49,13 +50,13 @@ Programs::Programs(device::Context& context, KernelBody asked)
     group_size = group_size >= 128 ? 128 : 64;
 }
 
-cl::Program Programs::bricks_by_vector(device::Context& context, bool with_triangle, bool count) const {
-    return context.program("bricks_by_vector.cl", build_options(context, body) + brick_options(with_triangle, count));
+cl::Program Programs::bricks_by_vector(device::Context& context, const BrickVariant& variant) const {
+    return context.program("bricks_by_vector.cl", build_options(context, body) + options_of(variant));
 }
 
-cl::Program Programs::bricks_by_group(device::Context& context, bool with_triangle, bool count) const {
+cl::Program Programs::bricks_by_group(device::Context& context, const BrickVariant& variant) const {
     return context.program("bricks_by_group.cl", fmt::format("{} -DGROUP={}{}", build_options(context, body),
-                                                             group_size, brick_options(with_triangle, count)));
+                                                             group_size, options_of(variant)));
 }
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {

@@ -6,6 +6,13 @@
 
 namespace clsdf::transform {
 
+/// What a brick kernel is compiled for.
+struct BrickVariant {
+    bool triangle = false;     ///< keeps the nearest triangle
+    bool count = false;        ///< counts its work
+    bool long_bricks = false;  ///< spacing so unequal that distances take double
+};
+
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
 /// are not shared between threads.
 struct Programs {
@@ -18,9 +25,8 @@ struct Programs {
 
     Programs(device::Context& context, KernelBody asked);
 
-    /// The brick kernels are compiled for what is asked of them.
-    cl::Program bricks_by_vector(device::Context& context, bool with_triangle, bool count) const;
-    cl::Program bricks_by_group(device::Context& context, bool with_triangle, bool count) const;
+    cl::Program bricks_by_vector(device::Context& context, const BrickVariant& variant) const;
+    cl::Program bricks_by_group(device::Context& context, const BrickVariant& variant) const;
 
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;

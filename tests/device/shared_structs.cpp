@@ -33,9 +33,9 @@ struct Agreement {
 const std::vector<Agreement> agreements{
     CLSDF_SIZE(Polyhedron),
     CLSDF_OFFSET(Polyhedron, gradient_x_high),
-    CLSDF_OFFSET(Polyhedron, slanted_length_right),
+    CLSDF_OFFSET(Polyhedron, altitude_high),
     CLSDF_OFFSET(Polyhedron, gradient_y_high),
-    CLSDF_OFFSET(Polyhedron, slanted_length_left),
+    CLSDF_OFFSET(Polyhedron, altitude_low),
     CLSDF_OFFSET(Polyhedron, gradient_z_high),
     CLSDF_OFFSET(Polyhedron, flags),
     CLSDF_OFFSET(Polyhedron, constant_high),

@@ -200,6 +200,7 @@ BOOST_AUTO_TEST_CASE(damaged_off_files_are_refused_with_the_line) {
     refused("4 2 5", "1000000000 2 5", unreadable, {"line 2", "1000000000 vertices"});
     refused("4 2 5", "4 1000000000 5", unreadable, {"line 2", "1000000000 faces"});
     refused("4 2 5", "9223372036854775807 9223372036854775807 5", unreadable, {"line 2"});
+    refused("4 2 5", "3074457345618258603 2 5", unreadable, {"line 2", "3074457345618258603 vertices"});
     refused("4 2 5", "99999999999999999999 2 5", unreadable, {"line 2", "99999999999999999999"});
     refused("4 2 5", "5 2 5", unreadable, {"after 1 of 2 faces"});
     refused("1 0 0", "1 0", unreadable, {"line 4", "coordinate", "line ends"});
@@ -214,6 +215,7 @@ BOOST_AUTO_TEST_CASE(damaged_off_files_are_refused_with_the_line) {
     refused("3 0 2 3", "-3 0 2 3", unreadable, {"line 8", "three corners"});
     refused("3 0 2 3", "3000000000 0 2 3", unreadable, {"line 8", "line ends"});
     refused("3 0 2 3\n", "", unreadable, {"after 1 of 2 faces"});
+    check_is_refused("a.off", with_line_ends(replaced(good, "3 0 2 3", "3 0 2 4"), "\r\n"), invalid, {"line 8"});
     check_is_refused("a.off", "OFF", unreadable, {"number of vertices", "file ends"});
     check_is_refused("a.off", "OFF\n0 0 0\n", invalid, {"no triangle"});
 }

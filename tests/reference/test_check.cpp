@@ -87,6 +87,7 @@ BOOST_AUTO_TEST_CASE(a_right_field_passes_complete_and_sampled) {
                 const CheckReport sampled = check_broken(field, {.samples = 3000});
                 BOOST_TEST(sampled.passed());
                 BOOST_TEST(sampled.samples == 3000U);
+                BOOST_TEST(check_broken(field, {.samples = report.samples + 1}).samples == report.samples);
             }
         }
     }
@@ -127,6 +128,16 @@ BOOST_AUTO_TEST_CASE(an_error_within_the_tolerance_is_none) {
     CheckOptions strict = complete();
     strict.tolerance_voxels = 1e-6;
     BOOST_TEST(check_broken(field, strict).wrong_values > 100U);
+}
+
+BOOST_AUTO_TEST_CASE(the_root_mean_square_is_that_of_the_band_samples) {
+    Field field = right_field({9, 9});
+    for (float& value : field.distance) {
+        value += value < 0 ? -2.1e-3F : 2.1e-3F;
+    }
+    const CheckReport report = check_broken(field);
+    BOOST_TEST(report.rms_error_voxels == 0.01, boost::test_tools::tolerance(1e-3));
+    BOOST_TEST(report.max_error_voxels == 0.01, boost::test_tools::tolerance(1e-3));
 }
 
 BOOST_AUTO_TEST_CASE(large_distances_are_judged_in_units_of_the_float_written) {
@@ -226,6 +237,10 @@ BOOST_AUTO_TEST_CASE(a_zero_distance_is_written_as_positive_zero) {
     const CheckReport report = check(mesh, field, complete());
     BOOST_TEST(report.wrong_signs == 1U);
     BOOST_TEST(findings_of(report) == 1U);
+    // Unless -0 is the fill value, and the sample within the tolerance of that limit.
+    Field without_inside = reference_field(mesh, grid, {0, 1});
+    without_inside.distance[zero] = -0.0F;
+    BOOST_TEST(check(mesh, without_inside, complete()).passed());
     // The sign of a sample on the surface, to within the margin, is not judged otherwise.
     field.distance[zero] = -1e-7F;
     BOOST_TEST(check(mesh, field, complete()).passed());
@@ -242,6 +257,11 @@ BOOST_AUTO_TEST_CASE(a_sample_at_the_limit_may_carry_its_distance_or_the_fill_va
             value = value == static_cast<float>(width) ? 1.0F : value;
         }
         BOOST_TEST(check(mesh, field, complete()).passed());
+        // Nothing else, though, at (-1, 1, 1).
+        field.distance[grid.offset(2, 4, 4)] = 0.5F;
+        const CheckReport report = check(mesh, field, complete());
+        BOOST_TEST(report.wrong_values == 1U);
+        BOOST_TEST(findings_of(report) == 1U);
     }
 }
 
@@ -277,21 +297,40 @@ BOOST_AUTO_TEST_CASE(only_the_first_ten_findings_are_kept_but_all_are_counted) {
 }
 
 BOOST_AUTO_TEST_CASE(the_drawn_half_finds_faults_at_the_limits_and_near_edges_and_vertices) {
-    // A few hundred among 2 million samples: uniform draws alone would miss most of them.
+    // 1.8 million samples, of which each fault has so few that uniform draws alone would hit it hardly ever.
     const Mesh mesh = tetrahedron();
     const Grid grid{{-0.53, -0.51, -0.47}, {0.025, 0.027, 0.023}, {120, 114, 132}, {}};
     const Field right = reference_field(mesh, grid, {0.1, 0.3});
-    Field limit = right;
-    Field core = right;
-    for (std::size_t i = 0; i < right.distance.size(); ++i) {
-        limit.distance[i] = right.distance[i] > 0.297F && right.distance[i] < 0.2999F ? 0.3F : right.distance[i];
-        core.distance[i] = std::fabs(right.distance[i]) < 0.002F ? 0.004F : right.distance[i];
-    }
-    const CheckReport at_limit = check(mesh, limit, {.samples = 4000});
-    const CheckReport at_core = check(mesh, core, {.samples = 4000});
-    BOOST_TEST(at_limit.missed > 5U);
-    BOOST_TEST(at_core.wrong_values + at_core.wrong_signs > 5U);
-    BOOST_TEST(check(mesh, right, {.samples = 4000}).passed());
+    const CheckOptions sampled{.samples = 4000};
+    BOOST_TEST(check(mesh, right, sampled).passed());
+
+    const auto count_found = [&](const auto& is_faulty) {
+        Field field = right;
+        std::size_t faults = 0;
+        for (std::int64_t k = 0; k < grid.size[2]; ++k) {
+            for (std::int64_t j = 0; j < grid.size[1]; ++j) {
+                for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+                    float& value = field.distance[grid.offset(i, j, k)];
+                    if (is_faulty(value, grid.position(i, j, k))) {
+                        value += 0.01F;
+                        ++faults;
+                    }
+                }
+            }
+        }
+        const double uniform = 4000.0 * static_cast<double>(faults) / static_cast<double>(grid.sample_count());
+        return static_cast<double>(findings_of(check(mesh, field, sampled))) / uniform;
+    };
+    // So many times more of them are found than by uniform draws.
+    BOOST_TEST(count_found([](float d, const Vec3&) { return d > 0.29F && d < 0.3F; }) > 3);
+    BOOST_TEST(count_found([](float d, const Vec3&) { return d < -0.095F && d > -0.1F; }) > 3);
+    BOOST_TEST(count_found([](float, const Vec3& p) {
+                   return std::hypot(p[0] - 2, p[1] - 0.1, p[2]) < 0.05;  // a vertex
+               }) > 100);
+    BOOST_TEST(count_found([](float, const Vec3& p) {
+                   const double t = 0.5 * (p[0] + p[1]);  // the edge between vertices 1 and 2, away from both
+                   return std::fabs(p[0] - p[1]) < 1 && std::hypot(t - 1.05, p[2]) < 0.03;
+               }) > 10);
 }
 
 BOOST_AUTO_TEST_CASE(the_report_does_not_depend_on_the_number_of_threads) {

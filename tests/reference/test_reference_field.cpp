@@ -67,6 +67,35 @@ BOOST_AUTO_TEST_CASE(the_limits_belong_to_the_band_and_beyond_them_is_the_fill_v
     expect(along_line({infinity, 0.5}), {0.5F, 0.5F, 0.5F, 0, -1, -2, -1, 0, 0.5F, 0.5F, 0.5F});
 }
 
+BOOST_AUTO_TEST_CASE(a_triangle_is_named_in_the_band_and_at_its_limits_only) {
+    const std::vector<std::uint32_t> triangles = reference_field(cube(), line(), {1, 2}, SignRule::nonzero).triangle;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        // At -3 and 7 the distance is 3, in the middle it is 2 inside.
+        const bool in_band = i != 0 && i != 5 && i != 10;
+        BOOST_TEST_CONTEXT("sample " << i) {
+            BOOST_TEST((triangles[i] != no_triangle) == in_band);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_shell_within_a_shell_is_inside_by_winding_and_outside_by_parity) {
+    const Mesh outer = cube();
+    std::vector<Vec3> vertices = outer.vertices();
+    std::vector<Triangle> triangles = outer.triangles();
+    for (const Vec3& v : outer.vertices()) {
+        vertices.push_back({1 + v[0] / 2, 1 + v[1] / 2, 1 + v[2] / 2});
+    }
+    for (const Triangle& t : outer.triangles()) {
+        triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+    }
+    const Mesh nested(vertices, triangles);
+    const Grid grid{{-0.5, 2, 2}, {1, 1, 1}, {6, 1, 1}, {}};
+    expect(reference_field(nested, grid, Band::full(), SignRule::nonzero).distance,
+           {0.5F, -0.5F, -0.5F, -0.5F, -0.5F, 0.5F});
+    expect(reference_field(nested, grid, Band::full(), SignRule::parity).distance,
+           {0.5F, -0.5F, 0.5F, 0.5F, -0.5F, 0.5F});
+}
+
 BOOST_AUTO_TEST_CASE(a_width_of_zero_fills_the_inside_with_negative_zero) {
     expect(along_line({0, 2}), {2, 2, 1, 0, -0.0F, -0.0F, -0.0F, 0, 1, 2, 2});
     expect(along_line({1, 0}), {0, 0, 0, 0, -1, -1, -1, 0, 0, 0, 0});
