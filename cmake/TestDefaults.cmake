@@ -1,11 +1,15 @@
 # clsdf_test_defaults(): at the end of a directory that adds tests. Every test gets a time limit, and an environment in
 # which nothing of the user's decides the outcome.
 function(clsdf_test_defaults)
+  set(limit 300)
+  if(CLSDF_SANITIZE)
+    set(limit 900)
+  endif()
   get_property(tests DIRECTORY PROPERTY TESTS)
   foreach(test IN LISTS tests)
     get_test_property(${test} TIMEOUT timeout)
     if(NOT timeout)
-      set_tests_properties(${test} PROPERTIES TIMEOUT $<IF:$<BOOL:${CLSDF_SANITIZE}>,900,300>)
+      set_tests_properties(${test} PROPERTIES TIMEOUT ${limit})
     endif()
     set_property(
       TEST ${test}

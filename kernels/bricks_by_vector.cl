@@ -5,7 +5,8 @@
 //   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
 //   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
 //
-// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; COUNT counts work.
+// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal that
+// distances take double (distance.h); COUNT counts work.
 
 #include "blocks.h"
 #include "distance.h"
@@ -66,7 +67,7 @@ typedef struct Minimum {
 
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
 inline void evaluate(uint b, uint count, __private const ushort* chosen, __global const uint* list, __private const Offsets* offsets,
-                     __global const Polyhedron* polyhedra, __private Minimum* minimum
+                     __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
 #ifdef COUNT
                      , float half_width, float slack, __private ulong* counters
 #endif
@@ -83,7 +84,11 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
         const uint c = chosen[n];
         const Offsets o = offsets[c];
         __global const Polyhedron* p = polyhedra + list[c];
+#ifdef LONG_BRICKS
+        const floatL squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), i, j, k);
+#else
         const floatL squared = squared_distance(p, o, i, j, k);
+#endif
 #ifdef NEAREST
         const uint triangle = p->triangle;
         const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
@@ -157,8 +162,7 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
             const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
             const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
             const int8 in_band = square <= limit;
-            const float8 root = sqrt(square);
-            const float8 length = LESSER(root * layout.voxel_high + root * layout.voxel_low, fabs(fill));
+            const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
             const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
             const size_t at = ((size_t)z * size.y + y) * size.x;
             const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
@@ -217,7 +221,7 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
         while (any) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             any &= any - 1;
-            evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, &minimum
+            evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
                      , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif
@@ -268,7 +272,7 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
 }
 
 // Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's first.
-__kernel void bricks(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order, __global const uint* starts,
+__kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order, __global const uint* starts,
                      uint parts, __global const uint* entries, __global const float* coarse_caps,
                      __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global uchar* computed,
                      __global ulong* scratch_masks, __global uint* scratch_list, uint scratch_length, __global float* distance

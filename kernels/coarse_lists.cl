@@ -34,10 +34,8 @@ inline int2 box_range(__global const Polyhedron* p, __global const float* gradie
     // divided by the spacing, so that (gradient . frame point) / spacing^2 is an index.
     const float gx = gradient[0], gy = gradient[1], gz = gradient[2];
     const float squared = gx * gx + gy * gy + gz * gz;
-    const float altitude = GREATER(p->normal_along_high[CLSDF_HALF_RIGHT] * p->slanted_length_right,
-                                   p->normal_along_high[CLSDF_HALF_LEFT] * p->slanted_length_left);
     const float foot = -(gx * p->constant_high[0] + gy * p->constant_high[1] + gz * p->constant_high[2]);
-    const float right = gx * p->base_high[CLSDF_HALF_RIGHT], left = -gx * p->base_high[CLSDF_HALF_LEFT], apex = gy * altitude;
+    const float right = gx * p->base_high[CLSDF_HALF_RIGHT], left = -gx * p->base_high[CLSDF_HALF_LEFT], apex = gy * p->altitude_high;
     const float margin = reach * sqrt(squared) + 1.0e-5f * (fabs(right) + fabs(left) + fabs(apex) + fabs(foot));
     const float low = (foot + LESSER(LESSER(right, left), apex) - margin) / squared;
     const float high = (foot + GREATER(GREATER(right, left), apex) + margin) / squared;

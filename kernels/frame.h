@@ -13,12 +13,15 @@
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
 
-// The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point.
+// The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point. "Right" and
+// "left" are the formulas of the two halves; each holds where X lies on its side.
 typedef struct Offsets {
     float x, y, z;
-    float beyond_right, beyond_left;              // X - base[right], -X - base[left]
-    float outward_right, outward_left;            // distance outward from the line of a slanted edge
-    float along_right, along_left;                // position along it, from the base to the apex
+    float z_low;                        // what z lacks: most samples' nearest site is a face, and their distance is |z|
+    float beyond_right, beyond_left;    // X - base[right], -X - base[left]
+    float outward_right, outward_left;  // distance outward from the line of the slanted edge
+    float along_right, along_left;      // position along it, from its end at the base
+    float past_right, past_left;        // the same from the apex: along minus the edge's length
 } Offsets;
 
 inline double4 two_floats(__global const float* high, __global const float* low) {
@@ -46,12 +49,16 @@ inline Offsets offsets_at(__global const Polyhedron* p, double x, double y, doub
     o.x = (float)frame.x;
     o.y = (float)frame.y;
     o.z = (float)frame.z;
+    o.z_low = (float)(frame.z - (double)o.z);
     o.beyond_right = (float)beyond_right;
     o.beyond_left = (float)beyond_left;
     o.outward_right = (float)(normal.x * beyond_right + normal.z * frame.y);
     o.outward_left = (float)(normal.y * beyond_left + normal.w * frame.y);
     o.along_right = (float)(normal.x * frame.y - normal.z * beyond_right);
     o.along_left = (float)(normal.y * frame.y - normal.w * beyond_left);
+    const double above_apex = frame.y - ((double)p->altitude_high + (double)p->altitude_low);
+    o.past_right = (float)(normal.x * above_apex - normal.z * frame.x);
+    o.past_left = (float)(normal.y * above_apex + normal.w * frame.x);
     return o;
 }
 

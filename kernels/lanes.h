@@ -3,32 +3,43 @@
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+
 #if LANES == 16
 typedef float16 floatL;
+typedef double16 doubleL;
+typedef long16 longL;
 typedef int16 intL;
 typedef uint16 uintL;
 #define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define load_lanes vload16
 #define store_lanes vstore16
 #define convert_floatL convert_float16
+#define convert_doubleL convert_double16
 #define as_uintL as_uint16
 #elif LANES == 8
 typedef float8 floatL;
+typedef double8 doubleL;
+typedef long8 longL;
 typedef int8 intL;
 typedef uint8 uintL;
 #define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define load_lanes vload8
 #define store_lanes vstore8
 #define convert_floatL convert_float8
+#define convert_doubleL convert_double8
 #define as_uintL as_uint8
 #elif LANES == 1
 typedef float floatL;
+typedef double doubleL;
+typedef int longL;
 typedef int intL;
 typedef uint uintL;
 #define LANE_NUMBERS 0u
 #define load_lanes(offset, p) ((p)[offset])
 #define store_lanes(value, offset, p) ((p)[offset] = (value))
 #define convert_floatL convert_float
+#define convert_doubleL convert_double
 #endif
 
 // Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the

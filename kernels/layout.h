@@ -34,7 +34,7 @@ typedef struct Layout {
     clsdf_int32 coarse_bricks[3];
     clsdf_int32 sign_words;        // 32-bit words a row of sign bits has; bit 0 of a row is the part's first brick's first sample
 
-    // Lengths in voxels.
+    // Lengths in units (see `unit`).
     float half_width;         // of the band, the larger side; a finite bound where the band is infinite
     float inside_squared;     // squared half widths, possibly infinite
     float outside_squared;
@@ -44,17 +44,17 @@ typedef struct Layout {
     float brick_radius;       // distance from a brick's centre to its farthest sample
     float coarse_radius;
 
-    // The mesh's units.
-    float voxel_high;         // the voxel, as the sum of two floats
-    float voxel_low;
-    float inside_fill;        // -inside and outside, as written beyond the band
+    // The kernels' unit of length in the mesh's units: the greatest power of two that is not above the voxel, so that results
+    // are scaled without rounding.
+    float unit;
+    float inside_fill;  // -inside and outside, as written beyond the band, in the mesh's units
     float outside_fill;
 } Layout;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Layout) == 124);
+static_assert(sizeof(Layout) == 120);
 static_assert(offsetof(Layout, sign_words) == 72);
-static_assert(offsetof(Layout, voxel_high) == 108);
+static_assert(offsetof(Layout, unit) == 108);
 }  // namespace clsdf
 #endif
 

@@ -1,17 +1,17 @@
 // One definition for the host and the kernels: the polyhedron of a triangle (or of a point site) as the device reads
 // it.
 //
-// Lengths are in voxels (the smallest spacing), in the metric frame. The frame of a triangle has its origin at the foot
+// Lengths are in units, in the metric frame; the unit is the greatest power of two (of the mesh's units) not above the voxel. The frame of a triangle has its origin at the foot
 // of the altitude on the longest edge:
 //   X along the longest edge, the triangle's base; its ends lie at X = -base[left] and X = +base[right];
-//   Y in the plane, from the base to the apex; the apex lies at (0, altitude);
+//   Y in the plane, from the base to the apex, which lies at (0, altitude);
 //   Z along the unit normal (the height s of METHOD, section 8).
 // The altitude cuts the triangle in two right-angled halves; X < 0 is "left", X >= 0 is "right". A slanted edge has the
 // outward unit normal (normal_along, normal_across) in the right half, and the mirror image in the left half.
 //
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
-// where the gradients contain the ratio of the axis' spacing to the voxel. Each number is the sum of a float `high` and
+// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and
 // a float `low` (48 bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no
 // double.
 //
@@ -49,9 +49,9 @@ using clsdf_uint32 = std::uint32_t;
 typedef struct Polyhedron {
     // Columns: [0] of X, [1] of Y, [2] of Z, [3] padding used for other members, below.
     float gradient_x_high[3];
-    float slanted_length_right;
+    float altitude_high;
     float gradient_y_high[3];
-    float slanted_length_left;
+    float altitude_low;
     float gradient_z_high[3];
     clsdf_uint32 flags;
     float constant_high[3];

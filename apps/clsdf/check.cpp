@@ -102,14 +102,18 @@ Command add_check(CLI::App& program) {
     parser->add_option("FIELD", options->field, "its field: .nrrd or .npy")->required();
     auto* samples =
         parser->add_option("--samples", options->check.samples, "samples to look at, half of them where it is hard")
-            ->check(CLI::PositiveNumber)
+            ->check(CLI::PositiveNumber.description(""))
+            ->type_name("N")
             ->capture_default_str();
     parser->add_flag("--complete", options->complete, "look at every sample")->excludes(samples);
-    parser->add_option("--seed", options->check.seed, "of the random choice of samples")->capture_default_str();
+    parser->add_option("--seed", options->check.seed, "of the random choice of samples")
+        ->type_name("N")
+        ->capture_default_str();
     parser
         ->add_option("--tolerance-voxels", options->check.tolerance_voxels,
                      "an error up to this, or up to 2 ulp, keeps the contract")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::NonNegativeNumber.description(""))
+        ->type_name("X")
         ->capture_default_str();
     parser->add_flag("--json", options->json, "print the result as JSON on standard output");
     parser->footer(

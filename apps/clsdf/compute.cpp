@@ -25,9 +25,13 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Computation run_on_device(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout) {
+Error cancellation() {
+    return {ErrorCode::cancelled, "cancelled; nothing was written"};
+}
+
+Computation compute_and_write(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout,
+                              const std::stop_token& stop) {
     Computation result;
-    const Interruption interruption;
     ProgressBar progress(!options.quiet);
 
     const Stopwatch setup;
@@ -35,7 +39,7 @@ Computation run_on_device(const ComputeOptions& options, const ComputeRequest& r
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     transform_options.count = options.json;
-    transform_options.stop = interruption.token();
+    transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
     clsdf::DistanceTransform transform(device, layout.mesh, transform_options);
     result.device_name = device.name();
@@ -49,12 +53,23 @@ Computation run_on_device(const ComputeOptions& options, const ComputeRequest& r
     result.band_samples = count_band_samples(field);
     progress.clear();
 
-    if (interruption.token().stop_requested()) throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
+    if (stop.stop_requested()) throw cancellation();
     const Stopwatch write;
     field.write(options.output);
     result.write_seconds = write.seconds();
     result.output = options.output;
     return result;
+}
+
+// The compilers of some devices listen to the same signals and fail then; the user's wish is the reason all the same.
+Computation run_on_device(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout) {
+    const Interruption interruption;
+    try {
+        return compute_and_write(options, request, layout, interruption.token());
+    } catch (const Error&) {
+        if (interruption.token().stop_requested()) throw cancellation();
+        throw;
+    }
 }
 
 ExitStatus run(const ComputeOptions& options) {

@@ -77,55 +77,69 @@ clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     return outputs;
 }
 
+void add_grid_options(CLI::App& parser, ComputeOptions& options) {
+    constexpr const char* group = "Grid";
+    CLI::Option* resolution =
+        parser.add_option("--resolution", options.resolution, "samples on the longest side, margin included")
+            ->type_name("N")
+            ->capture_default_str();
+    CLI::Option* spacing =
+        parser.add_option("--spacing", options.spacing, "instead: distance of the samples, for all axes or each")
+            ->type_name("H[,H,H]")
+            ->excludes(resolution);
+    CLI::Option* margin =
+        parser.add_option("--margin", options.margin, "room around the mesh [the band's width outside]")
+            ->type_name("LENGTH");
+    CLI::Option* cubic = parser.add_flag("--cubic", options.cubic, "as many samples on every axis");
+    CLI::Option* size = parser.add_option("--size", options.size, "with --origin and --spacing: a grid stated in full")
+                            ->type_name("NX,NY,NZ")
+                            ->excludes(resolution)
+                            ->excludes(margin)
+                            ->excludes(cubic);
+    CLI::Option* origin = parser.add_option("--origin", options.origin, "its first sample")->type_name("X,Y,Z");
+    CLI::Option* cell_centred = parser.add_flag("--cell-centred", options.cell_centred,
+                                                "samples at the centres of cells: all half a voxel further");
+    for (CLI::Option* option : {resolution, spacing, margin, cubic, size, origin, cell_centred}) option->group(group);
+}
+
+void add_field_options(CLI::App& parser, ComputeOptions& options) {
+    constexpr const char* group = "Field";
+    parser.add_option("--band", options.band, "half width of the band on both sides")
+        ->type_name("LENGTH")
+        ->capture_default_str()
+        ->group(group);
+    parser.add_option("--band-inside", options.band_inside, "half width inside")->type_name("LENGTH")->group(group);
+    parser.add_option("--band-outside", options.band_outside, "half width outside")->type_name("LENGTH")->group(group);
+    parser.add_option("--sign", options.sign, "what is inside: auto, nonzero, parity; or none: no sign")
+        ->type_name("RULE")
+        ->capture_default_str()
+        ->group(group);
+    parser.add_option("--with", options.with, "beside the distance: triangle (the nearest one's index)")
+        ->type_name("OUTPUT,...")
+        ->delimiter(',')
+        ->group(group);
+}
+
 }  // namespace
 
 void add_options(CLI::App& parser, ComputeOptions& options) {
     parser.add_option("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply")->required();
     parser.add_option("-o,--output", options.output, "the field: .nrrd, or .npy (with a .json beside it)")
         ->type_name("FILE");
-
-    CLI::Option* resolution =
-        parser.add_option("--resolution", options.resolution, "samples on the longest side, margin included")
-            ->capture_default_str();
-    CLI::Option* spacing =
-        parser.add_option("--spacing", options.spacing, "distance of the samples, for all axes or each")
-            ->type_name("H[,H,H]");
-    spacing->excludes(resolution);
-    CLI::Option* size =
-        parser.add_option("--size", options.size, "samples of a grid stated in full")->type_name("NX,NY,NZ");
-    size->excludes(resolution);
-    parser.add_option("--origin", options.origin, "its first sample")->type_name("X,Y,Z");
-    parser.add_option("--margin", options.margin, "room around the mesh [the band's outside half width]")
-        ->type_name("LENGTH")
-        ->excludes(size);
-    parser.add_flag("--cubic", options.cubic, "as many samples on every axis")->excludes(size);
-    parser.add_flag("--cell-centred", options.cell_centred, "samples at the centres of cells: half a voxel further");
-
-    parser.add_option("--band", options.band, "half width of the band on both sides")
-        ->type_name("LENGTH")
-        ->capture_default_str();
-    parser.add_option("--band-inside", options.band_inside, "half width inside [--band]")->type_name("LENGTH");
-    parser.add_option("--band-outside", options.band_outside, "half width outside [--band]")->type_name("LENGTH");
-    parser.add_option("--sign", options.sign, "what is inside: auto, nonzero, parity, or none for no sign")
-        ->type_name("RULE")
-        ->capture_default_str();
-    parser.add_option("--with", options.with, "beside the distance: triangle (the nearest one's index)")
-        ->type_name("OUTPUT,...")
-        ->delimiter(',');
-
+    add_grid_options(parser, options);
+    add_field_options(parser, options);
     parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.add_flag("--json", options.json, "print the result as JSON on standard output");
     parser.add_flag("--quiet", options.quiet, "print warnings and errors only");
     parser.footer(
-        std::string(
-            "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or full\n"
-            "(no end). Samples beyond the band carry its half width, with the sign.\n\n"
-            "Examples:\n"
-            "  clsdf compute bunny.off -o bunny.nrrd\n"
-            "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
-            "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
-            "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02 --band full\n"
-            "  clsdf compute bunny.off --resolution 2048 --dry-run\n\n") +
+        std::string("A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
+                    "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"
+                    "Examples:\n"
+                    "  clsdf compute bunny.off -o bunny.nrrd\n"
+                    "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
+                    "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
+                    "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02\n"
+                    "  clsdf compute bunny.off --resolution 2048 --dry-run\n\n") +
         exit_status_help());
 }
 

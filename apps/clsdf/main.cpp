@@ -12,6 +12,19 @@
 
 namespace {
 
+// "--resolution N [256]": what an option takes and its default, without what excludes what.
+class HelpFormatter : public CLI::Formatter {
+public:
+    HelpFormatter() { column_width(28); }
+
+    std::string make_option_opts(const CLI::Option* option) const override {
+        std::string text;
+        if (!option->get_type_name().empty() && !option->get_positional()) text += ' ' + option->get_type_name();
+        if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + ']';
+        return text;
+    }
+};
+
 std::vector<std::string> known_words(const CLI::App& parser) {
     std::vector<std::string> words;
     for (const CLI::App* subcommand : parser.get_subcommands([](const CLI::App*) { return true; }))
@@ -46,7 +59,9 @@ ExitStatus explain(const CLI::App& program, const CLI::ParseError& error) {
 
 ExitStatus run(int argument_count, char** arguments) {
     CLI::App program("Exact signed distance fields of triangle meshes on regular grids, with OpenCL.", "clsdf");
-    program.set_version_flag("--version", "clsdf " + clsdf::version());
+    program.formatter(std::make_shared<HelpFormatter>());
+    program.set_help_flag("-h,--help", "print this page");
+    program.set_version_flag("--version", "clsdf " + clsdf::version(), "print the version");
     program.require_subcommand(1);
     program.footer(std::string("\"clsdf SUBCOMMAND --help\" has the options and examples of each.\n\n"
                                "Examples:\n"
@@ -55,7 +70,6 @@ ExitStatus run(int argument_count, char** arguments) {
                                "  clsdf shape sphere6 -o sphere6.off\n\n") +
                    exit_status_help());
     const std::vector<Command> commands{add_compute(program), add_check(program), add_shape(program)};
-    for (const Command& command : commands) command.parser->get_formatter()->column_width(34);
 
     try {
         program.parse(argument_count, arguments);

@@ -13,10 +13,6 @@ using nlohmann::ordered_json;
 
 namespace {
 
-ordered_json finite_or_null(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json();
-}
-
 std::string human_half_width(double width, double voxel) {
     return std::isinf(width) ? "everything" : fmt::format("{:.6g} ({:.4g} voxels)", width, width / voxel);
 }
@@ -42,7 +38,8 @@ ordered_json describe(const Grid& grid) {
 }
 
 ordered_json describe(const Band& band) {
-    return {{"inside", finite_or_null(band.inside)}, {"outside", finite_or_null(band.outside)}};
+    // Infinity, which JSON does not have, becomes null.
+    return {{"inside", band.inside}, {"outside", band.outside}};
 }
 
 std::string human_bytes(double bytes) {

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdlib>
+
 namespace clsdf::device {
 
 namespace {
@@ -13,7 +16,12 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
     capabilities.float_width = device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>();
     capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+    capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+    // A smaller device can be tried out on a larger one.
+    if (const char* limit = std::getenv("CLSDF_MAX_ALLOCATION"))
+        if (const std::size_t bytes = std::strtoull(limit, nullptr, 10); bytes > 0)
+            capabilities.largest_allocation = std::min(capabilities.largest_allocation, bytes);
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
     return capabilities;
 }

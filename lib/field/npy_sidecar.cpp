@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cmath>
-
 namespace clsdf {
 namespace {
 
@@ -17,11 +15,6 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr std::size_t largest_sidecar = std::size_t{1} << 20;
-
-// JSON has no infinity.
-ordered_json half_width(double width) {
-    return std::isinf(width) ? ordered_json() : ordered_json(width);
-}
 
 class SidecarReader {
 public:
@@ -93,6 +86,7 @@ std::string sidecar_path(const std::string& path) {
 
 std::string sidecar_text(const Field& field, const std::string& triangle_file) {
     const Grid& grid = field.grid;
+    // Infinity, which JSON does not have, becomes null.
     ordered_json object{
         {"program", "clsdf " + version()},
         {"mesh", field.mesh_name},
@@ -100,7 +94,7 @@ std::string sidecar_text(const Field& field, const std::string& triangle_file) {
         {"spacing", grid.spacing},
         {"size", grid.size},
         {"lattice", {{"origin", grid.origin}, {"first", grid.first}}},
-        {"band", {{"inside", half_width(field.band.inside)}, {"outside", half_width(field.band.outside)}}},
+        {"band", {{"inside", field.band.inside}, {"outside", field.band.outside}}},
         {"sign", name_of(field.sign)},
     };
     if (!triangle_file.empty()) object["triangle"] = triangle_file;

@@ -83,8 +83,8 @@ void read_face(TextScanner& scanner, std::size_t vertex_count, std::vector<std::
         const std::int64_t index = scanner.integer("a vertex index");
         if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count)
             scanner.fail(ErrorCode::invalid_mesh,
-                         fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0", index,
-                                     vertex_count));
+                         fmt::format("the vertex index {} is out of range: there are {} vertices, counted from 0",
+                                     index, vertex_count));
         corners.push_back(static_cast<std::uint32_t>(index));
     }
 }

@@ -19,8 +19,8 @@ public:
 
     void begin_row(const PlyElement& element, std::size_t row) {
         if (!scanner_.next_line())
-            scanner_.fail(fmt::format("the file ends after {} of {} rows of {}", row, element.count,
-                                      quoted(element.name)));
+            scanner_.fail(
+                fmt::format("the file ends after {} of {} rows of {}", row, element.count, quoted(element.name)));
     }
     void end_row() {
         if (!scanner_.at_end_of_line()) scanner_.fail("the line has more values than the header has properties");

@@ -48,8 +48,7 @@ MeshArrays read_binary(const FileContent& file, std::size_t triangle_count) {
 
 void expect(TextScanner& scanner, std::string_view keyword) {
     const std::string_view word = scanner.word_of_text();
-    if (!equals_ignoring_case(word, keyword))
-        scanner.fail_word(fmt::format("'{}'", keyword).c_str(), word);
+    if (!equals_ignoring_case(word, keyword)) scanner.fail_word(fmt::format("'{}'", keyword).c_str(), word);
 }
 
 /// What lies between "facet" and "endfacet".
@@ -108,10 +107,11 @@ MeshArrays read_stl(const FileContent& file) {
     if (starts_with_solid(file) && !has_zero_byte) return read_ascii(file);
     if (file.size() == 0) throw Error(ErrorCode::unreadable_input, fmt::format("{}: the file is empty", file.path()));
     if (!count)
-        throw Error(ErrorCode::unreadable_input,
-                    fmt::format("{}: neither text that begins with 'solid' nor a binary STL file, whose header alone has "
-                                "{} bytes; this file has {}",
-                                file.path(), header_bytes, file.size()));
+        throw Error(
+            ErrorCode::unreadable_input,
+            fmt::format("{}: neither text that begins with 'solid' nor a binary STL file, whose header alone has "
+                        "{} bytes; this file has {}",
+                        file.path(), header_bytes, file.size()));
     throw Error(ErrorCode::unreadable_input,
                 fmt::format("{}: the header claims {} triangles, so the file should have {} bytes, but it has {}",
                             file.path(), *count, header_bytes + *count * triangle_bytes, file.size()));

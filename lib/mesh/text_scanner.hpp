@@ -13,8 +13,8 @@ namespace clsdf {
 class TextScanner {
 public:
     struct Syntax {
-        bool hash_comments = false;     ///< from # to the end of the line
-        bool line_continuation = false; ///< a backslash at the end of a line joins it to the next one
+        bool hash_comments = false;      ///< from # to the end of the line
+        bool line_continuation = false;  ///< a backslash at the end of a line joins it to the next one
     };
 
     /// Neither the text nor the path is copied.

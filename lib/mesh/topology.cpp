@@ -18,20 +18,25 @@ struct EdgeUse {
     bool upward;             ///< runs from the lower vertex to the higher one
 };
 
-/// An undirected edge of which the report shows the coordinates, and the first triangle that uses it.
+/// An edge as the report shows it, in the direction of the first triangle that uses it.
 struct NotedEdge {
-    std::uint32_t triangle;
+    std::size_t place;  ///< three times the triangle's index, plus the edge's place in it
     std::uint32_t from;
     std::uint32_t to;
 };
 
-/// Keeps the first five edges in the order of their first triangles.
+NotedEdge noted_edge(const std::vector<Triangle>& triangles, const EdgeUse& use, std::uint32_t lower) {
+    const std::uint32_t from = use.upward ? lower : use.other;
+    const Triangle& triangle = triangles[use.triangle];
+    const auto place = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), from) - triangle.begin());
+    return {3 * std::size_t{use.triangle} + place, from, use.upward ? use.other : lower};
+}
+
+/// Keeps the first five edges in the order of the triangles.
 class FirstEdges {
 public:
     void note(const NotedEdge& edge) {
-        const auto before = [](const NotedEdge& a, const NotedEdge& b) {
-            return std::tie(a.triangle, a.from, a.to) < std::tie(b.triangle, b.from, b.to);
-        };
+        const auto before = [](const NotedEdge& a, const NotedEdge& b) { return a.place < b.place; };
         if (edges_.size() == limit && !before(edge, edges_.back())) return;
         edges_.insert(std::upper_bound(edges_.begin(), edges_.end(), edge, before), edge);
         if (edges_.size() > limit) edges_.pop_back();
@@ -114,15 +119,15 @@ void count_edges(const Mesh& mesh, const std::vector<Triangle>& triangles, Topol
             std::size_t upward = 0;
             std::size_t downward = 0;
             for (; use != end && use->other == first.other; ++use) ++(use->upward ? upward : downward);
-            const NotedEdge edge{first.triangle, first.upward ? lower : first.other,
-                                 first.upward ? first.other : lower};
-            if ((upward + downward) % 2 != 0) {
-                ++report.open_edges;
-                open.note(edge);
-            }
+            // An open edge, with an odd number of faces, is unbalanced as well.
             if (upward != downward) {
+                const NotedEdge edge = noted_edge(triangles, first, lower);
                 ++report.unbalanced_edges;
                 unbalanced.note(edge);
+                if ((upward + downward) % 2 != 0) {
+                    ++report.open_edges;
+                    open.note(edge);
+                }
             }
             if (upward + downward > 2) ++report.non_manifold_edges;
         }

@@ -22,7 +22,7 @@ public:
     explicit TextWriter(AtomicFile& file) : file_(file) {}
 
     template <typename... Values>
-    void write(fmt::format_string<Values...> format, const Values&... values) {
+    void write(fmt::format_string<const Values&...> format, const Values&... values) {
         fmt::format_to(std::back_inserter(buffer_), format, values...);
         if (buffer_.size() > piece_bytes) flush();
     }
@@ -102,7 +102,7 @@ void write_ply(const Mesh& mesh, AtomicFile& file) {
                     "property list uchar {} vertex_indices\nend_header\n",
                     mesh.vertices().size(), mesh.triangles().size(), fits_int ? "int" : "uint"));
     for (const Vec3& vertex : mesh.vertices()) {
-        std::array<std::byte, 24> record;
+        std::array<std::byte, 24> record{};
         std::byte* address = record.data();
         for (const double x : vertex) address = store_little_endian(address, x);
         file.write(record);

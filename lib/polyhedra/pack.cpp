@@ -83,8 +83,7 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
     pack_reaches(frame, lattice, polyhedron);
-    polyhedron.slanted_length_right = static_cast<float>(frame.slanted[CLSDF_HALF_RIGHT]);
-    polyhedron.slanted_length_left = static_cast<float>(frame.slanted[CLSDF_HALF_LEFT]);
+    split(frame.altitude(), polyhedron.altitude_high, polyhedron.altitude_low);
     for (std::size_t half = 0; half < 2; ++half) {
         split(frame.base[half], polyhedron.base_high[half], polyhedron.base_low[half]);
         split(frame.normal_along[half], polyhedron.normal_along_high[half], polyhedron.normal_along_low[half]);

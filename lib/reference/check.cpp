@@ -92,7 +92,7 @@ CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& opti
     if (options.samples == 0 || options.samples >= count) {
         return check_every_sample(truth, judge, field.grid, options);
     }
-    const std::vector<Index3> chosen = choose_samples(truth.tree(), field, options.samples, options.seed);
+    const std::vector<Index3> chosen = choose_samples(truth, field, options.samples, options.seed);
     return check_some_samples(truth, judge, chosen, options);
 }
 

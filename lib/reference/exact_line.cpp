@@ -72,11 +72,6 @@ LineMeeting meet_line(const Corners& triangle, double y, double z) {
         }
         crosses = crosses && moved_turn(sign, from, to) == meeting.facing;
     }
-    if (meeting.facing == 0) {
-        // On the line through the projection; within it?
-        const auto [left, right] = std::minmax({corners[0], corners[1], corners[2]});
-        meeting.touches = left <= line && line <= right;
-    }
     meeting.crossing = crosses ? meeting.facing : 0;
     return meeting;
 }
@@ -101,8 +96,8 @@ bool lies_on(const Corners& triangle, const Vec3& point) {
             return turn(corners[k], corners[(k + 1) % 3], projected) != -facing;
         });
     }
-    return lies_on_segment(triangle[0], triangle[1], point) || lies_on_segment(triangle[1], triangle[2], point) ||
-           lies_on_segment(triangle[2], triangle[0], point);
+    // Collinear: two of the edges cover the third.
+    return lies_on_segment(triangle[0], triangle[1], point) || lies_on_segment(triangle[1], triangle[2], point);
 }
 
 }  // namespace clsdf::reference

@@ -15,8 +15,8 @@ struct LineMeeting {
     /// projection are decided by moving the line by (+e, +e^2) in (y, z), so that a closed surface is crossed
     /// consistently and triangles without a projected area never are. 0: the line does not cross.
     int crossing = 0;
-    /// The line, unmoved, meets the closed triangle's projection. A projection without area counts where the line meets
-    /// it.
+    /// The line, unmoved, meets the closed triangle's projection; where that has no area, the straight line it is part
+    /// of.
     bool touches = false;
     /// The sign of the projected area.
     int facing = 0;

@@ -21,10 +21,6 @@ double ulp(double distance) {
            static_cast<double>(nearest);
 }
 
-bool same_bits(float one, float other) {
-    return one == other && std::signbit(one) == std::signbit(other);
-}
-
 }  // namespace
 
 void Tally::append(const Tally& next) {
@@ -123,7 +119,7 @@ void Judge::judge_sign(const Case& sample, Tally& tally) const {
             sample.report(tally, &CheckReport::wrong_signs,
                           sample.truth.inside ? "inside, but not negative" : "outside, but negative");
         }
-    } else if (negative && sample.found == 0 && !same_bits(sample.found, fill(true))) {
+    } else if (negative && sample.found == 0 && sample.found != fill(true)) {
         sample.report(tally, &CheckReport::wrong_signs, "a zero distance written as -0");
     }
 }
@@ -135,7 +131,7 @@ void Judge::judge_distance(const Case& sample, Tally& tally) const {
     // The sign has been judged: a sample of the wrong side is held against that side's fill value. An infinite half
     // width has none.
     const bool on_found_side = std::signbit(sample.found);
-    const bool is_fill = std::isfinite(fill(on_found_side)) && same_bits(sample.found, fill(on_found_side));
+    const bool is_fill = std::isfinite(fill(on_found_side)) && sample.found == fill(on_found_side);
 
     const bool measured = sample.place == Case::Place::in_band || (sample.place == Case::Place::at_limit && !is_fill);
     if (sample.truth.distance <= half_width(field_.band, truth_.is_signed(), sample.truth.inside) && measured &&
@@ -159,7 +155,7 @@ void Judge::judge_distance(const Case& sample, Tally& tally) const {
             }
             return;
         case Case::Place::at_limit:
-            if (!(error <= 2 * allowed) && !is_fill) {
+            if (!(error <= allowed) && !is_fill) {
                 sample.report(tally, &CheckReport::wrong_values, "at the band's limit, with another distance");
             }
             return;

@@ -39,8 +39,8 @@ private:
 
 class Chooser {
 public:
-    Chooser(const TriangleTree& tree, const Field& field, std::uint64_t seed)
-        : tree_(tree), grid_(field.grid), band_(field.band), random_(seed) {
+    Chooser(const TrueSamples& truth, const Field& field, std::uint64_t seed)
+        : truth_(truth), tree_(truth.tree()), grid_(field.grid), band_(field.band), random_(seed) {
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
             origin_[axis] = grid_.origin[a] + static_cast<double>(grid_.first[a]) * grid_.spacing[a];
@@ -53,20 +53,25 @@ public:
         return {random_.index(grid_.size[0]), random_.index(grid_.size[1]), random_.index(grid_.size[2])};
     }
 
-    /// A point pushed along the line from its nearest point until its distance is about a half width.
+    /// A point moved along the line through its nearest point, and through the surface where it is on the wrong side,
+    /// until its distance is about a half width.
     std::optional<Index3> near_limit() {
-        const double limit = random_.uniform() < 0.5 ? band_.inside : band_.outside;
+        const bool inside = truth_.is_signed() && random_.uniform() < 0.5;
+        const double limit = half_width(band_, truth_.is_signed(), inside);
         if (!std::isfinite(limit)) {
             return near_corner(true);
         }
-        Vector3d point = position(uniform());
+        const Index3 start = uniform();
+        double side = truth_.at(start).inside == inside ? 1 : -1;
+        Vector3d point = position(start);
         for (int step = 0; step < 4; ++step) {
             const std::optional<Nearest> nearest = tree_.nearest({{point[0], point[1], point[2]}, {}});
             if (!nearest || nearest->distance == 0) {
                 break;
             }
             const Vector3d foot(nearest->point.data());
-            point = foot + (limit / nearest->distance) * (point - foot);
+            point = foot + side * (limit / nearest->distance) * (point - foot);
+            side = 1;
         }
         return sample_at(point + random_.uniform(-1.5, 1.5) * grid_.voxel() * random_.direction());
     }
@@ -105,6 +110,7 @@ private:
         return sample;
     }
 
+    const TrueSamples& truth_;
     const TriangleTree& tree_;
     const Grid& grid_;
     Band band_;
@@ -114,9 +120,9 @@ private:
 
 }  // namespace
 
-std::vector<Index3> choose_samples(const TriangleTree& tree, const Field& field, std::size_t count,
+std::vector<Index3> choose_samples(const TrueSamples& truth, const Field& field, std::size_t count,
                                    std::uint64_t seed) {
-    Chooser chooser(tree, field, seed);
+    Chooser chooser(truth, field, seed);
     std::vector<Index3> samples;
     samples.reserve(count);
     while (samples.size() < count / 2) {

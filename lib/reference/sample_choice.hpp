@@ -1,6 +1,6 @@
 #pragma once
 
-#include "triangle_tree.hpp"
+#include "true_samples.hpp"
 
 #include <clsdf/field.hpp>
 
@@ -8,6 +8,6 @@ namespace clsdf::reference {
 
 /// Samples of a field worth looking at: half drawn uniformly, half near the band's limits, edges and vertices.
 /// The same for the same seed on every platform.
-std::vector<Index3> choose_samples(const TriangleTree& tree, const Field& field, std::size_t count, std::uint64_t seed);
+std::vector<Index3> choose_samples(const TrueSamples& truth, const Field& field, std::size_t count, std::uint64_t seed);
 
 }  // namespace clsdf::reference

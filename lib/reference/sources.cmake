@@ -17,7 +17,10 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/check.cpp
           ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp)
 target_include_directories(clsdf_reference PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+# Without contraction the same triangle gives the same bits wherever it is evaluated, on every processor.
+target_compile_options(clsdf_reference PRIVATE -ffp-contract=off)
 target_link_libraries(
   clsdf_reference
   PUBLIC clsdf::clsdf
-  PRIVATE CGAL::CGAL TBB::tbb fmt::fmt $<BUILD_INTERFACE:clsdf_warnings>)
+  PRIVATE TBB::tbb fmt::fmt $<BUILD_INTERFACE:CGAL::CGAL> $<BUILD_INTERFACE:clsdf_warnings> $<INSTALL_INTERFACE:mpfr>
+          $<INSTALL_INTERFACE:gmp>)

@@ -1,5 +1,7 @@
 #include "triangle_frame.hpp"
 
+#include "exact_line.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -75,16 +77,12 @@ TriangleFrame::TriangleFrame(const Vec3& a, const Vec3& b, const Vec3& c) {
                      static_cast<double>(lengths[i])};
     }
 
-    // Gram-Schmidt from the corner of the longest and the shortest edge, twice: the normal is perpendicular to the
-    // longest edge to the last bit, however thin the triangle is, and what error is left turns it about that edge.
+    // The altitude over the longest edge, then the cross product with that edge: the normal is perpendicular to it to
+    // the last bit, however thin the triangle is, and what error is left turns the frame about that edge.
     const std::size_t longest = static_cast<std::size_t>(std::max_element(lengths, lengths + 3) - lengths);
     const std::size_t opposite = 3U - ends[longest][0] - ends[longest][1];
-    const WideVector from_first = difference(vertices_[opposite], vertices_[ends[longest][0]]);
-    const WideVector from_second = difference(vertices_[opposite], vertices_[ends[longest][1]]);
-    WideVector altitude = stable_norm(from_first) <= stable_norm(from_second) ? from_first : from_second;
-    for (int pass = 0; pass < 2; ++pass) {
-        altitude -= altitude.dot(directions[longest]) * directions[longest];
-    }
+    WideVector altitude = difference(vertices_[opposite], vertices_[ends[longest][0]]);
+    altitude -= altitude.dot(directions[longest]) * directions[longest];
     const Wide height = stable_norm(altitude);
     degenerate_ = !(height > degenerate_ratio * lengths[longest]);
     normal_.setZero();
@@ -162,6 +160,13 @@ TriangleFrame::Closest TriangleFrame::closest(const ExactPosition& query) const 
         const double height = normal_.dot(offsets[0]);
         const Eigen::Vector3d foot = offsets[0] - height * normal_;
         best = {std::fabs(height), Site::face, translated(vertices_[0], foot)};
+    }
+    // A point on the triangle has the distance 0 and no rounding of it.
+    const double rounding = 8 * epsilon * offsets[0].cwiseAbs().cwiseMax(offsets[1].cwiseAbs()).lpNorm<1>();
+    if (best.distance <= rounding && query.rounding() == 0 &&
+        lies_on({vertices_[0], vertices_[1], vertices_[2]}, query.head)) {
+        best.distance = 0;
+        best.point = query.head;
     }
     return best;
 }

@@ -40,7 +40,7 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         const cl::CommandQueue& queue = context.queue();
         const std::size_t bricks = coarse_brick_count(layout);
         CoarseLists lists;
-        lists.parts = parallel_parts(context);
+        lists.parts = programs.parallel_parts(context, bricks);
         const std::size_t counters = bricks * lists.parts;
         lists.caps = pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
         bound_coarse_bricks(context, programs, layout, polyhedra, polyhedron_count, *lists.caps, bricks);
@@ -54,7 +54,7 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         kernel.setArg(4, *counts);
         kernel.setArg(5, *counts);  // no entries yet
         kernel.setArg(6, cl_int{0});
-        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(1));
+        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(programs.part_group()));
 
         lists.starts = pool->lease((counters + 1) * sizeof(cl_uint), "starts of the coarse lists");
         lists.pairs = scan(context, programs.scan, pool, *counts, *lists.starts, counters,
@@ -64,7 +64,7 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         queue.enqueueCopyBuffer(*lists.starts, *counts, 0, 0, counters * sizeof(cl_uint));
         kernel.setArg(5, *lists.entries);
         kernel.setArg(6, cl_int{1});
-        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(1));
+        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(programs.part_group()));
 
         std::vector<cl_uint> starts(counters + 1);
         queue.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());

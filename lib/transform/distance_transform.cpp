@@ -27,7 +27,7 @@ struct DistanceTransform::State {
           mesh(std::move(mesh_in)),
           options(std::move(options_in)),
           topology(describe_topology(mesh)),
-          programs(device::guarded([&] { return transform::Programs(device.internal()); })),
+          programs(device::guarded([&] { return transform::Programs(device.internal(), options.body); })),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
         const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
         sign = resolved.rule;
@@ -145,10 +145,16 @@ void DistanceTransform::State::compute(Plan::State& plan, const HostOutputs& hos
                 throw_if_stopped();
                 if (options.progress) options.progress(begin + (end - begin) * fraction);
             };
-        plan.enqueue(context.queue(), *distance, triangle ? **triangle : cl::Buffer(), {}, between);
-        distance.fetch(context.queue());
-        if (triangle) triangle->fetch(context.queue());
-        plan.read_counters();
+        try {
+            plan.enqueue(context.queue(), *distance, triangle ? **triangle : cl::Buffer(), {}, between);
+            distance.fetch(context.queue());
+            if (triangle) triangle->fetch(context.queue());
+            plan.read_counters();
+        } catch (...) {
+            // What is under way still writes to the caller's memory.
+            clFinish(context.queue()());
+            throw;
+        }
     });
     plan.statistics.field_seconds = watch.seconds();
 }
@@ -169,6 +175,10 @@ SignRule DistanceTransform::sign() const {
 }
 const TransformStatistics& DistanceTransform::statistics() const {
     return state_->statistics;
+}
+
+void DistanceTransform::set_stop(std::stop_token stop) {
+    state_->options.stop = std::move(stop);
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {

@@ -27,6 +27,9 @@ struct PolyhedronWidths {
 };
 PolyhedronWidths polyhedron_widths(const Layout& layout);
 
+/// Whether the spacing is so unequal that float offsets within a brick are too coarse for the accuracy.
+bool has_long_bricks(const Grid& grid);
+
 std::size_t brick_count(const Layout& layout);
 std::size_t coarse_brick_count(const Layout& layout);
 /// Rows of sign bits: every row of samples of the part's bricks.

@@ -2,7 +2,7 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "transform/coarse_lists.hpp"
+#include "transform/brick_kernel.hpp"
 #include "transform/prepared_mesh.hpp"
 
 #include <functional>
@@ -34,32 +34,11 @@ struct Plan::State {
     TransformStatistics statistics;
 
 private:
-    /// Coarse bricks order[begin, end) of one launch.
-    struct Launch {
-        cl_uint begin;
-        cl_uint end;
-        double fraction_before;
-    };
-
-    void size_launches();
-    void set_arguments();
-    /// The compiler specialises a kernel at its first launch: an empty one here keeps enqueue() from waiting for that.
-    void warm_up();
-
     Layout layout_;
     transform::CoarseLists lists_;
     device::BufferPool::Lease sign_bits_;
     device::BufferPool::Lease computed_;
-    device::BufferPool::Lease order_;
-    device::BufferPool::Lease first_turns_;
-    device::BufferPool::Lease turns_;
-    device::BufferPool::Lease masks_;
-    device::BufferPool::Lease list_;
-    device::BufferPool::Lease counters_;
-    std::vector<Launch> launches_;
-    std::size_t work_items_ = 1;
-    std::size_t longest_list_ = 0;
-    cl::Kernel bricks_kernel_;
+    std::unique_ptr<transform::BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
 };
 

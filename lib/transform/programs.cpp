@@ -2,36 +2,66 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace clsdf::transform {
 
 namespace {
 
-std::string build_options(const device::Context& context) {
-    // 512 bits where the device has them, else 256; narrower ones divide these.
-    const int lanes = context.capabilities().float_width >= 16 ? 16 : 8;
+/// Lanes of a work-item's vectors: 512 bits where the processor has them, else 256, which narrower ones divide.
+int lanes_of(const device::Context& context, KernelBody body) {
+    if (body == KernelBody::by_group) return 1;
+    return context.capabilities().float_width >= 16 ? 16 : 8;
+}
+
+std::string build_options(const device::Context& context, KernelBody body) {
     const bool rounds_roots =
         (context.device().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-    return fmt::format("-cl-std=CL1.2 -DLANES={}{}", lanes,
+    return fmt::format("-cl-std=CL1.2 -DLANES={}{}", lanes_of(context, body),
                        rounds_roots ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
 }
 
+std::string options_of(const BrickVariant& variant) {
+    return fmt::format("{}{}{}", variant.triangle ? " -DNEAREST" : "", variant.count ? " -DCOUNT" : "",
+                       variant.long_bricks ? " -DLONG_BRICKS" : "");
+}
+
+// Counters of all histograms together: enough for a GPU's work-items, and a few megabytes.
+constexpr std::size_t histogram_budget = std::size_t{1} << 22;
+
 }  // namespace
 
-Programs::Programs(device::Context& context) {
-    const std::string options = build_options(context);
+Programs::Programs(device::Context& context, KernelBody asked)
+    : body(asked != KernelBody::automatic        ? asked
+           : context.capabilities().is_processor ? KernelBody::by_vector
+                                                 : KernelBody::by_group) {
+    const std::string options = build_options(context, body);
     scan = context.program("scan.cl", options);
     coarse_lists = context.program("coarse_lists.cl", options);
     sign_sweep = context.program("sign_sweep.cl", options);
     fill = context.program("fill.cl", options);
+    group_size = std::min<std::size_t>(128, context.capabilities().largest_group);
+    if (body == KernelBody::by_group && group_size < 64)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format(
+                "the device allows work-groups of {} items, and the kernel body by_group needs 64; use by_vector",
+                context.capabilities().largest_group));
+    group_size = group_size >= 128 ? 128 : 64;
 }
 
-cl::Program Programs::bricks(device::Context& context, bool with_triangle, bool count) const {
-    return context.program("bricks_by_vector.cl",
-                           build_options(context) + (with_triangle ? " -DNEAREST" : "") + (count ? " -DCOUNT" : ""));
+cl::Program Programs::bricks_by_vector(device::Context& context, const BrickVariant& variant) const {
+    return context.program("bricks_by_vector.cl", build_options(context, body) + options_of(variant));
 }
 
-std::size_t parallel_parts(const device::Context& context) {
-    return 8 * std::size_t{context.capabilities().compute_units};
+cl::Program Programs::bricks_by_group(device::Context& context, const BrickVariant& variant) const {
+    return context.program("bricks_by_group.cl", fmt::format("{} -DGROUP={}{}", build_options(context, body),
+                                                             group_size, options_of(variant)));
+}
+
+std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {
+    if (body == KernelBody::by_vector) return 8 * std::size_t{context.capabilities().compute_units};
+    return std::clamp<std::size_t>(histogram_budget / histogram, 64, 8192) / 64 * 64;
 }
 
 }  // namespace clsdf::transform

@@ -1,24 +1,37 @@
 #pragma once
 
+#include <clsdf/distance_transform.hpp>
+
 #include "device/context.hpp"
 
 namespace clsdf::transform {
 
-/// The kernels' programs for one device. Kernel objects are made anew for every use: they hold arguments, and are not
-/// shared between threads.
+/// What a brick kernel is compiled for.
+struct BrickVariant {
+    bool triangle = false;     ///< keeps the nearest triangle
+    bool count = false;        ///< counts its work
+    bool long_bricks = false;  ///< spacing so unequal that distances take double
+};
+
+/// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
+/// are not shared between threads.
 struct Programs {
+    KernelBody body;  ///< never automatic
     cl::Program scan;
     cl::Program coarse_lists;
     cl::Program sign_sweep;
     cl::Program fill;
+    std::size_t group_size = 0;  ///< of the body by_group
 
-    explicit Programs(device::Context& context);
+    Programs(device::Context& context, KernelBody asked);
 
-    /// The brick kernel is compiled for what is asked of it.
-    cl::Program bricks(device::Context& context, bool with_triangle, bool count) const;
+    cl::Program bricks_by_vector(device::Context& context, const BrickVariant& variant) const;
+    cl::Program bricks_by_group(device::Context& context, const BrickVariant& variant) const;
+
+    /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
+    std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;
+    /// The size of their groups.
+    std::size_t part_group() const { return body == KernelBody::by_group ? 64 : 1; }
 };
-
-/// How many work-items share a job that is divided in ranges.
-std::size_t parallel_parts(const device::Context& context);
 
 }  // namespace clsdf::transform

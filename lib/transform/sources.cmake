@@ -1,6 +1,9 @@
 target_sources(
   clsdf
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/brick_kernel.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/bricks_by_group.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
           ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plan.cpp

@@ -1,8 +1,11 @@
+#include "support/throws.hpp"
+
 #include <clsdf/band.hpp>
 #include <clsdf/error.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 
 #include <cmath>
@@ -18,6 +21,7 @@ using clsdf::GridOptions;
 using clsdf::Index3;
 using clsdf::Length;
 using clsdf::Vec3;
+using clsdf::test::check_throws;
 
 namespace {
 
@@ -89,8 +93,9 @@ BOOST_AUTO_TEST_CASE(with_a_margin_in_voxels_keeps_so_many_on_every_side) {
 }
 
 BOOST_AUTO_TEST_CASE(is_refused_where_the_margin_in_voxels_leaves_no_room) {
-    BOOST_CHECK_EXCEPTION(around(four_by_two_by_one, 7, Length::in_voxels(3)), Error, is_invalid_argument);
-    BOOST_CHECK_EXCEPTION(around(four_by_two_by_one, 7, Length::in_voxels(4)), Error, is_invalid_argument);
+    for (const double voxels : {3.0, 4.0})
+        check_throws(ErrorCode::invalid_argument, {fmt::format("margin of {} voxels", voxels), "7 samples"},
+                     [&] { around(four_by_two_by_one, 7, Length::in_voxels(voxels)); });
     BOOST_TEST(around(four_by_two_by_one, 8, Length::in_voxels(3)).spacing[0] == 4.0);
 }
 
@@ -190,8 +195,9 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_is_refused) {
         BOOST_TEST_CONTEXT("value " << value) {
             BOOST_CHECK_EXCEPTION(around(four_by_two_by_one, 9, Length::in_mesh_units(value)), Error,
                                   is_invalid_argument);
-            BOOST_CHECK_EXCEPTION(around_with_spacing(four_by_two_by_one, {1, value, 1}, none), Error,
-                                  is_invalid_argument);
+            check_throws(ErrorCode::invalid_argument, {fmt::format("spacing {}", value)}, [&] {
+                around_with_spacing(four_by_two_by_one, {1, value, 1}, none);
+            });
             BOOST_CHECK_EXCEPTION(around({{0, 0, 0}, {1, value, 1}}, 9, none), Error, is_invalid_argument);
         }
     }

@@ -114,6 +114,7 @@ BOOST_AUTO_TEST_CASE(a_mistyped_name_is_answered_with_the_nearest_one) {
     check_throws(ErrorCode::invalid_argument, {"'tours'", "'torus'"}, [] { make_shape("tours"); });
     check_throws(ErrorCode::invalid_argument, {"'seashel'", "'seashell'"}, [] { make_shape("seashel"); });
     check_throws(ErrorCode::invalid_argument, {"'spheer6'", "'sphere6'"}, [] { make_shape("spheer6"); });
+    check_throws(ErrorCode::invalid_argument, {"'sphere'", "'sphere0'"}, [] { make_shape("sphere"); });
     check_throws(ErrorCode::invalid_argument, {"plate2x"}, [] { make_shape("plate2x"); });
     check_throws(ErrorCode::invalid_argument, {"''"}, [] { make_shape(""); });
 }

@@ -85,6 +85,10 @@ BOOST_AUTO_TEST_CASE(the_first_open_edges_are_those_of_the_first_triangles) {
         vertices.insert(vertices.end(), {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}});
         triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
     }
+    // The order of the vertices is no matter.
+    std::reverse(vertices.begin(), vertices.end());
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& index : triangle) index = 29 - index;
     const Topology topology = topology_of(vertices, triangles);
     BOOST_TEST(topology.open_edges == 30U);
     BOOST_REQUIRE(topology.first_open_edges.size() == 5U);
@@ -156,6 +160,25 @@ BOOST_AUTO_TEST_CASE(a_pair_of_opposite_faces_encloses_nothing_but_is_balanced) 
     const Topology same = topology_of(vertices, {{0, 1, 2}, {1, 2, 0}});
     BOOST_TEST(same.closed);
     BOOST_TEST(!same.balanced);
+}
+
+BOOST_AUTO_TEST_CASE(a_sheet_with_two_sides_encloses_nothing_however_it_is_rounded) {
+    // A tilted fan and its reverse; the volume is rounding error, of either sign.
+    for (std::uint32_t n = 3; n < 60; ++n) {
+        BOOST_TEST_CONTEXT(n << " blades") {
+            std::vector<Vec3> vertices{{0.1, 0.2, 0.3}};
+            std::vector<Triangle> triangles;
+            for (std::uint32_t i = 0; i < n; ++i) {
+                const double angle = 2 * 3.14159265358979323846 * i / n;
+                vertices.push_back({std::cos(angle), std::sin(angle), 0.7 * std::cos(angle) - 0.3 * std::sin(angle)});
+                const std::uint32_t next = 1 + (i + 1) % n;
+                triangles.insert(triangles.end(), {{0, i + 1, next}, {next, i + 1, 0}});
+            }
+            const Topology topology = topology_of(vertices, triangles);
+            BOOST_TEST(topology.balanced);
+            BOOST_TEST(!topology.inside_out);
+        }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_that_comes_twice_is_still_balanced) {

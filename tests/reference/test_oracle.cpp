@@ -85,7 +85,7 @@ BOOST_AUTO_TEST_CASE(the_tree_says_what_looking_at_every_triangle_says) {
 
 BOOST_AUTO_TEST_CASE(a_mesh_far_from_the_origin_or_of_any_scale_is_searched_completely) {
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-        for (const double scale : {1e-200, 1e-20, 1.0, 1e20, 1e160}) {
+        for (const double scale : {1e-200, 1e-162, 1e-20, 1.0, 1e20, 1e160}) {
             for (const double offset : {0.0, 1e9}) {
                 BOOST_TEST_CONTEXT("seed " << seed << " scale " << scale << " offset " << offset) {
                     Random random(seed);

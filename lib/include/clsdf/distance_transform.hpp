@@ -20,13 +20,21 @@ struct Outputs {
     bool triangle = false;  ///< the nearest triangle of every sample in the band
 };
 
+/// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
+enum class KernelBody {
+    automatic,  ///< by_vector on processors, by_group elsewhere
+    by_vector,  ///< a work-item computes vectors of samples, one after the other: for processors
+    by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
+};
+
 /// Callbacks, and how the sign is decided.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
-    std::function<void(double fraction)> progress;        ///< called between launches, from the calling thread
-    std::function<void(const std::string& message)> log;  ///< warnings, e.g. that a mesh is open
-    std::stop_token stop;                                 ///< looked at between launches; Error(cancelled)
-    bool count = false;                                   ///< fill the statistics counted on the device; costs time
+    KernelBody body = KernelBody::automatic;
+    std::function<void(double fraction)> progress{};        ///< called between launches, from the calling thread
+    std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
+    std::stop_token stop{};                                 ///< looked at between launches; Error(cancelled)
+    bool count = false;                                     ///< fill the statistics counted on the device; costs time
 };
 
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
@@ -58,8 +66,8 @@ struct DeviceOutputs {
 
 /// The caller's own host memory; each span holds grid.sample_count() values, or is empty where not wanted.
 struct HostOutputs {
-    std::span<float> distance;
-    std::span<std::uint32_t> triangle;
+    std::span<float> distance{};
+    std::span<std::uint32_t> triangle{};
 };
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
@@ -107,6 +115,9 @@ public:
 
     /// The same into the caller's memory.
     void compute(const Grid& grid, const Band& band, const HostOutputs& host);
+
+    /// Replaces TransformOptions::stop, for the calls that follow.
+    void set_stop(std::stop_token stop);
 
     /// Statistics of the last computation.
     const TransformStatistics& statistics() const;

@@ -82,9 +82,9 @@ struct CheckOptions {
     std::uint64_t seed = 1;
     double tolerance_voxels = 1e-5;  ///< an error is within the contract up to max(this, tolerance_ulp ulp)
     double tolerance_ulp = 2;
-    double sign_margin_voxels = 1e-6;               ///< nearer the surface than this, the sign is not judged
-    std::function<void(double fraction)> progress;  ///< one call at a time, from any thread
-    std::stop_token stop;                           ///< Error(cancelled)
+    double sign_margin_voxels = 1e-6;                 ///< nearer the surface than this, the sign is not judged
+    std::function<void(double fraction)> progress{};  ///< one call at a time, from any thread
+    std::stop_token stop{};                           ///< Error(cancelled)
 };
 
 /// A field held against the reference.

@@ -1,0 +1,74 @@
+// A grid that is divided among the ranks of a parallel simulation, each with a layer of ghost samples.
+//
+// A part of a grid keeps the grid's origin and spacing, and everything is anchored to the grid: a part has the very
+// bytes of the whole, so that ghost samples agree on both sides and need no exchange.
+
+#include <clsdf/clsdf.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+namespace {
+
+/// The samples of one rank of `ranks` along x, with a ghost layer on the sides where it has a neighbour.
+clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t ranks) {
+    constexpr std::int64_t ghosts = 2;
+    const std::int64_t samples = domain.size[0];
+    const std::int64_t begin = std::max<std::int64_t>(samples * rank / ranks - ghosts, 0);
+    const std::int64_t end = std::min(samples * (rank + 1) / ranks + ghosts, samples);
+    return domain.part({begin, 0, 0}, {end - begin, domain.size[1], domain.size[2]});
+}
+
+/// The number of samples that are not the very same float in the block as in the whole.
+std::size_t differences(const clsdf::Field& block, const clsdf::Field& whole) {
+    const clsdf::Grid& grid = block.grid;
+    const std::int64_t shift = grid.first[0] - whole.grid.first[0];
+    std::size_t count = 0;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+                const float& here = block.distance[grid.offset(i, j, k)];
+                const float& there = whole.distance[whole.grid.offset(i + shift, j, k)];
+                count += std::memcmp(&here, &there, sizeof here) != 0 ? 1 : 0;
+            }
+    return count;
+}
+
+}  // namespace
+
+int main() {
+    try {
+        const clsdf::Mesh mesh = clsdf::make_shape("knot");
+        const clsdf::Band band = clsdf::Band::symmetric(0.03 * mesh.box().longest_side());
+        const clsdf::Grid domain = clsdf::Grid::around(mesh, 100, band);
+
+        // Here in one process; in a real one every rank has a device and a transform of its own.
+        clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
+        const clsdf::Field whole = transform(domain, band);
+        constexpr std::int64_t ranks = 3;
+        std::size_t wrong = 0;
+        for (std::int64_t rank = 0; rank < ranks; ++rank) {
+            const clsdf::Grid block = block_of(domain, rank, ranks);
+
+            // Into memory that the simulation has anyway.
+            std::vector<float> distance(block.sample_count());
+            transform.compute(block, band, {.distance = distance});
+
+            clsdf::Field field;
+            field.grid = block;
+            field.distance = std::move(distance);
+            const std::size_t different = differences(field, whole);
+            std::printf("rank %lld: samples %lld to %lld of x, %zu of them different from the whole's\n",
+                        static_cast<long long>(rank), static_cast<long long>(block.first[0]),
+                        static_cast<long long>(block.first[0] + block.size[0] - 1), different);
+            wrong += different;
+        }
+        std::puts(wrong == 0 ? "as it should be" : "WRONG");
+        return wrong == 0 ? 0 : 1;
+    } catch (const clsdf::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 2;
+    }
+}

@@ -1,0 +1,99 @@
+// From arrays in memory to a signed distance field, and a use of it.
+//
+// A simulation has a solid as arrays of vertices and triangles, and wants to know which of its cells are solid, how
+// much of a cell on the surface is, and which triangle a fluid particle near the wall would hit.
+
+#include <clsdf/clsdf.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <vector>
+
+namespace {
+
+/// The simulation's own arrays: x0 y0 z0 x1 ..., and three indices a triangle, counter-clockwise seen from outside.
+struct Solid {
+    std::vector<double> vertices;
+    std::vector<std::uint32_t> triangles;
+};
+
+Solid torus(double ring_radius, double tube_radius, std::uint32_t around, std::uint32_t across) {
+    Solid solid;
+    for (std::uint32_t i = 0; i < around; ++i) {
+        for (std::uint32_t j = 0; j < across; ++j) {
+            const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / across;
+            const double radius = ring_radius + tube_radius * std::cos(v);
+            solid.vertices.insert(solid.vertices.end(),
+                                  {radius * std::cos(u), radius * std::sin(u), tube_radius * std::sin(v)});
+            const auto vertex = [&](std::uint32_t a, std::uint32_t b) { return a % around * across + b % across; };
+            solid.triangles.insert(solid.triangles.end(), {vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1),  //
+                                                           vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+        }
+    }
+    return solid;
+}
+
+/// By the divergence theorem: the volume that the field should find.
+double volume_of(const Solid& solid) {
+    double six_volumes = 0;
+    for (std::size_t t = 0; t < solid.triangles.size(); t += 3) {
+        const double* a = &solid.vertices[3 * solid.triangles[t]];
+        const double* b = &solid.vertices[3 * solid.triangles[t + 1]];
+        const double* c = &solid.vertices[3 * solid.triangles[t + 2]];
+        six_volumes += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+                       a[2] * (b[0] * c[1] - b[1] * c[0]);
+    }
+    return six_volumes / 6;
+}
+
+}  // namespace
+
+int main() {
+    try {
+        const Solid solid = torus(1.0, 0.4, 120, 48);
+
+        // Arrays are viewed where they lie; the transform checks and copies them. A transform serves many grids.
+        const clsdf::MeshView view(solid.vertices, solid.triangles);
+        const clsdf::Mesh mesh(view, "torus");
+        const clsdf::Device device = clsdf::Device::best();
+        clsdf::TransformOptions options;
+        options.log = [](const std::string& message) { std::printf("clsdf says: %s\n", message.c_str()); };
+        clsdf::DistanceTransform transform(device, mesh, options);
+
+        // 96 cells on the longest side, and distances where they are wanted: a tenth of a unit on both sides.
+        const clsdf::Band band = clsdf::Band::symmetric(0.1);
+        const clsdf::Grid grid = clsdf::Grid::around(mesh, 96, band);
+        const clsdf::Field field = transform(grid, band, {.triangle = true});
+
+        // A cell is solid where its centre is inside, in the band and beyond it; on the surface, as much of it as the
+        // distance says.
+        const double h = grid.voxel();
+        double cells = 0, solid_cells = 0;
+        for (const float distance : field.distance) {
+            cells += distance < 0 ? 1 : 0;
+            solid_cells += std::clamp(0.5 - static_cast<double>(distance) / h, 0.0, 1.0);
+        }
+        const double exact = volume_of(solid);
+        const double by_counting = cells * h * h * h, by_distance = solid_cells * h * h * h;
+        std::printf("volume: %.5f by the triangles, %.5f by counting cells, %.5f by the distance\n", exact, by_counting,
+                    by_distance);
+
+        // Beside the tube's outer rim: the distance to the wall, and the triangle there.
+        const auto sample = [&](std::size_t axis, double x) { return std::lround((x - grid.origin[axis]) / h); };
+        const std::size_t particle = grid.offset(sample(0, 1.45), sample(1, 0), sample(2, 0));
+        const std::uint32_t triangle = field.triangle[particle];
+        std::printf("a particle %.5f from the wall, nearest to triangle %u\n",
+                    static_cast<double>(field.distance[particle]), triangle);
+
+        const bool right = std::abs(by_counting - exact) < 0.01 * exact &&
+                           std::abs(by_distance - exact) < 0.001 * exact && triangle < mesh.triangles().size();
+        std::puts(right ? "as it should be" : "WRONG");
+        return right ? 0 : 1;
+    } catch (const clsdf::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 2;
+    }
+}

@@ -1,0 +1,258 @@
+// The seven-site distance of every sample near the mesh, for GPUs: a work-group computes a brick of 8 x 8 x 8 samples from the
+// list of its coarse brick.
+//
+//   1. an upper bound of the brick's distances (cap), by a reduction over the list;
+//   2. GROUP polyhedra of the list at a time, one a work-item: does it touch the brick, and which of its 16 sub-blocks of
+//      4 x 4 x 2 samples? Those that do are compacted into local memory, in the order of the list;
+//   3. when local memory is full, or the list ends: each work-item carries its samples through the compacted polyhedra. The
+//      32 work-items of a sub-block are neighbours, so that they take the same branches.
+//
+// Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are scheduled.
+//
+// Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest triangle;
+// LONG_BRICKS where spacing is so unequal that distances take double (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
+
+#include "blocks.h"
+#include "distance.h"
+
+#define SUBBLOCKS 16
+#define SUBBLOCK_SAMPLES 32
+#define SAMPLES_PER_ITEM (512 / GROUP)
+#define CAPACITY (2 * GROUP)
+
+// Sample `lane` of sub-block b, from the brick's first sample.
+inline int3 sample_of(uint b, uint lane) {
+    return (int3)((b & 1u) * 4 + (lane & 3u), ((b >> 1) & 1u) * 4 + ((lane >> 2) & 3u), (b >> 2) * 2 + (lane >> 4));
+}
+
+// The sub-blocks that a polyhedron touches, 16 bits.
+inline uint touched_subblocks(__global const Polyhedron* p, Offsets o, float cap, float slack) {
+    // Half of a sub-block's width: 1.5, 1.5 and 0.5 samples.
+    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT], across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
+    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT], across_left = p->normal_across_high[CLSDF_HALF_LEFT];
+    const float3 gx = vload3(0, p->gradient_x_high), gy = vload3(0, p->gradient_y_high), gz = vload3(0, p->gradient_z_high);
+    const float widen = 1.0f + 1.0e-6f;
+    Reach reach;
+    reach.x = widen * (1.5f * fabs(gx.x) + 1.5f * fabs(gy.x) + 0.5f * fabs(gz.x));
+    reach.y = widen * (1.5f * fabs(gx.y) + 1.5f * fabs(gy.y) + 0.5f * fabs(gz.y));
+    reach.z = widen * (1.5f * fabs(gx.z) + 1.5f * fabs(gy.z) + 0.5f * fabs(gz.z));
+    reach.right = widen * (1.5f * fabs(along_right * gx.x + across_right * gx.y) + 1.5f * fabs(along_right * gy.x + across_right * gy.y) +
+                           0.5f * fabs(along_right * gz.x + across_right * gz.y));
+    reach.left = widen * (1.5f * fabs(across_left * gx.y - along_left * gx.x) + 1.5f * fabs(across_left * gy.y - along_left * gy.x) +
+                          0.5f * fabs(across_left * gz.y - along_left * gz.x));
+    uint touched = 0;
+    for (uint b = 0; b < SUBBLOCKS; ++b) {
+        const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f, k = (float)((b >> 2) * 2) - 3.0f;
+        touched |= touched_blocks(p, o, i, j, k, reach, cap, slack) << b;
+    }
+    return touched;
+}
+
+// Exclusive prefix sum of one value a work-item; `sums` holds 2 GROUP values, and sums[2 GROUP - 1] the total afterwards.
+inline uint group_scan(uint value, __local uint* sums) {
+    const uint item = get_local_id(0);
+    sums[item] = 0;
+    sums[GROUP + item] = value;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint step = 1; step < GROUP; step *= 2) {
+        const uint other = sums[GROUP + item - step];
+        barrier(CLK_LOCAL_MEM_FENCE);
+        sums[GROUP + item] += other;
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    return sums[GROUP + item] - value;
+}
+
+// The least of one value a work-item.
+inline float group_least(float value, __local float* values) {
+    const uint item = get_local_id(0);
+    values[item] = value;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint half_size = GROUP / 2; half_size > 0; half_size /= 2) {
+        if (item < half_size) values[item] = LESSER(values[item], values[item + half_size]);
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    const float least = values[0];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return least;
+}
+
+// Polyhedra of the brick, compacted.
+typedef struct Compacted {
+    Offsets offsets[CAPACITY];
+    uint polyhedron[CAPACITY];
+    uint subblocks[CAPACITY];
+} Compacted;
+
+// A work-item's samples.
+typedef struct Minimum {
+    float squared[SAMPLES_PER_ITEM];
+#ifdef NEAREST
+    uint triangle[SAMPLES_PER_ITEM];
+#endif
+} Minimum;
+
+inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
+#ifdef COUNT
+                     , float half_width, float slack, __private uint* counters
+#endif
+) {
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        const uint number = s * GROUP + get_local_id(0);
+        const uint b = number / SUBBLOCK_SAMPLES;
+        const float3 from_centre = convert_float3(sample_of(b, number % SUBBLOCK_SAMPLES)) - 3.5f;
+        float least = minimum->squared[s];
+#ifdef NEAREST
+        uint nearest = minimum->triangle[s];
+#endif
+        for (uint n = 0; n < count; ++n) {
+            if (!((compacted->subblocks[n] >> b) & 1u)) continue;
+            const Offsets o = compacted->offsets[n];
+            __global const Polyhedron* p = polyhedra + compacted->polyhedron[n];
+#ifdef LONG_BRICKS
+            const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), from_centre.x, from_centre.y,
+                                                              from_centre.z);
+#else
+            const float squared = squared_distance(p, o, from_centre.x, from_centre.y, from_centre.z);
+#endif
+#ifdef NEAREST
+            const uint triangle = p->triangle;
+            const bool better = squared < least || (squared == least && triangle < nearest);
+            nearest = better ? triangle : nearest;
+            least = better ? squared : least;
+#else
+            least = LESSER(squared, least);
+#endif
+#ifdef COUNT
+            const Reach none = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+            ++counters[CLSDF_COUNT_LANES];
+            counters[CLSDF_COUNT_COVERED] +=
+                touched_blocks(p, o, from_centre.x, from_centre.y, from_centre.z, none, half_width, slack);
+#endif
+        }
+        minimum->squared[s] = least;
+#ifdef NEAREST
+        minimum->triangle[s] = nearest;
+#endif
+    }
+}
+
+// Global size: 64 groups for each coarse brick order[begin, ...) of the launch.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group(
+    Layout layout, uint begin, __global const uint* order, __global const uint* starts, uint parts, __global const uint* entries,
+    __global const float* coarse_caps, __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global uchar* computed,
+    __global float* distance
+#ifdef NEAREST
+    , __global uint* triangle
+#endif
+#ifdef COUNT
+    , __global ulong* all_counters  // a set for each group, numbered over all launches
+#endif
+) {
+    __local Compacted compacted;
+    __local uint sums[2 * GROUP];
+    __local float least_values[GROUP];
+    const uint item = get_local_id(0);
+    const uint number = order[begin + get_group_id(0) / 64], b = get_group_id(0) % 64;
+    const int3 first_coarse = vload3(0, layout.coarse_first), coarse_bricks = vload3(0, layout.coarse_bricks);
+    const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
+    const int3 coarse = first_coarse + (int3)(number % coarse_bricks.x, number / coarse_bricks.x % coarse_bricks.y,
+                                              number / (coarse_bricks.x * coarse_bricks.y));
+    const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
+    const int3 relative_brick = brick - brick_first;
+    if (any(relative_brick < 0) || any(relative_brick >= bricks)) return;
+
+    const uint list_begin = starts[number * parts], list_end = starts[(number + 1) * parts];
+    const double centre = 0.5 * (CLSDF_BRICK - 1);
+    const double x = (double)brick.x * CLSDF_BRICK + centre, y = (double)brick.y * CLSDF_BRICK + centre,
+                 z = (double)brick.z * CLSDF_BRICK + centre;
+
+    // The nearest of the surface points that the brick knows: the feet of the altitudes.
+    float least_square = INFINITY;
+    for (uint e = list_begin + item; e < list_end; e += GROUP) {
+        const double4 frame = frame_at(polyhedra + entries[e], x, y, z);
+        const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
+        const float square = fx * fx + fy * fy + fz * fz;
+        least_square = LESSER(square, least_square);
+    }
+    const float bound = sqrt(group_least(least_square, least_values)) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
+    const float coarse_cap = coarse_caps[number];
+    const float cap = LESSER(bound, coarse_cap);
+    const float slack = cap * layout.slack_rate + layout.brick_slack;
+
+    Minimum minimum;
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        minimum.squared[s] = INFINITY;
+#ifdef NEAREST
+        minimum.triangle[s] = CLSDF_NO_TRIANGLE;
+#endif
+    }
+#ifdef COUNT
+    uint counters[CLSDF_COUNTERS] = {0, 0, 0, 0};
+    __local uint group_counters[CLSDF_COUNTERS];
+    if (item < CLSDF_COUNTERS) group_counters[item] = 0;
+#endif
+    uint count = 0;
+    for (uint e = list_begin; e < list_end; e += GROUP) {
+        uint subblocks = 0;
+        uint polyhedron = 0;
+        Offsets o;
+        if (e + item < list_end) {
+            polyhedron = entries[e + item];
+            __global const Polyhedron* p = polyhedra + polyhedron;
+            o = offsets_at(p, x, y, z);
+            if (touched_blocks(p, o, 0.0f, 0.0f, 0.0f, reach_of(p->reach_cube, 0.5f * (CLSDF_BRICK - 1)), cap, slack))
+                subblocks = touched_subblocks(p, o, cap, slack);
+        }
+        const uint slot = count + group_scan(subblocks != 0, sums);
+        if (subblocks != 0) {
+            compacted.offsets[slot] = o;
+            compacted.polyhedron[slot] = polyhedron;
+            compacted.subblocks[slot] = subblocks;
+        }
+        count += sums[2 * GROUP - 1];
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (count + GROUP > CAPACITY || e + GROUP >= list_end) {
+#ifdef COUNT
+            if (item == 0) counters[CLSDF_COUNT_BRICK_PAIRS] += count;
+#endif
+            evaluate(count, &compacted, polyhedra, (double3)(x, y, z), &minimum
+#ifdef COUNT
+                     , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
+#endif
+            );
+            count = 0;
+            barrier(CLK_LOCAL_MEM_FENCE);
+        }
+    }
+
+    const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        const uint sample = s * GROUP + item;
+        const int3 in_brick = sample_of(sample / SUBBLOCK_SAMPLES, sample % SUBBLOCK_SAMPLES);
+        const int3 at = brick * CLSDF_BRICK + in_brick - first;
+        if (any(at < 0) || any(at >= size)) continue;
+        const size_t bit_row = (size_t)(relative_brick.z * CLSDF_BRICK + in_brick.z) * (bricks.y * CLSDF_BRICK) +
+                               (relative_brick.y * CLSDF_BRICK + in_brick.y);
+        const uint bit = relative_brick.x * CLSDF_BRICK + in_brick.x;
+        const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
+        const float fill = negative ? layout.inside_fill : layout.outside_fill;
+        const bool in_band = minimum.squared[s] <= (negative ? layout.inside_squared : layout.outside_squared);
+        const float root = sqrt(minimum.squared[s]) * layout.unit;
+        const float length = LESSER(root, fabs(fill));
+        const size_t offset = ((size_t)at.z * size.y + at.y) * size.x + at.x;
+        distance[offset] = in_band ? (negative && length != 0.0f ? -length : length) : fill;
+#ifdef NEAREST
+        triangle[offset] = in_band ? minimum.triangle[s] : CLSDF_NO_TRIANGLE;
+#endif
+#ifdef COUNT
+        counters[CLSDF_COUNT_BAND] += in_band;
+#endif
+    }
+    if (item == 0) computed[((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x] = 1;
+#ifdef COUNT
+    for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < CLSDF_COUNTERS) all_counters[(begin * 64 + get_group_id(0)) * CLSDF_COUNTERS + item] = group_counters[item];
+#endif
+}

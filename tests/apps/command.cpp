@@ -1,0 +1,157 @@
+#include "apps/process.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+using clsdf::test::check_refused;
+using clsdf::test::no_devices;
+using clsdf::test::Outcome;
+using clsdf::test::run_command;
+using clsdf::test::TemporaryFolder;
+using clsdf::test::tetrahedron;
+
+BOOST_AUTO_TEST_SUITE(the_command)
+
+BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"--help"}, {"compute", "--help"}, {"check", "--help"}, {"shape", "--help"}}) {
+        const Outcome outcome = run_command(arguments);
+        BOOST_TEST_CONTEXT("help of " << arguments.front()) {
+            BOOST_TEST(outcome.status == 0);
+            BOOST_TEST(outcome.error.empty());
+            BOOST_TEST(outcome.out.find("Examples:\n  clsdf ") != std::string::npos);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(tells_its_version) {
+    const Outcome outcome = run_command({"--version"});
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.starts_with("clsdf "));
+}
+
+BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {
+    check_refused(run_command({"compte", "a.off", "-o", "a.nrrd"}), 2, {"compte", "did you mean compute?"});
+    check_refused(run_command({"compute", "a.off", "-o", "a.nrrd", "--resoluton", "9"}), 2,
+                  {"--resoluton", "did you mean --resolution?"});
+    check_refused(run_command({"compute", "a.off", "--ouptut=a.nrrd"}), 2, {"--ouptut", "did you mean --output?"});
+    check_refused(run_command({"check", "a.off", "a.nrrd", "--compl"}), 2, {"did you mean --complete?"});
+    check_refused(run_command({"--versoin"}), 2, {"did you mean --version?"});
+    const Outcome nothing_near = run_command({"compute", "a.off", "-o", "a.nrrd", "--xyzzy-plugh-frotz"});
+    check_refused(nothing_near, 2, {"--xyzzy-plugh-frotz", "clsdf compute --help"});
+    BOOST_TEST(nothing_near.error.find("did you mean") == std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(needs_a_subcommand_and_its_arguments) {
+    check_refused(run_command({}), 2, {"subcommand", "--help"});
+    check_refused(run_command({"compute"}), 2, {"MESH"});
+    check_refused(run_command({"check", "a.off"}), 2, {"FIELD"});
+    check_refused(run_command({"shape"}), 2, {"NAME", "--list"});
+}
+
+BOOST_AUTO_TEST_CASE(says_which_mesh_cannot_be_read_within_a_second_and_writes_nothing) {
+    const TemporaryFolder folder;
+    const std::string output = folder.file("field.nrrd");
+    const auto refused = [&](const std::string& name, const std::string& content) {
+        BOOST_TEST_CONTEXT("mesh " << name) {
+            const std::string mesh = folder.file(name, content);
+            const Outcome outcome = run_command({"compute", mesh, "-o", output, "--json"}, no_devices);
+            check_refused(outcome, 3, {name});
+            BOOST_TEST(outcome.seconds < 1);
+            BOOST_TEST(!std::filesystem::exists(output));
+        }
+    };
+    std::string random_bytes;
+    for (unsigned i = 0, state = 1; i < 10000; ++i, state = state * 1664525 + 1013904223)
+        random_bytes += static_cast<char>(state >> 24);
+
+    for (const std::string ending : {".off", ".obj", ".stl", ".ply"}) {
+        refused("empty" + ending, "");
+        refused("random" + ending, random_bytes);
+    }
+    refused("truncated.off", tetrahedron.substr(0, 60));
+    refused("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
+    refused("nan.off", "OFF\n3 1 0\n0 0 0\nnan 0 0\n0 1 0\n3 0 1 2\n");
+    refused("billion.off", "OFF\n1000000000 1000000000 0\n0 0 0\n");
+    refused("none.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n");
+    refused("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    refused("billion.stl", std::string(80, ' ') + "\xff\xff\xff\x3f" + std::string(50, ' '));
+    refused("billion.ply",
+            "ply\nformat ascii 1.0\nelement vertex 1000000000\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 1000000000\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n");
+    check_refused(run_command({"compute", folder.file("missing.off"), "-o", output}), 3, {"missing.off"});
+}
+
+BOOST_AUTO_TEST_CASE(says_which_field_cannot_be_read) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    check_refused(run_command({"check", mesh, folder.file("field.nrrd", "NRRD0005\ntype: float\n")}), 3,
+                  {"field.nrrd"});
+    check_refused(run_command({"check", mesh, folder.file("missing.npy")}), 3, {"missing.npy"});
+}
+
+BOOST_AUTO_TEST_CASE(refuses_options_that_make_no_sense) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::string output = folder.file("field.nrrd");
+    const auto refused = [&](const std::vector<std::string>& options, const std::vector<std::string>& fragments) {
+        std::vector<std::string> arguments{"compute", mesh, "-o", output};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        BOOST_TEST_CONTEXT("option " << options.front() << " " << (options.size() > 1 ? options[1] : ""))
+        check_refused(run_command(arguments, no_devices), 2, fragments);
+    };
+    refused({"--resolution", "many"}, {"--resolution", "many"});
+    refused({"--resolution", "1"}, {"resolution", "1", "2"});
+    refused({"--resolution", "7", "--band", "3v"}, {"3 voxels", "7"});
+    refused({"--resolution", "64", "--spacing", "0.1"}, {"--resolution", "--spacing"});
+    refused({"--spacing", "0.1,0.2"}, {"--spacing", "0.1,0.2"});
+    refused({"--spacing", "0"}, {"spacing", "0"});
+    refused({"--spacing", "nan"}, {"spacing", "nan"});
+    refused({"--spacing", "1e-300"}, {"larger spacing"});
+    refused({"--band", "3x"}, {"--band", "3x", "10%"});
+    refused({"--band-inside", "-1"}, {"--band-inside", "-1"});
+    refused({"--margin", "full"}, {"margin"});
+    refused({"--size", "8,8,8"}, {"--origin", "--spacing"});
+    refused({"--origin", "0,0,0", "--spacing", "1"}, {"--size"});
+    refused({"--size", "8,8,8", "--origin", "0,0", "--spacing", "1"}, {"--origin", "0,0"});
+    refused({"--size", "8,0,8", "--origin", "0,0,0", "--spacing", "1"}, {"0 samples along y"});
+    refused({"--size", "8,8,8", "--margin", "1"}, {"--size", "--margin"});
+    refused({"--sign", "sometimes"}, {"sometimes", "nonzero"});
+    refused({"--with", "colour"}, {"--with", "colour", "triangle"});
+    BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(looks_at_the_output_before_anything_else) {
+    const TemporaryFolder folder;
+    const std::string missing = folder.file("missing.off");
+    check_refused(run_command({"compute", missing, "-o", folder.file("field.vtk")}), 2, {"field.vtk", ".nrrd"});
+    check_refused(run_command({"compute", missing, "-o", folder.file("no/field.nrrd")}), 5, {"no/field.nrrd"});
+    check_refused(run_command({"compute", missing}), 2, {"-o"});
+    BOOST_TEST(folder.file_count() == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(says_what_to_install_where_there_is_no_device_and_writes_nothing) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    check_refused(run_command({"compute", mesh, "-o", folder.file("field.nrrd")}, no_devices), 4,
+                  {"OpenCL", "pocl-opencl-icd"});
+    BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(makes_shapes_and_lists_them) {
+    const TemporaryFolder folder;
+    const Outcome list = run_command({"shape", "--list"});
+    BOOST_TEST(list.status == 0);
+    BOOST_TEST(list.out.find("torus") != std::string::npos);
+
+    for (const std::string ending : {".off", ".obj", ".stl", ".ply"}) {
+        const std::string mesh = folder.file("torus" + ending);
+        BOOST_TEST(run_command({"shape", "torus", "-o", mesh}).status == 0);
+        BOOST_TEST(run_command({"compute", mesh, "--dry-run"}, no_devices).status == 0);
+    }
+    check_refused(run_command({"shape", "torsu", "-o", folder.file("a.off")}), 2, {"torsu", "torus"});
+    check_refused(run_command({"shape", "torus", "-o", folder.file("a.xyz")}), 2, {"a.xyz", ".off"});
+    check_refused(run_command({"shape", "torus", "-o", folder.file("no/a.off")}), 5, {"no/a.off"});
+    BOOST_TEST(folder.file_count() == 4U);
+}
+
+BOOST_AUTO_TEST_SUITE_END()

@@ -1,0 +1,167 @@
+#include "apps/process.hpp"
+
+#include <clsdf/field.hpp>
+
+#include <boost/test/unit_test.hpp>
+#include <nlohmann/json.hpp>
+
+using clsdf::test::check_refused;
+using clsdf::test::no_devices;
+using clsdf::test::Outcome;
+using clsdf::test::run_command;
+using clsdf::test::TemporaryFolder;
+using clsdf::test::tetrahedron;
+using nlohmann::json;
+
+namespace {
+
+json dry_run(const std::string& mesh, std::vector<std::string> options) {
+    options.insert(options.begin(), {"compute", mesh, "--dry-run", "--json"});
+    const Outcome outcome = run_command(options, no_devices);
+    BOOST_TEST_CONTEXT("message: " << outcome.error)
+    BOOST_REQUIRE(outcome.status == 0);
+    return json::parse(outcome.out);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(a_dry_run)
+
+BOOST_AUTO_TEST_CASE(prints_the_grid_and_the_memory_needs_no_device_and_writes_nothing) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const Outcome outcome = run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--dry-run"}, no_devices);
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.out.empty());
+    for (const char* fragment : {"4 vertices, 4 triangles", "256 x 256 x 256 samples", "nonzero", "67.1 MB"})
+        BOOST_CHECK_MESSAGE(outcome.error.find(fragment) != std::string::npos, fragment << " in " << outcome.error);
+    BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(lays_the_grid_out_as_the_options_say) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 2 1\n3 0 1 2\n");
+    const auto size = [](const json& result) { return result["grid"]["size"].dump(); };
+    const auto spacing = [](const json& result) { return result["grid"]["spacing"][0].get<double>(); };
+    const auto origin = [](const json& result) { return result["grid"]["origin"].dump(); };
+
+    const json percent = dry_run(mesh, {"--resolution", "49"});
+    BOOST_TEST(spacing(percent) == (4 + 2 * 0.4) / 48);
+    BOOST_TEST(percent["band"]["inside"].get<double>() == 0.4);
+    BOOST_TEST(percent["grid"]["size"][0].get<int>() == 49);
+
+    const json voxels = dry_run(mesh, {"--resolution", "15", "--band", "3v"});
+    BOOST_TEST(size(voxels) == "[15,11,9]");
+    BOOST_TEST(voxels["band"]["outside"].get<double>() == 1.5);
+
+    const json full = dry_run(mesh, {"--resolution", "45", "--band", "full"});
+    BOOST_TEST(spacing(full) == (4 + 2 * 0.2) / 44);
+    BOOST_TEST(full["band"]["outside"].is_null());
+
+    const json sides = dry_run(mesh, {"--spacing", "0.5", "--band-inside", "0", "--band-outside", "2v", "--band", "1"});
+    BOOST_TEST(size(sides) == "[13,9,7]");
+    BOOST_TEST(sides["band"].dump() == R"({"inside":0.0,"outside":1.0})");
+
+    BOOST_TEST(size(dry_run(mesh, {"--resolution", "15", "--band", "3v", "--cubic"})) == "[15,15,15]");
+    BOOST_TEST(size(dry_run(mesh, {"--spacing", "1,1,0.5", "--margin", "0"})) == "[5,3,3]");
+    BOOST_TEST(origin(dry_run(mesh, {"--spacing", "1", "--margin", "1", "--cell-centred"})) == "[-0.5,-0.5,-0.5]");
+
+    const json stated = dry_run(mesh, {"--size", "8,9,10", "--origin", "-1,-2,-3e-1", "--spacing", "0.5"});
+    BOOST_TEST(size(stated) == "[8,9,10]");
+    BOOST_TEST(origin(stated) == "[-1.0,-2.0,-0.3]");
+}
+
+BOOST_AUTO_TEST_CASE(warns_that_an_open_mesh_has_no_inside_and_refuses_a_sign_asked_for) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 2 1\n3 0 1 2\n");
+    const Outcome outcome = run_command({"compute", mesh, "--dry-run", "--json"}, no_devices);
+    BOOST_TEST(outcome.error.find("warning: ") != std::string::npos);
+    BOOST_TEST(json::parse(outcome.out)["sign"].get<std::string>() == "none");
+    BOOST_TEST(json::parse(outcome.out)["warnings"].size() == 1U);
+    check_refused(run_command({"compute", mesh, "--dry-run", "--sign", "parity"}, no_devices), 3, {"3", "edge"});
+}
+
+BOOST_AUTO_TEST_CASE(refuses_a_grid_beyond_the_address_space) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    check_refused(run_command({"compute", mesh, "--dry-run", "--resolution", "3000000"}), 4, {"samples"});
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(computing)
+
+BOOST_AUTO_TEST_CASE(writes_a_field_that_passes_the_check) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    for (const std::string name : {"field.nrrd", "field.npy"}) {
+        const std::string field = folder.file(name);
+        const Outcome computed =
+            run_command({"compute", mesh, "-o", field, "--resolution", "24", "--with", "triangle"});
+        BOOST_TEST_CONTEXT(computed.error) {
+            BOOST_TEST(computed.status == 0);
+            BOOST_TEST(computed.out.empty());
+            BOOST_TEST(computed.error.find("in the band") != std::string::npos);
+            BOOST_TEST(computed.error.find('\r') == std::string::npos);
+        }
+        const Outcome checked = run_command({"check", mesh, field, "--complete", "--json"});
+        BOOST_TEST_CONTEXT(checked.error) {
+            BOOST_REQUIRE(checked.status == 0);
+            const json report = json::parse(checked.out);
+            BOOST_TEST(report["passed"].get<bool>());
+            BOOST_TEST(report["samples"].get<int>() == 24 * 24 * 24);
+            BOOST_TEST(report["max_error_voxels"].get<double>() <= 1e-5);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(reports_what_it_did_as_json_and_nothing_when_quiet) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const Outcome outcome =
+        run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--resolution", "24", "--json", "--quiet"});
+    BOOST_REQUIRE(outcome.status == 0);
+    BOOST_TEST(outcome.error.empty());
+    const json result = json::parse(outcome.out);
+    BOOST_TEST(result["sign"].get<std::string>() == "nonzero");
+    BOOST_TEST(result["grid"]["size"].dump() == "[24,24,24]");
+    BOOST_TEST(!result["device"]["name"].get<std::string>().empty());
+    BOOST_TEST(result["seconds"]["compute"].get<double>() > 0);
+    const json& statistics = result["statistics"];
+    BOOST_TEST(statistics["triangles"].get<int>() == 4);
+    BOOST_TEST(statistics["band_samples"].get<int>() > 0);
+    BOOST_TEST(statistics["lanes_evaluated_per_band_sample"].get<double>() >= 1);
+    BOOST_TEST(statistics["samples_covered_per_band_sample"].get<double>() >= 1);
+}
+
+BOOST_AUTO_TEST_CASE(says_when_its_output_cannot_be_written) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::string field = folder.file("field.nrrd");
+    check_refused(run_command({"compute", mesh, "--dry-run", "--json"}, {}, "/dev/full"), 5, {"standard output"});
+    std::filesystem::create_symlink("/dev/full", field);
+    check_refused(run_command({"compute", mesh, "-o", field, "--resolution", "24"}), 5, {"field.nrrd"});
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(checking)
+
+BOOST_AUTO_TEST_CASE(finds_what_is_wrong_with_a_field_and_says_where) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::string path = folder.file("field.nrrd");
+    BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "24"}).status == 0);
+    clsdf::Field field = clsdf::Field::read(path);
+    field.distance[field.grid.offset(6, 6, 6)] *= -1;
+    field.distance[field.grid.offset(0, 12, 5)] = 0;
+    field.write(path);
+    const Outcome outcome = run_command({"check", mesh, path, "--complete", "--json"});
+    BOOST_TEST(outcome.status == 1);
+    BOOST_TEST(outcome.error.find("(6, 6, 6)") != std::string::npos);
+    const json report = json::parse(outcome.out);
+    BOOST_TEST(!report["passed"].get<bool>());
+    BOOST_TEST(report["findings"].size() == 2U);
+}
+
+BOOST_AUTO_TEST_SUITE_END()

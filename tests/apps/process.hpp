@@ -1,0 +1,97 @@
+#pragma once
+
+#include "support/temporary_folder.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace clsdf::test {
+
+/// What a process left: its exit status (or minus the signal that ended it) and what it printed.
+struct Outcome {
+    int status = 0;
+    std::string out;
+    std::string error;
+    double seconds = 0;
+};
+
+/// The real command in a process of its own.
+class Process {
+public:
+    /// `environment` is added to this process' own, as "NAME=value". `out` names a file for standard output, e.g.
+    /// /dev/full.
+    explicit Process(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
+                     const std::string& out = {})
+        : out_(out.empty() ? folder_.file("out") : out), error_(folder_.file("error")) {
+        id_ = ::fork();
+        BOOST_REQUIRE(id_ >= 0);
+        if (id_ == 0) execute(arguments, environment);
+    }
+
+    void send(int signal) const { ::kill(id_, signal); }
+
+    std::string error_so_far() const { return content_of(error_); }
+
+    Outcome wait() {
+        int status = 0;
+        while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+        }
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+        const bool exited = WIFEXITED(status);
+        const bool own_output = out_ == folder_.file("out");
+        return {exited ? WEXITSTATUS(status) : -WTERMSIG(status), own_output ? content_of(out_) : std::string(),
+                content_of(error_), elapsed.count()};
+    }
+
+private:
+    // The lists are this process' own copies, because exec takes pointers to what it could change.
+    [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment) const {
+        arguments.insert(arguments.begin(), CLSDF_COMMAND);
+        std::vector<char*> words;
+        for (std::string& argument : arguments) words.push_back(argument.data());
+        words.push_back(nullptr);
+        for (std::string& variable : environment) ::putenv(variable.data());
+        ::dup2(::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+        ::dup2(::open(error_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+        ::execv(words[0], words.data());
+        ::_exit(127);
+    }
+
+    TemporaryFolder folder_;
+    std::string out_;
+    std::string error_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    pid_t id_ = -1;
+};
+
+inline Outcome run_command(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
+                           const std::string& out = {}) {
+    return Process(arguments, environment, out).wait();
+}
+
+/// Checks the exit status, and that each fragment stands in the message.
+inline void check_refused(const Outcome& outcome, int status, const std::vector<std::string>& fragments) {
+    BOOST_TEST_CONTEXT("message: " << outcome.error) {
+        BOOST_TEST(outcome.status == status);
+        BOOST_TEST(outcome.out.empty());
+        for (const std::string& fragment : fragments)
+            BOOST_CHECK_MESSAGE(outcome.error.find(fragment) != std::string::npos, "no '" << fragment << "'");
+    }
+}
+
+inline const std::string tetrahedron = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+/// The loader of OpenCL looks for devices in a folder that is not there.
+inline const std::vector<std::string> no_devices{"OCL_ICD_VENDORS=/nonexistent"};
+
+}  // namespace clsdf::test

@@ -1,0 +1,89 @@
+#include "support/throws.hpp"
+
+#include <clsdf/device.hpp>
+#include <clsdf/error.hpp>
+
+#include "device/context.hpp"
+
+#include <thread>
+#include <utility>
+#include <vector>
+
+using namespace clsdf;
+
+namespace {
+
+cl_uint references_of(cl_context context) {
+    return cl::Context(context, true).getInfo<CL_CONTEXT_REFERENCE_COUNT>() - 1;
+}
+
+/// A context and a queue as a simulation has them.
+struct Callers {
+    cl::Device device{Device::best().id(), true};
+    cl::Context context{device};
+    cl::CommandQueue queue{context, device};
+};
+
+}  // namespace
+
+// Without a device nothing of this project works: its tests fail then, and do not skip.
+BOOST_AUTO_TEST_CASE(there_is_a_device) {
+    const Device device = Device::best();
+    BOOST_TEST(!device.name().empty());
+    BOOST_TEST(!device.platform().empty());
+    BOOST_TEST(device.internal().capabilities().compute_units >= 1);
+    BOOST_TEST(device.internal().capabilities().largest_allocation > 0);
+}
+
+BOOST_AUTO_TEST_CASE(the_callers_handles_are_used_as_they_are) {
+    const Callers callers;
+    const Device device = Device::from_handles(callers.context(), callers.device(), callers.queue());
+    BOOST_TEST(device.context() == callers.context());
+    BOOST_TEST(device.id() == callers.device());
+    BOOST_TEST(device.queue() == callers.queue());
+}
+
+BOOST_AUTO_TEST_CASE(the_callers_handles_are_released_with_the_last_copy) {
+    const Callers callers;
+    const cl_uint before = references_of(callers.context());
+    {
+        const Device device = Device::from_handles(callers.context(), callers.device(), callers.queue());
+        const cl_uint held = references_of(callers.context());
+        BOOST_TEST(held > before);
+        const Device copy = device;
+        BOOST_TEST(references_of(callers.context()) == held);
+    }
+    BOOST_TEST(references_of(callers.context()) == before);
+}
+
+BOOST_AUTO_TEST_CASE(a_device_outlives_the_callers_own_references) {
+    auto callers = std::make_unique<Callers>();
+    const Device device = Device::from_handles(callers->context(), callers->device(), callers->queue());
+    callers.reset();
+    BOOST_TEST(!device.name().empty());
+    const cl::Buffer buffer(device.internal().context(), CL_MEM_READ_WRITE, 64);
+    device.internal().queue().enqueueFillBuffer(buffer, cl_uint{1}, 0, 64);
+    device.internal().queue().finish();
+}
+
+BOOST_AUTO_TEST_CASE(a_null_handle_is_an_error) {
+    const Callers callers;
+    test::check_throws(ErrorCode::invalid_argument, {"null"},
+                       [&] { Device::from_handles(nullptr, callers.device(), callers.queue()); });
+    test::check_throws(ErrorCode::invalid_argument, {"null"},
+                       [&] { Device::from_handles(callers.context(), nullptr, callers.queue()); });
+    test::check_throws(ErrorCode::invalid_argument, {"null"},
+                       [&] { Device::from_handles(callers.context(), callers.device(), nullptr); });
+}
+
+BOOST_AUTO_TEST_CASE(a_program_is_built_once_for_all_threads) {
+    const Device device = Device::best();
+    std::vector<cl::Program> programs(4);
+    std::vector<std::thread> threads;
+    for (cl::Program& program : programs)
+        threads.emplace_back([&] { program = device.internal().program("scan.cl", "-cl-std=CL1.2"); });
+    for (std::thread& thread : threads) thread.join();
+    for (const cl::Program& program : programs) BOOST_TEST(program() == programs.front()());
+    const cl::Program other = device.internal().program("scan.cl", "-cl-std=CL1.2 -DOTHER");
+    BOOST_TEST(other() != programs.front()());
+}

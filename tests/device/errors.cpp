@@ -1,0 +1,66 @@
+#include "support/throws.hpp"
+
+#include <clsdf/device.hpp>
+
+#include "device/context.hpp"
+#include "device/kernel_text.hpp"
+
+#include <vector>
+
+using namespace clsdf;
+
+BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
+    const Device device = Device::best();
+    const device::Context& context = device.internal();
+    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
+    std::vector<char> beyond(128);
+    test::check_throws(ErrorCode::device_failure, {"clEnqueueReadBuffer", "CL_INVALID_VALUE"}, [&] {
+        device::guarded([&] { context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, beyond.size(), beyond.data()); });
+    });
+    test::check_throws(ErrorCode::device_failure, {"clCreateKernel", "CL_INVALID_KERNEL_NAME"}, [&] {
+        device::guarded([&] { cl::Kernel(device.internal().program("scan.cl", "-cl-std=CL1.2"), "absent"); });
+    });
+}
+
+BOOST_AUTO_TEST_CASE(memory_of_another_context_is_a_failed_call) {
+    const Device device = Device::best();
+    const cl::Context other(cl::Device(device.id(), true));
+    const cl::Buffer foreign(other, CL_MEM_READ_WRITE, 64);
+    test::check_throws(ErrorCode::device_failure, {"clEnqueueFillBuffer", "CL_INVALID_CONTEXT"}, [&] {
+        device::guarded([&] { device.internal().queue().enqueueFillBuffer(foreign, cl_uint{0}, 0, 64); });
+    });
+}
+
+BOOST_AUTO_TEST_CASE(a_failed_allocation_is_a_lack_of_memory_with_a_remedy) {
+    const Device device = Device::best();
+    test::check_throws(ErrorCode::out_of_memory, {"clCreateBuffer", "CL_INVALID_BUFFER_SIZE", "smaller part"}, [&] {
+        device::guarded([&] { cl::Buffer(device.internal().context(), CL_MEM_READ_WRITE, 0); });
+    });
+}
+
+BOOST_AUTO_TEST_CASE(every_code_has_a_text) {
+    BOOST_TEST(device::code_name(CL_OUT_OF_RESOURCES) == "CL_OUT_OF_RESOURCES");
+    BOOST_TEST(device::code_name(CL_INVALID_COMMAND_QUEUE) == "CL_INVALID_COMMAND_QUEUE");
+    BOOST_TEST(device::code_name(-9999) == "OpenCL error -9999");
+}
+
+BOOST_AUTO_TEST_CASE(a_kernel_that_does_not_build_is_an_error_with_the_compilers_words) {
+    const Device device = Device::best();
+    // The kernels' vectors have 8 or 16 lanes.
+    test::check_throws(
+        ErrorCode::device_failure,
+        {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "coarse_lists.cl", "-DLANES=3", device.name(), "floatL"},
+        [&] { device.internal().program("coarse_lists.cl", "-cl-std=CL1.2 -DLANES=3"); });
+}
+
+BOOST_AUTO_TEST_CASE(a_kernel_file_that_is_not_there_is_named) {
+    test::check_throws(ErrorCode::device_failure, {"absent.cl"}, [] { device::kernel_text("absent.cl"); });
+}
+
+BOOST_AUTO_TEST_CASE(a_kernels_text_holds_each_included_file_once) {
+    const std::string text = device::kernel_text("coarse_lists.cl");
+    BOOST_TEST(text.find("#include \"") == std::string::npos);
+    const std::size_t first = text.find("typedef struct Polyhedron {");
+    BOOST_TEST(first != std::string::npos);
+    BOOST_TEST(text.find("typedef struct Polyhedron {", first + 1) == std::string::npos);
+}

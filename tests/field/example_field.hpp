@@ -1,0 +1,64 @@
+#pragma once
+
+#include "support/temporary_folder.hpp"
+
+#include <clsdf/field.hpp>
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace clsdf::test {
+
+/// A part of a grid whose numbers are no short decimals, with values that text and careless copies lose.
+inline Field example_field() {
+    Field field;
+    field.grid =
+        Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {20, 30, 40}, {-3, 4, 5}}.part({5, 6, 7}, {4, 3, 2});
+    field.band = {0, std::numeric_limits<double>::infinity()};
+    field.sign = SignRule::nonzero;
+    field.mesh_name = "a \"mesh\" of\n two\\lines";
+    for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i) {
+        field.distance.push_back(0.1F * static_cast<float>(i));
+        field.triangle.push_back(i * i);
+    }
+    field.distance[3] = -0.0F;
+    field.distance[4] = std::numeric_limits<float>::denorm_min();
+    field.distance[5] = std::numeric_limits<float>::infinity();
+    field.triangle[6] = no_triangle;
+    return field;
+}
+
+/// Bit by bit, so that -0.0 is not 0.0.
+inline bool same_bits(const std::vector<float>& one, const std::vector<float>& other) {
+    return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(float)) == 0;
+}
+
+/// Runs a statement that holds for every format, each in a folder of its own.
+inline void for_each_format(
+    const std::function<void(const TemporaryFolder& folder, const std::string& ending)>& statement) {
+    for (const std::string ending : {".nrrd", ".npy"}) {
+        const TemporaryFolder folder;
+        BOOST_TEST_CONTEXT("format " << ending) {
+            statement(folder, ending);
+        }
+    }
+}
+
+/// The bytes of the values in the order asked for.
+template <class Value>
+std::string bytes_of(const std::vector<Value>& values, std::endian order) {
+    std::string bytes;
+    for (const Value value : values) {
+        std::string one(sizeof(Value), '\0');
+        std::memcpy(one.data(), &value, sizeof(Value));
+        bytes += order == std::endian::native ? one : std::string(one.rbegin(), one.rend());
+    }
+    return bytes;
+}
+
+}  // namespace clsdf::test

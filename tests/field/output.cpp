@@ -1,0 +1,111 @@
+#include "field/example_field.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/field.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <sys/resource.h>
+#include <csignal>
+
+using clsdf::ErrorCode;
+using clsdf::Field;
+using clsdf::test::check_throws;
+using clsdf::test::content_of;
+using clsdf::test::example_field;
+using clsdf::test::for_each_format;
+using clsdf::test::TemporaryFolder;
+
+namespace {
+
+// While it lives, no file of this process grows beyond so many bytes, as on a disk that is full.
+class SmallDisk {
+public:
+    explicit SmallDisk(rlim_t bytes) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        BOOST_REQUIRE(::getrlimit(RLIMIT_FSIZE, &before_) == 0);
+        const rlimit limit{bytes, before_.rlim_max};
+        BOOST_REQUIRE(::setrlimit(RLIMIT_FSIZE, &limit) == 0);
+    }
+    ~SmallDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+
+private:
+    rlimit before_{};
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(writing_a_field)
+
+BOOST_AUTO_TEST_CASE(leaves_nothing_where_the_disk_is_full) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        Field field = example_field();
+        field.grid.size = {64, 64, 64};
+        field.distance.assign(field.grid.sample_count(), 1.0F);
+        field.triangle.assign(field.grid.sample_count(), 1);
+        {
+            const SmallDisk disk(100000);
+            check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
+        }
+        BOOST_TEST(folder.file_count() == 0U);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        example_field().write(folder.file("field" + ending));
+        const std::size_t files = folder.file_count();
+        const std::string before = content_of(folder.file("field" + ending));
+        Field field = example_field();
+        field.grid.size = {64, 64, 64};
+        field.distance.assign(field.grid.sample_count(), 1.0F);
+        field.triangle.clear();
+        {
+            const SmallDisk disk(100000);
+            check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
+        }
+        BOOST_CHECK(content_of(folder.file("field" + ending)) == before);
+        BOOST_TEST(folder.file_count() == files);
+        BOOST_CHECK(Field::read(folder.file("field" + ending)).grid == example_field().grid);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
+    const TemporaryFolder folder;
+    std::filesystem::create_symlink("/dev/full", folder.file("full.nrrd"));
+    check_throws(ErrorCode::output_failure, {"full.nrrd", "No space left"},
+                 [&] { example_field().write(folder.file("full.nrrd")); });
+}
+
+BOOST_AUTO_TEST_CASE(refuses_arrays_that_do_not_fit_the_grid_and_unknown_endings) {
+    const TemporaryFolder folder;
+    Field field = example_field();
+    check_throws(ErrorCode::unsupported, {"field.vtk", ".nrrd", ".npy"},
+                 [&] { field.write(folder.file("field.vtk")); });
+    field.triangle.pop_back();
+    check_throws(ErrorCode::invalid_argument, {"triangle", "23", "24"}, [&] { field.write(folder.file("f.nrrd")); });
+    field = example_field();
+    field.distance.pop_back();
+    check_throws(ErrorCode::invalid_argument, {"distance", "23", "24"}, [&] { field.write(folder.file("f.nrrd")); });
+    BOOST_TEST(folder.file_count() == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(can_be_checked_before_and_leaves_nothing) {
+    const TemporaryFolder folder;
+    Field::check_output(folder.file("field.nrrd"));
+    Field::check_output(folder.file("FIELD.NPY"));
+    check_throws(ErrorCode::unsupported, {"field", ".nrrd"}, [&] { Field::check_output(folder.file("field")); });
+    check_throws(ErrorCode::output_failure, {"missing"}, [&] { Field::check_output(folder.file("missing/a.nrrd")); });
+    BOOST_TEST(folder.file_count() == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
+    const TemporaryFolder folder;
+    check_throws(ErrorCode::unreadable_input, {"missing.nrrd"}, [&] { Field::read(folder.file("missing.nrrd")); });
+    check_throws(ErrorCode::unreadable_input, {"field.vtk"}, [&] { Field::read(folder.file("field.vtk", "x")); });
+    std::filesystem::create_directory(folder.file("folder.nrrd"));
+    check_throws(ErrorCode::unreadable_input, {"folder.nrrd"}, [&] { Field::read(folder.file("folder.nrrd")); });
+}
+
+BOOST_AUTO_TEST_SUITE_END()

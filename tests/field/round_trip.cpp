@@ -1,0 +1,114 @@
+#include "field/example_field.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/field.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <cmath>
+#include <random>
+
+using clsdf::Field;
+using clsdf::test::example_field;
+using clsdf::test::for_each_format;
+using clsdf::test::TemporaryFolder;
+
+namespace {
+
+double any_double(std::mt19937_64& random) {
+    double value = 0;
+    do value = std::bit_cast<double>(random());
+    while (!std::isfinite(value) || std::abs(value) > 1e300);
+    return value;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(a_field_that_was_written)
+
+BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        const Field written = example_field();
+        written.write(folder.file("field" + ending));
+        const Field read = Field::read(folder.file("field" + ending));
+        BOOST_CHECK(clsdf::test::same_bits(read.distance, written.distance));
+        BOOST_TEST(read.triangle == written.triangle, boost::test_tools::per_element());
+        BOOST_CHECK(read.grid == written.grid);
+        BOOST_TEST(read.band.inside == written.band.inside);
+        BOOST_TEST(read.band.outside == written.band.outside);
+        BOOST_CHECK(read.sign == written.sign);
+        BOOST_TEST(read.mesh_name == written.mesh_name);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(has_every_number_of_its_grid_and_band_bit_by_bit) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        constexpr unsigned seed = 5;
+        std::mt19937_64 random(seed);
+        const std::string path = folder.file("field" + ending);
+        for (int round = 0; round < 100; ++round) {
+            BOOST_TEST_CONTEXT("seed " << seed << ", round " << round) {
+                Field written;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    written.grid.origin[axis] = any_double(random);
+                    written.grid.spacing[axis] = std::abs(any_double(random));
+                    written.grid.first[axis] = static_cast<std::int64_t>(random() % 1000) - 500;
+                }
+                written.grid.size = {1, 2, 1};
+                written.band = {std::abs(any_double(random)), std::abs(any_double(random))};
+                written.distance = {1, -1};
+                written.write(path);
+                const Field read = Field::read(path);
+                BOOST_CHECK(read.grid == written.grid);
+                BOOST_TEST(read.band.inside == written.band.inside);
+                BOOST_TEST(read.band.outside == written.band.outside);
+            }
+        }
+    });
+}
+
+BOOST_AUTO_TEST_CASE(has_no_triangles_where_it_had_none_even_beside_old_ones) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        const std::string path = folder.file("field" + ending);
+        Field field = example_field();
+        field.write(path);
+        field.triangle.clear();
+        field.write(path);
+        BOOST_TEST(Field::read(path).triangle.empty());
+    });
+}
+
+BOOST_AUTO_TEST_CASE(is_read_without_its_triangles_where_their_file_was_left_behind) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        example_field().write(folder.file("field" + ending));
+        BOOST_REQUIRE(std::filesystem::remove(folder.file("field_triangle" + ending)));
+        const Field read = Field::read(folder.file("field" + ending));
+        BOOST_TEST(read.triangle.empty());
+        BOOST_TEST(read.distance.size() == 24U);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(is_refused_with_the_triangles_of_another_grid) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        const std::string path = folder.file("field" + ending);
+        Field other = example_field();
+        other.grid.size = {2, 3, 4};
+        other.write(folder.file("other" + ending));
+        example_field().write(path);
+        std::filesystem::rename(folder.file("other_triangle" + ending), folder.file("field_triangle" + ending));
+        clsdf::test::check_throws(clsdf::ErrorCode::unreadable_input, {"field_triangle" + ending, "compute both again"},
+                                  [&] { Field::read(path); });
+    });
+}
+
+BOOST_AUTO_TEST_CASE(has_the_same_bytes_every_time) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        example_field().write(folder.file("field" + ending));
+        const std::string first = clsdf::test::content_of(folder.file("field" + ending));
+        example_field().write(folder.file("field" + ending));
+        BOOST_CHECK(clsdf::test::content_of(folder.file("field" + ending)) == first);
+    });
+}
+
+BOOST_AUTO_TEST_SUITE_END()
