@@ -27,9 +27,7 @@ public:
             along_[half] = sum(record.normal_along_high[half], record.normal_along_low[half]);
             across_[half] = sum(record.normal_across_high[half], record.normal_across_low[half]);
         }
-        // At least one of the halves has an angle of at most 60 degrees at the base.
-        const std::size_t half = across_[0] > across_[1] ? 0 : 1;
-        altitude_ = base_[half] > 0 ? along_[half] * base_[half] / across_[half] : 0;
+        altitude_ = sum(record.altitude_high, record.altitude_low);
     }
 
     /// (X, Y, Z) of the point.
