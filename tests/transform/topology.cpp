@@ -247,6 +247,31 @@ BOOST_AUTO_TEST_CASE(a_triangle_without_area_is_a_segment_or_a_point) {
     check({{{0, 0, 0}, {1, 0.5, 0.25}, {std::nextafter(1, 2), 0.5, 0.25}}, {{0, 1, 2}}, "an ulp wide"});
 }
 
+// Corners on a line, exactly or but for the rounding of their coordinates.
+BOOST_AUTO_TEST_CASE(soups_of_triangles_without_area_are_exact) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            std::vector<Vec3> vertices;
+            std::vector<Triangle> triangles;
+            for (std::uint32_t i = 0; i < 40; ++i) {
+                const double step = seed % 2 == 0 ? 0.125 : 1.0 / 7;
+                const auto lattice_point = [&] {
+                    return Vec3{step * std::round(random.uniform(-6, 6)), step * std::round(random.uniform(-6, 6)),
+                                step * std::round(random.uniform(-6, 6))};
+                };
+                const Vec3 from = lattice_point(), direction = lattice_point();
+                const double farthest = 1.0 + random.index(3);
+                vertices.insert(vertices.end(), {from, along(from, 0.5, direction), along(from, farthest, direction)});
+                const std::uint32_t turn = random.index(3);
+                triangles.push_back({3 * i + turn, 3 * i + (turn + 1) % 3, 3 * i + (turn + 2) % 3});
+            }
+            const Mesh mesh(vertices, triangles, "segments");
+            const Grid grid = grid_around(mesh, 28, 3);
+            check_exact(mesh, grid, Band::symmetric(3 * grid.voxel()));
+            check_exact(mesh, grid, Band::full(), guaranteed);
+        }
+}
+
 BOOST_AUTO_TEST_CASE(degenerate_faces_of_a_solid_change_nothing) {
     const Mesh solid = tilted(cube(1));
     std::vector<Vec3> vertices = solid.vertices();
