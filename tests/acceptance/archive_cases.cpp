@@ -25,8 +25,8 @@ constexpr std::array varied{"elephant", "anchor_dense", "rotor",  "blobby",     
 constexpr std::array open{"mannequin-devil", "ChineseDragon-10kv", "elephant-with-holes", "polygon_mesh", "b9_mesh",
                           "pig.stl"};
 
-/// The remaining meshes are many and each is looked at once.
-constexpr std::size_t samples_of_others = 20'000;
+/// The remaining meshes are many.
+constexpr Setting setting_of_others{128, 0.03};
 
 Problem read_problem(const std::filesystem::path& path, const Setting& setting) {
     Mesh mesh = read_mesh(path.string());
@@ -34,9 +34,9 @@ Problem read_problem(const std::filesystem::path& path, const Setting& setting) 
     return problem(std::move(mesh), setting, sign);
 }
 
-Case case_of(const char* kind, const std::filesystem::path& path, const Setting& setting, std::size_t samples) {
+Case case_of(const char* kind, const std::filesystem::path& path, const Setting& setting) {
     return {kind, fmt::format("{}, {}", path.stem().string(), name_of(setting)),
-            [=] { return read_problem(path, setting); }, samples};
+            [=] { return read_problem(path, setting); }};
 }
 
 std::filesystem::path path_of(const std::filesystem::path& folder, const std::string& name) {
@@ -58,8 +58,8 @@ void add_others(const std::filesystem::path& folder, const std::set<std::filesys
         try {
             const bool closed = describe_topology(read_mesh(path.string())).closed;
             const char* kind = closed ? "other closed mesh" : "other open mesh or soup";
-            Case other = case_of(kind, path, {96, 0.03}, samples_of_others);
-            other.name = fmt::format("{}, {}", path.filename().string(), name_of({96, 0.03}));
+            Case other = case_of(kind, path, setting_of_others);
+            other.name = fmt::format("{}, {}", path.filename().string(), name_of(setting_of_others));
             result.cases.push_back(std::move(other));
         } catch (const Error& error) {
             result.unreadable.emplace_back(path.filename().string() + ": " + error.what());
@@ -72,27 +72,15 @@ void add_others(const std::filesystem::path& folder, const std::set<std::filesys
 ArchiveCases archive_cases(const std::filesystem::path& folder) {
     ArchiveCases result;
     std::set<std::filesystem::path> named;
-    const auto add = [&](const char* kind, const std::string& name, const Setting& setting, std::size_t samples) {
+    const auto add = [&](const char* kind, const std::string& name) {
         const std::filesystem::path path = path_of(folder, name);
         named.insert(path);
-        result.cases.push_back(case_of(kind, path, setting, samples));
+        for (const Setting& setting : {Setting{96, 0.10}, {192, 0.03}, {256, 0.01}, {256, 0.10}})
+            result.cases.push_back(case_of(kind, path, setting));
     };
-    for (const std::string name : judged) {
-        add("closed mesh", name, {256, 0.01}, many_samples);
-        add("closed mesh", name, {192, 0.03}, many_samples);
-        add("closed mesh", name, {96, 0.10}, 0);
-        add("closed mesh", name, {256, 0.10}, name == judged.front() ? 0 : many_samples);
-    }
-    for (const std::string name : varied) {
-        add("closed mesh", name, {256, 0.01}, many_samples);
-        add("closed mesh", name, {192, 0.03}, many_samples);
-        add("closed mesh", name, {96, 0.10}, many_samples);
-    }
-    for (const std::string name : open) {
-        add("open mesh or soup", name, {256, 0.01}, many_samples);
-        add("open mesh or soup", name, {192, 0.03}, many_samples);
-        add("open mesh or soup", name, {96, 0.10}, 0);
-    }
+    for (const char* name : judged) add("closed mesh", name);
+    for (const char* name : varied) add("closed mesh", name);
+    for (const char* name : open) add("open mesh or soup", name);
     add_others(folder, named, result);
     return result;
 }

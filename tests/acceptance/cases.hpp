@@ -12,9 +12,11 @@ namespace clsdf::acceptance {
 /// How much of the list is run: all of it for a record, or what a test has time for.
 enum class Scope { sampled, complete };
 
-/// Looked at in a case of a complete run that is not checked at every sample, and in one of a sampled run.
-inline constexpr std::size_t many_samples = 200'000;
-inline constexpr std::size_t few_samples = 2'000;
+/// How many samples of a field are held against the reference: all of them in a complete run (as Case::samples says
+/// it).
+constexpr std::size_t samples_in(Scope scope) {
+    return scope == Scope::complete ? 0 : 5'000;
+}
 
 /// Every shape the library makes, and every mesh on which bounding polyhedra are known to fail.
 std::vector<Case> shape_cases(Scope scope);
@@ -33,7 +35,7 @@ struct ArchiveCases {
 };
 
 /// Meshes of CGAL's data: the named ones at several resolutions, and every other one that can be read. Open ones are
-/// computed unsigned.
+/// computed unsigned. Always complete.
 ArchiveCases archive_cases(const std::filesystem::path& folder);
 
 }  // namespace clsdf::acceptance

@@ -80,6 +80,7 @@ int run_all(const Options& options, std::string command) {
     record.command = std::move(command);
     record.commit = options.commit;
     const std::vector<Case> cases = cases_of(options, record);
+    if (cases.empty()) throw Error(ErrorCode::invalid_argument, "no field of the list is named so: " + options.only);
     if (options.list) {
         for (const Case& example : cases) print_line(fmt::format("{:<24} {}", example.kind, example.name));
         return 0;

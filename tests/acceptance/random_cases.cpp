@@ -43,7 +43,7 @@ constexpr Family families[] = {
 
 std::vector<Case> random_cases(Scope scope, std::uint64_t seed) {
     const std::vector<Setting> settings{{96, 0.10}, {128, 0.03}, {160, 0.01}};
-    const std::uint64_t count = scope == Scope::complete ? 9 : 3;
+    const std::uint64_t count = scope == Scope::complete ? 30 : 3;
     std::vector<Case> cases;
     for (const Family& family : families)
         for (std::uint64_t i = 0; i < count; ++i) {
@@ -54,7 +54,7 @@ std::vector<Case> random_cases(Scope scope, std::uint64_t seed) {
                                  test::Random random(seed + i);
                                  return problem(family.make(random), setting);
                              },
-                             scope == Scope::sampled ? few_samples : 0});
+                             samples_in(scope)});
         }
     return cases;
 }

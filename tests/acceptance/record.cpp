@@ -93,6 +93,7 @@ std::string introduction(const Record& record) {
 }
 
 std::string costs_table(const std::vector<CostLimit>& costs) {
+    if (costs.empty()) return {};
     std::string text =
         "\n## How well the polyhedra fit\n\nbunny00, 256 samples, half width 10%.\n\n"
         "| | found | from | to | |\n|-|-:|-:|-:|-|\n";

@@ -15,24 +15,21 @@ namespace {
 
 void add_plates(Scope scope, std::vector<Case>& cases) {
     const std::vector<Setting> settings = scope == Scope::complete
-                                              ? std::vector<Setting>{{256, 0.01}, {192, 0.03}, {96, 0.10}}
+                                              ? std::vector<Setting>{{96, 0.10}, {192, 0.03}, {256, 0.01}}
                                               : std::vector<Setting>{{96, 0.03}};
     for (const double thickness : {1e-4, 1e-6}) {
         for (const double angle : {0.0, 0.6})
             for (const Setting& setting : settings)
-                cases.push_back({"thin plate",
-                                 fmt::format("plate {:g}, turned by {:g}, {}", thickness, angle, name_of(setting)),
-                                 [=] { return problem(test::tilted(test::plate(thickness), angle), setting); },
-                                 scope == Scope::sampled   ? few_samples
-                                 : setting.resolution > 96 ? many_samples
-                                                           : 0});
+                cases.push_back(
+                    {"thin plate", fmt::format("plate {:g}, turned by {:g}, {}", thickness, angle, name_of(setting)),
+                     [=] { return problem(test::tilted(test::plate(thickness), angle), setting); }, samples_in(scope)});
         cases.push_back({"thin plate", fmt::format("plate {:g}, samples within it", thickness),
                          [=] {
                              return Problem{test::plate(thickness),
                                             grid_about({0.03, 0.02, 0.1 * thickness}, thickness / 5, 24),
                                             Band::symmetric(thickness)};
                          },
-                         scope == Scope::sampled ? few_samples : 0});
+                         samples_in(scope)});
     }
 }
 
@@ -66,13 +63,13 @@ void add_wide_triangles(Scope scope, std::vector<Case>& cases) {
                                  const SignRule sign = closed ? SignRule::nonzero : SignRule::none;
                                  return Problem{std::move(mesh), grid_about(centre, 1, 48), Band::symmetric(10), sign};
                              },
-                             scope == Scope::sampled ? few_samples : 0});
+                             samples_in(scope)});
 }
 
 void add_far_meshes(Scope scope, std::vector<Case>& cases) {
     constexpr std::int64_t voxels = 1'000'000;
     const Setting setting{96, 0.10};
-    const std::size_t samples = scope == Scope::sampled ? few_samples : 0;
+    const std::size_t samples = samples_in(scope);
     for (const char* shape : {"knot", "noisy"}) {
         cases.push_back({"far mesh", fmt::format("{}, 1e6 voxels from the origin, {}", shape, name_of(setting)),
                          [=] {
@@ -113,7 +110,7 @@ void add_unequal_spacing(Scope scope, std::vector<Case>& cases) {
                          const Band band = Band::symmetric(share * mesh.box().longest_side());
                          return Problem{std::move(mesh), grid, band};
                      },
-                     scope == Scope::sampled ? few_samples : 0});
+                     samples_in(scope)});
 }
 
 }  // namespace
