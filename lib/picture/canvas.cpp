@@ -134,6 +134,7 @@ void Canvas::write(const std::string& text, const Point& at, const TextStyle& st
                   capital_height * style.size * (1 - part_of(style.vertical)));
     set_colour(context, style.colour);
     cairo_show_text(context, text.c_str());
+    cairo_new_path(context);  // text leaves a point behind, from which the next line would start
     cairo_restore(context);
 }
 

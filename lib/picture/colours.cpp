@@ -22,6 +22,9 @@ constexpr Colour pale_orange = rgb(0xF1E9DF);
 constexpr Colour pale_green = rgb(0xE3E8EA);
 constexpr Colour grey = rgb(0xB0B0B0);
 
+// Stronger near the surface than in proportion, so that a shallow inside has colours beside a deep outside.
+constexpr double bend = 0.7;
+
 Colour between(std::span<const Colour> colours, double part) {
     const double place = std::clamp(part, 0.0, 1.0) * static_cast<double>(colours.size() - 1);
     const auto first = std::min(static_cast<std::size_t>(place), colours.size() - 2);
@@ -44,8 +47,9 @@ Colour Colours::operator()(double distance) const {
     if (std::isnan(distance)) return grey;
     if (distance >= outside_) return beyond_outside();
     if (distance < 0 && distance <= -inside_) return beyond_inside();
-    if (!has_sign_) return between(one_sided, distance / reach_);
-    return distance < 0 ? between(blues, -distance / reach_) : between(oranges, distance / reach_);
+    const double strength = std::pow(std::abs(distance) / reach_, bend);
+    if (!has_sign_) return between(one_sided, strength);
+    return distance < 0 ? between(blues, strength) : between(oranges, strength);
 }
 
 Colour Colours::beyond_outside() const {

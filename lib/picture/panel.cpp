@@ -65,7 +65,7 @@ void draw_iso_lines(Canvas& canvas, const Frame& frame, const Manner& manner, do
 template <class LabelLength>
 Scale ticks_along(double lower, double upper, double pixels, double unit, const LabelLength& label_length) {
     Scale scale;
-    for (int count = std::max(2, static_cast<int>(pixels / (80 * unit))); count >= 1; --count) {
+    for (int count = std::max(4, static_cast<int>(pixels / (80 * unit))); count >= 1; --count) {
         scale = scale_between(lower, upper, count);
         if (scale.values.size() < 2) return scale;
         double longest = 0;
@@ -147,7 +147,7 @@ void draw_axis_left(Canvas& canvas, const Plane& plane, const Rectangle& area, c
         name_style.vertical = Place::middle;
     }
     canvas.write(name_of(plane.axes[1]) + ticks.remark,
-                 {numbers - longest - 0.8 * text_size * unit, area.top + area.height / 2}, name_style);
+                 {numbers - longest - 0.55 * text_size * unit, area.top + area.height / 2}, name_style);
 }
 
 }  // namespace clsdf::picture

@@ -50,6 +50,9 @@ private:
     double outside_;
 };
 
+constexpr std::array<std::array<int, 2>, 8> neighbours{
+    {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
+
 // The mean of the straight lines through two samples of the band each that lead to this one.
 double continued(const Plane& plane, const std::vector<double>& values, const Limits& limits, std::int64_t column,
                  std::int64_t row) {
@@ -61,7 +64,7 @@ double continued(const Plane& plane, const std::vector<double>& values, const Li
     };
     double sum = 0;
     int lines = 0;
-    for (const auto& [right, up] : {std::array{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+    for (const auto& [right, up] : neighbours) {
         const double near = value(1, right, up);
         const double far = value(2, right, up);
         if (!limits.within(near) || !limits.within(far)) continue;

@@ -71,8 +71,8 @@ Scale scale_between(double lower, double upper, int count) {
     return scale;
 }
 
-std::string number(double value) {
-    return with_minus_signs(fmt::format("{:.6g}", value + 0.0));
+std::string number(double value, int digits) {
+    return with_minus_signs(fmt::format("{:.{}g}", value + 0.0, digits));
 }
 
 }  // namespace clsdf::picture

@@ -23,7 +23,7 @@ struct Scale {
 /// Round values within [lower, upper], at most about `count`, and their labels.
 Scale scale_between(double lower, double upper, int count);
 
-/// Any length as text: six significant digits and a minus sign that is not a hyphen.
-std::string number(double value);
+/// Any length as text, with so many significant digits and a minus sign that is not a hyphen.
+std::string number(double value, int digits);
 
 }  // namespace clsdf::picture

@@ -19,7 +19,7 @@ constexpr double margin = 24;        // around everything
 constexpr double panel_gap = 64;     // between the panels of a mosaic, for the titles of the lower ones
 constexpr double bar_gap = 40;       // between panel and colour bar
 constexpr double least_bar = 340;    // the height of a colour bar beside a flat panel
-constexpr int most_levels = 16;      // iso-lines, about
+constexpr int most_levels = 24;      // iso-lines, about; half as many on one side
 constexpr double print_width = 468;  // points on the longer side of what is drawn: 6.5 inches
 
 bool is_pdf(const std::string& path) {
@@ -47,8 +47,8 @@ public:
           bar_{lower, upper, has_sign && lower <= -static_cast<double>(static_cast<float>(field.band.inside)),
                upper >= static_cast<double>(static_cast<float>(field.band.outside)),
                has_sign ? "signed distance (mesh units)" : "distance (mesh units)"},
-          manner_{Colours(lower, upper, field.band, has_sign), levels(), has_sign, static_cast<double>(pixels) / page} {
-    }
+          manner_{Colours(lower, upper, field.band, has_sign), levels(has_sign ? most_levels : most_levels / 2),
+                  has_sign, static_cast<double>(pixels) / page} {}
 
     void slice(const Plane& plane, const Slice& slice, const std::string& path) {
         const double sides[] = {plane.upper[0] - plane.lower[0], plane.upper[1] - plane.lower[1]};
@@ -65,9 +65,9 @@ public:
                         manner_);
         // Above the panel and above a colour bar that is taller.
         const double base = std::min(0.0, std::floor((panel.height - height) / 2)) - units(20);
-        canvas_.write(samples_text() + iso_line_text(), {0, base}, small());
-        canvas_.write(position_text(slice) + fmt::format(", sample {} of {}", slice.index,
-                                                         field_.grid.size[static_cast<std::size_t>(slice.axis)]),
+        canvas_.write(description(), {0, base}, small());
+        canvas_.write(position_text(slice) + fmt::format(", sample {} of 0 … {}", slice.index,
+                                                         field_.grid.size[static_cast<std::size_t>(slice.axis)] - 1),
                       {0, base - units(27)}, small());
         write_title({0, base - units(64)});
         write_picture(canvas_, manner_.unit, path);
@@ -98,7 +98,7 @@ public:
         const Rectangle bar{lower_right.left, upper_left.bottom() - height, whole(units(colour_bar_width)), height};
         draw_colour_bar(canvas_, bar_, bar, manner_);
         const double base = std::min(upper_left.top - units(20 + 27), bar.top) - units(24);
-        canvas_.write(samples_text() + iso_line_text(), {0, base}, small());
+        canvas_.write(description(), {0, base}, small());
         write_title({0, base - units(37)});
         write_picture(canvas_, manner_.unit, path);
     }
@@ -109,9 +109,9 @@ private:
     static double whole(double pixels) { return std::max(1.0, std::round(pixels)); }
 
     // Levels at the very end of the band would follow its stairs.
-    Scale levels() const {
+    Scale levels(int most) const {
         const double room = 1e-6 * (bar_.upper - bar_.lower);
-        return scale_between(std::min(0.0, bar_.lower + room), std::max(0.0, bar_.upper - room), most_levels);
+        return scale_between(std::min(0.0, bar_.lower + room), std::max(0.0, bar_.upper - room), most);
     }
 
     TextStyle small() const { return {0.86 * units(text_size), Place::start, Place::end, false, false, faint_ink}; }
@@ -127,20 +127,22 @@ private:
         const auto axis = static_cast<std::size_t>(slice.axis);
         sample[axis] = slice.index;
         return fmt::format("{} = {}", name_of(slice.axis),
-                           number(field_.grid.position(sample[0], sample[1], sample[2])[axis]));
+                           number(field_.grid.position(sample[0], sample[1], sample[2])[axis], 6));
     }
 
-    std::string samples_text() const {
+    std::string description() const {
         const auto& [nx, ny, nz] = field_.grid.size;
         const auto& [hx, hy, hz] = field_.grid.spacing;
-        const std::string apart =
-            hx == hy && hy == hz ? number(hx) : fmt::format("{}, {}, {}", number(hx), number(hy), number(hz));
-        return fmt::format("{} × {} × {} samples, {} apart", nx, ny, nz, apart);
-    }
-
-    std::string iso_line_text() const {
+        std::string text =
+            fmt::format("{} × {} × {} samples, {} apart", nx, ny, nz,
+                        hx == hy && hy == hz ? number(hx, 4)
+                                             : fmt::format("{}, {}, {}", number(hx, 4), number(hy, 4), number(hz, 4)));
+        if (bar_.beyond_inside || bar_.beyond_outside)
+            text += fmt::format("; band {} … {}", bar_.lower < 0 ? number(-field_.band.inside, 4) : "0",
+                                number(field_.band.outside, 4));
         const std::vector<double>& values = manner_.levels.values;
-        return values.size() < 2 ? "" : fmt::format("; iso-lines every {}", number(values[1] - values[0]));
+        if (values.size() > 1) text += fmt::format("; iso-lines every {}", number(values[1] - values[0], 4));
+        return text;
     }
 
     void panel(const Plane& plane, const Slice& slice, const Rectangle& area, bool bare_below, bool bare_left) {
