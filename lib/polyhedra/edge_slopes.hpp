@@ -17,7 +17,8 @@ enum EdgeMark : std::uint8_t {
     edge_open = 4,          ///< one face, or two folded onto each other: no plane cuts there
     edge_non_manifold = 8,  ///< three faces or more
     edge_unoriented =
-        16,  ///< two faces that run along it in the same direction: convex for one is concave for the other
+        16,            ///< two faces that run along it the same way: what is convex for one is concave for the other
+    edge_at_box = 32,  ///< one of its faces is so degenerate that its polyhedron is a box
 };
 
 /// Of each edge of a face; edge k runs from the face's vertex k to the next.
