@@ -175,6 +175,13 @@ BOOST_AUTO_TEST_CASE(a_face_and_its_opposite_change_nothing_of_a_solid) {
     check_rule(with_faces(tilted(cube(1)), {{0, 7, 1}, {0, 1, 7}}, "cube with a fin"), SignRule::nonzero, "");
 }
 
+// Samples in the planes of faces, in line with edges and with vertices; parity tells a crossing that was counted twice.
+BOOST_AUTO_TEST_CASE(rows_through_edges_and_vertices_cross_them_once) {
+    for (const Mesh& mesh : {cube(1), make_shape("sphere0"), make_shape("sphere1")})
+        for (const SignRule rule : {SignRule::nonzero, SignRule::parity})
+            check_exact(mesh, compute(mesh, grid_at({0, 0, 0}, 0.125, 12), Band::symmetric(0.3), rule));
+}
+
 BOOST_AUTO_TEST_CASE(shells_within_shells_have_the_sign_of_their_rule) {
     const auto shell = [](double size) { return scaled(tilted(make_shape("sphere1")), size); };
     const Mesh alike = together({shell(1), shell(0.6), shell(0.3)}, "three shells");
