@@ -1,5 +1,6 @@
 #include "core/atomic_file.hpp"
 #include "picture/colour_bar.hpp"
+#include "picture/text.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -126,8 +127,10 @@ private:
         Index3 sample{};
         const auto axis = static_cast<std::size_t>(slice.axis);
         sample[axis] = slice.index;
-        return fmt::format("{} = {}", name_of(slice.axis),
-                           number(field_.grid.position(sample[0], sample[1], sample[2])[axis], 6));
+        const double position = field_.grid.position(sample[0], sample[1], sample[2])[axis];
+        // The rounding of a position that is meant to be zero.
+        const bool zero = std::abs(position) < 1e-9 * field_.grid.spacing[axis];
+        return fmt::format("{} = {}", name_of(slice.axis), number(zero ? 0 : position, 6));
     }
 
     std::string description() const {

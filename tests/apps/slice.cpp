@@ -72,13 +72,16 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     BOOST_TEST(folder.file_count() == 1U);
 }
 
-BOOST_AUTO_TEST_CASE(says_which_font_to_install_where_there_is_none) {
+BOOST_AUTO_TEST_CASE(draws_on_a_machine_without_fonts) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
     two_balls().write(field);
     const std::string no_fonts = folder.file("fonts.conf", "<fontconfig></fontconfig>");
-    check_refused(run_command({"slice", field, "-o", folder.file("balls.png")}, {"FONTCONFIG_FILE=" + no_fonts}), 2,
-                  {"fonts-dejavu-core"});
+    const std::string picture = folder.file("balls.png");
+    const Outcome outcome = run_command({"slice", field, "-o", picture}, {"FONTCONFIG_FILE=" + no_fonts});
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.error == "wrote " + picture + "\n");
+    BOOST_TEST(is_png(picture));
 }
 
 BOOST_AUTO_TEST_CASE(has_a_help_page_with_examples) {
