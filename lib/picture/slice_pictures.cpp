@@ -34,9 +34,10 @@ bool is_pdf(const std::string& path) {
 }
 
 void write_picture(const Canvas& canvas, double unit, const std::string& path) {
-    const bool pdf = is_pdf(path);
+    const std::string bytes =
+        is_pdf(path) ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit);
     AtomicFile file(path);
-    file.write(pdf ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit));
+    file.write(bytes);
     file.commit();
 }
 

@@ -213,6 +213,7 @@ BOOST_AUTO_TEST_CASE(need_a_field_that_fits_its_grid_and_pixels_that_make_sense)
 BOOST_AUTO_TEST_CASE(show_any_name) {
     BOOST_TEST(printable("Häschen.off", 48) == "Häschen.off");
     BOOST_TEST(printable("a\xff\xe4z", 48) == "a\uFFFD\uFFFDz");
+    BOOST_TEST(printable("\xc0\x80", 48) == "\uFFFD\uFFFD");
     BOOST_TEST(printable("a\nb", 48) == "a\uFFFDb");
     BOOST_TEST(printable("\xed\xa0\x80", 48) == "\uFFFD\uFFFD\uFFFD");
     BOOST_TEST(printable("abcdefghij", 4) == "ab…ij");
