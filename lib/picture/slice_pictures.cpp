@@ -1,5 +1,6 @@
 #include "core/atomic_file.hpp"
 #include "picture/colour_bar.hpp"
+#include "picture/text.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -33,9 +34,10 @@ bool is_pdf(const std::string& path) {
 }
 
 void write_picture(const Canvas& canvas, double unit, const std::string& path) {
-    const bool pdf = is_pdf(path);
+    const std::string bytes =
+        is_pdf(path) ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit);
     AtomicFile file(path);
-    file.write(pdf ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit));
+    file.write(bytes);
     file.commit();
 }
 
@@ -126,8 +128,10 @@ private:
         Index3 sample{};
         const auto axis = static_cast<std::size_t>(slice.axis);
         sample[axis] = slice.index;
-        return fmt::format("{} = {}", name_of(slice.axis),
-                           number(field_.grid.position(sample[0], sample[1], sample[2])[axis], 6));
+        const double position = field_.grid.position(sample[0], sample[1], sample[2])[axis];
+        // The rounding of a position that is meant to be zero.
+        const bool zero = std::abs(position) < 1e-9 * field_.grid.spacing[axis];
+        return fmt::format("{} = {}", name_of(slice.axis), number(zero ? 0 : position, 6));
     }
 
     std::string description() const {

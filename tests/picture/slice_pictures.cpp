@@ -3,6 +3,7 @@
 #include "picture/canvas.hpp"
 #include "picture/colours.hpp"
 #include "picture/example.hpp"
+#include "picture/text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -10,6 +11,7 @@
 
 #include <cairo.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -109,7 +111,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     const TemporaryFolder folder;
     const std::string path = folder.file("mosaic.png");
     const Field field = two_balls();
-    SlicePictures(field, {360}).write_mosaic({16, 15, 9}, path);
+    SlicePictures(field, {240}).write_mosaic({16, 15, 9}, path);
     if (const char* target = std::getenv("CLSDF_NEW_GOLDEN"))
         std::filesystem::copy_file(path, target, std::filesystem::copy_options::overwrite_existing);
     const Raster golden = read_png(CLSDF_GOLDEN);
@@ -211,9 +213,11 @@ BOOST_AUTO_TEST_CASE(need_a_field_that_fits_its_grid_and_pixels_that_make_sense)
 BOOST_AUTO_TEST_CASE(show_any_name) {
     BOOST_TEST(printable("Häschen.off", 48) == "Häschen.off");
     BOOST_TEST(printable("a\xff\xe4z", 48) == "a\uFFFD\uFFFDz");
+    BOOST_TEST(printable("\xc0\x80", 48) == "\uFFFD\uFFFD");
     BOOST_TEST(printable("a\nb", 48) == "a\uFFFDb");
     BOOST_TEST(printable("\xed\xa0\x80", 48) == "\uFFFD\uFFFD\uFFFD");
     BOOST_TEST(printable("abcdefghij", 4) == "ab…ij");
+    BOOST_TEST(clsdf::picture::in_ascii("−0.2 × 10⁻⁶ … Häschen") == "-0.2 x 10^-6 ... H?schen");
 }
 
 BOOST_AUTO_TEST_SUITE_END()
