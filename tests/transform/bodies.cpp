@@ -33,6 +33,7 @@ Device with_float_width(unsigned width) {
     const device::Context& own = test_device().internal();
     const cl::CommandQueue queue(own.context(), own.device());
     const Device device = Device::from_handles(own.context()(), own.device()(), queue());
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other processor is at hand
     const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
     return device;
 }

@@ -12,7 +12,7 @@ namespace {
 
 /// What a mesh is taken for, with the warnings given, and its field, which must be right at every sample.
 struct Outcome {
-    SignRule rule;
+    SignRule rule = SignRule::none;
     std::string warnings;
     Field field;
 };
@@ -227,6 +227,7 @@ BOOST_AUTO_TEST_CASE(what_a_mesh_that_is_inside_out_encloses_is_inside) {
 
 BOOST_AUTO_TEST_CASE(a_thousand_components_are_exact) {
     std::vector<Mesh> drops;
+    drops.reserve(1000);
     Random random(7);
     for (int i = 0; i < 1000; ++i)
         drops.push_back(shifted(scaled(tilted(make_shape("sphere0"), random.uniform(0, 3)), random.uniform(0.01, 0.08)),
