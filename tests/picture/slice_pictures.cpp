@@ -135,6 +135,13 @@ BOOST_AUTO_TEST_CASE(have_both_hues_with_a_sign_and_no_orange_without) {
     BOOST_TEST(count_bluish(read_png(folder.file("unsigned.png")), -60) == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(have_no_more_iso_lines_than_a_narrow_band_has_room_for) {
+    const TemporaryFolder folder;
+    const Field field = two_balls(true, 0.06);
+    SlicePictures(field, {400}).write_slice({Axis::z, 10}, folder.file("narrow.png"));
+    BOOST_TEST(count_bluish(read_png(folder.file("narrow.png")), -120) > 3500U);
+}
+
 BOOST_AUTO_TEST_CASE(are_the_same_bytes_on_every_run) {
     const TemporaryFolder folder;
     const Field field = two_balls();
