@@ -50,7 +50,7 @@ public:
           bar_{lower, upper, has_sign && lower <= -static_cast<double>(static_cast<float>(field.band.inside)),
                upper >= static_cast<double>(static_cast<float>(field.band.outside)),
                has_sign ? "signed distance (mesh units)" : "distance (mesh units)"},
-          manner_{Colours(lower, upper, field.band, has_sign), {}, has_sign, static_cast<double>(pixels) / page} {}
+          manner_(Colours(lower, upper, field.band, has_sign), has_sign, static_cast<double>(pixels) / page) {}
 
     void slice(const Plane& plane, const Slice& slice, const std::string& path) {
         const double sides[] = {plane.upper[0] - plane.lower[0], plane.upper[1] - plane.lower[1]};
