@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 using clsdf::picture::Axis;
-using clsdf::picture::Slice;
 using clsdf::picture::SlicePictures;
 using nlohmann::ordered_json;
 

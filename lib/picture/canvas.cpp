@@ -5,7 +5,6 @@
 #include <clsdf/error.hpp>
 
 #include <cairo-pdf.h>
-#include <cairo.h>
 #include <fmt/format.h>
 
 #include <cmath>

@@ -2,15 +2,14 @@
 
 #include "picture/colours.hpp"
 
+#include <cairo.h>
+
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
-
-using cairo_t = struct _cairo;
-using cairo_surface_t = struct _cairo_surface;
 
 namespace clsdf::picture {
 

@@ -81,9 +81,10 @@ BOOST_AUTO_TEST_CASE(tell_inside_from_outside) {
 BOOST_AUTO_TEST_CASE(grow_darker_away_from_the_surface) {
     for (const bool has_sign : {true, false}) {
         const Colours colours(has_sign ? -1 : 0, 1, Band::full(), has_sign);
-        for (double distance = 0.05; distance <= 1; distance += 0.05)
+        for (int step = 1; step <= 20; ++step)
             for (const double sign : {-1, 1}) {
                 if (sign < 0 && !has_sign) continue;
+                const double distance = 0.05 * step;
                 const Colour near = colours(sign * (distance - 0.05));
                 const Colour far = colours(sign * distance);
                 BOOST_TEST(near[0] + near[1] + near[2] > far[0] + far[1] + far[2]);
@@ -133,6 +134,13 @@ BOOST_AUTO_TEST_CASE(have_both_hues_with_a_sign_and_no_orange_without) {
     SlicePictures(without, {200}).write_slice({Axis::z, 10}, folder.file("unsigned.png"));
     BOOST_TEST(count_bluish(read_png(folder.file("unsigned.png")), 60) > 1000U);
     BOOST_TEST(count_bluish(read_png(folder.file("unsigned.png")), -60) == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(have_no_more_iso_lines_than_a_narrow_band_has_room_for) {
+    const TemporaryFolder folder;
+    const Field field = two_balls(true, 0.06);
+    SlicePictures(field, {400}).write_slice({Axis::z, 10}, folder.file("narrow.png"));
+    BOOST_TEST(count_bluish(read_png(folder.file("narrow.png")), -120) > 3500U);
 }
 
 BOOST_AUTO_TEST_CASE(are_the_same_bytes_on_every_run) {
