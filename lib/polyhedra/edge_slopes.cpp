@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 namespace clsdf::polyhedra {
 
@@ -166,10 +167,11 @@ float open_slope(double half_width, double slack) {
     return std::max(CLSDF_OPEN_SLOPE, rounded_up(2 * half_width / slack));
 }
 
-std::vector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                   std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
-    std::vector<FaceEdges> faces(triangles.size());
+UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
+                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
+    UninitializedVector<FaceEdges> faces(triangles.size());
     for_each_index(triangles.size(), [&](std::size_t face) {
+        faces[face] = {};
         if (!frames[face].is_box) return;
         faces[face].above = faces[face].below = {open, open, open};
         faces[face].marks = {edge_at_box, edge_at_box, edge_at_box};  // an edge from a vertex to itself is not visited

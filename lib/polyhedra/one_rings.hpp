@@ -1,6 +1,7 @@
 #pragma once
 
 #include "polyhedra/parallel.hpp"
+#include "polyhedra/uninitialized_vector.hpp"
 
 #include <clsdf/mesh.hpp>
 
@@ -50,8 +51,8 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> start_;    // of each vertex in corners_, and the end of the last
-    std::vector<std::uint32_t> corners_;  // packed
+    std::vector<std::uint32_t> start_;            // of each vertex in corners_, and the end of the last
+    UninitializedVector<std::uint32_t> corners_;  // packed
 };
 
 /// Calls f(vertex, state) for every vertex of a triangle, on all cores, in the order in which the list first names
