@@ -24,7 +24,7 @@ inline Reach reach_of(__global const float* reach, float scale) {
 }
 
 // Bit b: the block whose centre lies (i[b], j[b], k[b]) samples from the point of the offsets.
-inline uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, Reach reach, floatL cap,
+INLINE uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, Reach reach, floatL cap,
                            floatL slack) {
     const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT], across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
     const float along_left = p->normal_along_high[CLSDF_HALF_LEFT], across_left = p->normal_across_high[CLSDF_HALF_LEFT];
@@ -52,7 +52,7 @@ inline uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, fl
 
 // Bit b of the result: block b of a group of 4 x 4 x 4 (x fastest), each of `side` samples a side, whose first sample is
 // (x, y, z) of the lattice. caps: one a block.
-inline ulong touched_group(__global const Polyhedron* p, int x, int y, int z, float side, __private const float* caps,
+INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, float side, __private const float* caps,
                            float level_slack, float slack_rate) {
     // The frame at the centre of the group; the blocks' centres lie at most 1.5 sides from it.
     const double centre = 2.0 * side - 0.5;

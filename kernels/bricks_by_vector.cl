@@ -47,7 +47,7 @@ inline uint choose(__global const ulong* masks, __global const uint* items, uint
     return n;
 }
 
-inline ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __private const float* caps, float level_slack,
+INLINE ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __private const float* caps, float level_slack,
                                float slack_rate) {
 #if LANES == 16
     const Reach reach = reach_of(p->reach_4x2x2, 1.0f);
@@ -218,8 +218,9 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
         ulong any = 0;
         for (uint c = 0; c < chunk; ++c) {
             __global const Polyhedron* p = polyhedra + list[begin + c];
-            offsets[c] = offsets_at(p, x, y, z);
-            ulong touched = touched_subblocks(p, offsets[c], caps, layout.brick_slack, layout.slack_rate);
+            const Offsets o = offsets_at(p, x, y, z);
+            offsets[c] = o;
+            ulong touched = touched_subblocks(p, o, caps, layout.brick_slack, layout.slack_rate);
             any |= touched;
             while (touched) {
                 const uint b = 63 - (uint)clz(touched & (0 - touched));

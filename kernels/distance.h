@@ -13,7 +13,7 @@
 #include "lanes.h"
 
 // The formulas above; `past` is t minus the length of the slanted edge.
-inline floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL t, floatL past) {
+INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL t, floatL past) {
     const floatL before = LESSER(t, 0.0f);
     const floatL end = GREATER(past, before);
     const floatL out = GREATER(r, 0.0f);
@@ -23,7 +23,7 @@ inline floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, fl
 }
 
 // Squared distance from the samples (i, j, k) away from the point of the offsets, in squared units.
-inline floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k) {
+INLINE floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k) {
     const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
     const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
     const floatL dz = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z_low));

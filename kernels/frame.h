@@ -9,6 +9,9 @@
 
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 
+// Arguments in memory cost more than these functions' own work.
+#define INLINE inline __attribute__((always_inline))
+
 // A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
@@ -29,7 +32,7 @@ inline double4 two_floats(__global const float* high, __global const float* low)
 }
 
 // (X, Y, Z, -) at a point given in samples of the lattice.
-inline double4 frame_at(__global const Polyhedron* p, double x, double y, double z) {
+INLINE double4 frame_at(__global const Polyhedron* p, double x, double y, double z) {
     const double4 gx = two_floats(p->gradient_x_high, p->gradient_x_low);
     const double4 gy = two_floats(p->gradient_y_high, p->gradient_y_low);
     const double4 gz = two_floats(p->gradient_z_high, p->gradient_z_low);
@@ -37,7 +40,7 @@ inline double4 frame_at(__global const Polyhedron* p, double x, double y, double
     return gx * (x - p->origin_x) + (gy * (y - p->origin_y) + (gz * (z - p->origin_z) + at_origin));
 }
 
-inline Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {
+INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {
     const double4 frame = frame_at(p, x, y, z);
     const double4 high = convert_double4(vload4(0, p->base_high));      // base right, left, low parts right, left
     const double4 along = convert_double4(vload4(0, p->normal_along_high));   // along right, left, across right, left
