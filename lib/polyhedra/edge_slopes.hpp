@@ -18,6 +18,7 @@ enum EdgeMark : std::uint8_t {
     edge_non_manifold = 8,  ///< three faces or more
     edge_unoriented =
         16,  ///< two faces that run along it in the same direction: convex for one is concave for the other
+    edge_folded = 32,  ///< open because its two faces are folded onto each other
 };
 
 /// Of each edge of a face; edge k runs from the face's vertex k to the next.
