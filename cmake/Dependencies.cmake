@@ -29,3 +29,13 @@ if(NOT CLSDF_OPENCL_CXX_BINDING)
                       "On Debian and its kin: apt-get install opencl-clhpp-headers "
                       "(scripts/setup installs everything).")
 endif()
+
+if(CLSDF_BUILD_PICTURE)
+  clsdf_require(PkgConfig pkg-config)
+  pkg_check_modules(cairo QUIET IMPORTED_TARGET GLOBAL cairo-pdf)
+  if(NOT cairo_FOUND)
+    message(FATAL_ERROR "clsdf's pictures need cairo, which CMake did not find.\n"
+                        "On Debian and its kin: apt-get install libcairo2-dev "
+                        "(scripts/setup installs everything; -DCLSDF_BUILD_PICTURE=OFF does without).")
+  endif()
+endif()

@@ -28,10 +28,19 @@ inline float subblock_x(uint b) { return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) -
 inline float subblock_y(uint b) { return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f; }
 inline float subblock_z(uint b) { return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f; }
 
-// Appends to `chosen` the items whose mask has the bit, in order; returns how many.
+// Appends to `chosen` the items whose mask has the bit, in order; returns how many. `chosen` has room for eight more.
 inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit, __global uint* chosen) {
     uint n = 0;
-    for (uint i = 0; i < count; ++i) {
+    uint i = 0;
+#if defined(__AVX512DQ__) && defined(__AVX512VL__)
+    for (; i + 8 <= count; i += 8) {
+        const uchar in = __builtin_ia32_cvtq2mask512(as_long8(vload8(0, masks + i) << (ulong8)(63 - bit)));
+        const int8 packed = __builtin_ia32_compresssi256_mask(as_int8(vload8(0, items + i)), (int8)(0), in);
+        vstore8(as_uint8(packed), 0, chosen + n);
+        n += popcount(in);
+    }
+#endif
+    for (; i < count; ++i) {
         chosen[n] = items[i];
         n += (uint)(masks[i] >> bit) & 1u;
     }
@@ -248,7 +257,9 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
     floatL least[64 / LANES];
     for (uint v = 0; v < 64 / LANES; ++v) least[v] = INFINITY;
     const double centre = 0.5 * (CLSDF_COARSE - 1);
-    for (uint e = 0; e < count; ++e) {
+    // Of a long list a part is enough.
+    const uint stride = count > 4096 ? 4 : count > 1024 ? 2 : 1;
+    for (uint e = 0; e < count; e += stride) {
         __global const Polyhedron* p = polyhedra + entries[e];
         const double4 frame = frame_at(p, (double)coarse.x * CLSDF_COARSE + centre, (double)coarse.y * CLSDF_COARSE + centre,
                                        (double)coarse.z * CLSDF_COARSE + centre);

@@ -45,8 +45,35 @@ inline int2 box_range(__global const Polyhedron* p, __global const float* gradie
                   (origin + (int)clamp(ceil(high), -limit, limit)) >> 5);
 }
 
-// With `fill` 0 it counts; with 1 it writes the entries, `counts` being where each part's begin.
-__kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps,
+// Bits 0 to 3: which of four neighbours that start at `base` lie in [low, high].
+inline uint four_in_range(int base, int low, int high) {
+    const int begin = max(low - base, 0), end = min(high - base, 3);
+    return begin > end ? 0u : (0xFu >> (3 - end)) & (0xFu << begin);
+}
+
+// The blocks of a group of 4 x 4 x 4 that starts at (x, y, z) that lie in [low, high], as touched_group numbers them.
+inline ulong group_in_range(int x, int y, int z, int3 low, int3 high) {
+    const uint in_x = four_in_range(x, low.x, high.x), in_y = four_in_range(y, low.y, high.y), in_z = four_in_range(z, low.z, high.z);
+    const uint rows = (in_y & 1u) * 0xFu | (in_y >> 1 & 1u) * 0xF0u | (in_y >> 2 & 1u) * 0xF00u | (in_y >> 3 & 1u) * 0xF000u;
+    const ulong slice = in_x * 0x1111u & rows;
+    return (in_z & 1u) * slice | (in_z >> 1 & 1u) * (slice << 16) | (in_z >> 2 & 1u) * (slice << 32) | (in_z >> 3 & 1u) * (slice << 48);
+}
+
+inline uint pop_bit(__private ulong* bits) {
+    const uint b = 63 - (uint)clz(*bits & (0 - *bits));
+    *bits &= *bits - 1;
+    return b;
+}
+
+// The number of block b of a group among the part's coarse bricks.
+inline size_t coarse_brick_of(int x, int y, int z, uint b, int3 first, int3 size) {
+    const int3 relative = (int3)(x + (int)(b & 3u), y + (int)((b >> 2) & 3u), z + (int)(b >> 4)) - first;
+    return ((size_t)relative.z * size.y + relative.y) * size.x + relative.x;
+}
+
+// With `fill` 0 it counts; with 1 it writes the entries, `counts` being where each part's begin. `uniform`: all caps are the
+// half width.
+__kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps, int uniform,
                            __global uint* counts, __global uint* entries, int fill) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const uint begin = (uint)((ulong)count * part / parts), end = (uint)((ulong)count * (part + 1) / parts);
@@ -56,6 +83,7 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
         for (uint brick = 0; brick < (uint)(size.x * size.y * size.z); ++brick) counts[brick * parts + part] = 0;
 
     float block_caps[64];
+    for (uint b = 0; b < 64; ++b) block_caps[b] = layout.half_width;
     for (uint i = begin; i < end; ++i) {
         __global const Polyhedron* p = polyhedra + i;
         const int2 rx = box_range(p, p->gradient_x_high, p->origin_x, reach);
@@ -67,22 +95,17 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
         for (int z = low.z & ~3; z <= high.z; z += 4)
             for (int y = low.y & ~3; y <= high.y; y += 4)
                 for (int x = low.x & ~3; x <= high.x; x += 4) {
-                    ulong wanted = 0;
-                    for (int b = 0; b < 64; ++b) {
-                        const int3 at = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4));
-                        const bool in = all(at >= low) && all(at <= high);
-                        const int3 relative = at - first;
-                        block_caps[b] = in ? caps[((size_t)relative.z * size.y + relative.y) * size.x + relative.x] : 0.0f;
-                        wanted |= (ulong)in << b;
-                    }
+                    const ulong wanted = group_in_range(x, y, z, low, high);
+                    if (!uniform)
+                        for (ulong rest = wanted; rest;) {
+                            const uint b = pop_bit(&rest);
+                            block_caps[b] = caps[coarse_brick_of(x, y, z, b, first, size)];
+                        }
                     ulong touched = wanted & touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE,
-                                                            block_caps, layout.coarse_slack, layout.slack_rate);
+                                                           block_caps, layout.coarse_slack, layout.slack_rate);
                     while (touched) {
-                        const int b = 63 - (int)clz(touched & (0 - touched));
-                        touched &= touched - 1;
-                        const int3 relative = (int3)(x + (b & 3), y + ((b >> 2) & 3), z + (b >> 4)) - first;
-                        const size_t brick = ((size_t)relative.z * size.y + relative.y) * size.x + relative.x;
-                        const uint slot = counts[brick * parts + part]++;
+                        const uint b = pop_bit(&touched);
+                        const uint slot = counts[coarse_brick_of(x, y, z, b, first, size) * parts + part]++;
                         if (fill) entries[slot] = i;
                     }
                 }

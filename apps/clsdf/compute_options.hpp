@@ -46,5 +46,5 @@ struct ComputeRequest {
     explicit ComputeRequest(const ComputeOptions& options);
 
     clsdf::Grid grid_around(const clsdf::Box& box) const;
-    clsdf::Band band_on(const clsdf::Grid& grid, const clsdf::Box& box) const;
+    clsdf::Band band_on(const clsdf::Grid& samples, const clsdf::Box& box) const;
 };

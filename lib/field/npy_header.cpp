@@ -121,7 +121,7 @@ void set_type(NpyHeader& header, const InputFile& file, const std::string& type)
 
 NpyHeader read_npy_header(InputFile& file) {
     const std::string text = file.beginning(largest_header);
-    if (!text.starts_with(magic)) file.fail("not an .npy file: it does not begin with \"\\x93NUMPY\"");
+    if (!text.starts_with(magic)) file.fail(R"(not an .npy file: it does not begin with "\x93NUMPY")");
     const int major = text.size() > 6 ? static_cast<unsigned char>(text[6]) : 0;
     const std::size_t length_bytes = major == 1 ? 2 : 4;
     const std::size_t begin = 8 + length_bytes;

@@ -80,7 +80,7 @@ void NrrdHeader::parse_line(std::string_view line, std::size_t number) {
     const std::size_t colon = line.find(':');
     const std::size_t assignment = line.find(":=");
     if (colon == std::string_view::npos)
-        file_.fail(fmt::format("header line {}: '{}' is neither \"field: value\" nor \"key:=value\"", number,
+        file_.fail(fmt::format(R"(header line {}: '{}' is neither "field: value" nor "key:=value")", number,
                                line.substr(0, 80)));
     const bool is_pair = assignment != std::string_view::npos && line.find(": ") > assignment;
     const std::string name = is_pair ? std::string(line.substr(0, assignment)) : normalised(line.substr(0, colon));

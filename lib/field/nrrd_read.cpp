@@ -66,7 +66,7 @@ Vec3 read_origin(const NrrdHeader& header, const Vec3& spacing) {
     if (centers == "cell cell cell") {
         for (std::size_t axis = 0; axis < 3; ++axis) origin[axis] += spacing[axis] / 2;
     } else if (centers != "node node node") {
-        header.fail("centers", centers, "expected \"node node node\" or \"cell cell cell\"");
+        header.fail("centers", centers, R"(expected "node node node" or "cell cell cell")");
     }
     return origin;
 }

@@ -13,7 +13,7 @@ namespace clsdf {
 template <typename Number>
 Number load(const std::byte* address, std::endian order) {
     static_assert(std::is_arithmetic_v<Number>);
-    std::array<std::byte, sizeof(Number)> bytes;
+    std::array<std::byte, sizeof(Number)> bytes{};
     std::memcpy(bytes.data(), address, sizeof(Number));
     if (order != std::endian::native) std::reverse(bytes.begin(), bytes.end());
     return std::bit_cast<Number>(bytes);

@@ -102,7 +102,7 @@ void write_ply(const Mesh& mesh, AtomicFile& file) {
                     "property list uchar {} vertex_indices\nend_header\n",
                     mesh.vertices().size(), mesh.triangles().size(), fits_int ? "int" : "uint"));
     for (const Vec3& vertex : mesh.vertices()) {
-        std::array<std::byte, 24> record;
+        std::array<std::byte, 24> record{};
         std::byte* address = record.data();
         for (const double x : vertex) address = store_little_endian(address, x);
         file.write(record);

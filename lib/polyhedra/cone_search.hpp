@@ -13,40 +13,46 @@ namespace clsdf::polyhedra {
 /// Conditions that hold at the direction found so far cost one product. Where one fails, a direction, if there still is
 /// one, can be found on the great circle of that condition, because the directions of the earlier conditions are convex
 /// and reach from the old direction to the other side. In random order that happens log n times.
+///
+/// The answer that there is none can be relied on. Where it hangs on rounding, the search gives up and says that there
+/// is one.
 class ConeSearch {
 public:
     struct State {
         std::size_t conditions = 0;
         Vector direction;
+        bool undecided = false;
     };
 
-    void start(const Vector& first_guess) {
-        conditions_.clear();
-        direction_ = first_guess;
-    }
+    void start(const Vector& first_guess) { return_to({0, first_guess, false}); }
 
     /// Adds a condition of about unit length. False where no direction satisfies all of them; nothing may be added
     /// then.
     bool add(const Vector& condition) {
         conditions_.push_back(condition);
-        return condition.dot(direction_) >= 0 || move_to_circle_of_last();
+        return undecided_ || condition.dot(direction_) >= -rounding || move_to_circle_of_last();
     }
 
-    /// A unit vector that satisfies all conditions, up to rounding.
+    /// A unit vector that satisfies all conditions, up to rounding, unless the search is undecided.
     const Vector& direction() const { return direction_; }
+    bool is_undecided() const { return undecided_; }
 
     /// To try several continuations.
-    State state() const { return {conditions_.size(), direction_}; }
+    State state() const { return {conditions_.size(), direction_, undecided_}; }
     void return_to(const State& state) {
         conditions_.resize(state.conditions);
         direction_ = state.direction;
+        undecided_ = state.undecided;
     }
 
 private:
+    static constexpr double rounding = 1e-14;  // of a condition's product with a direction
+
     bool move_to_circle_of_last();
 
     std::vector<Vector> conditions_;
     Vector direction_ = Vector::UnitX();
+    bool undecided_ = false;
 };
 
 }  // namespace clsdf::polyhedra

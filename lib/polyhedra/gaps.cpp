@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint8_t saddle = edge_convex | edge_concave;
 
 /// Widens the normal cone, so that rounding cannot close one that has no thickness.
-constexpr double cone_tolerance = 1e-9;
+constexpr double cone_tolerance = 1e-8;
 
 constexpr std::size_t large_fan = 32;
 
@@ -95,15 +95,21 @@ private:
         return edge * (1 / edge.norm());
     }
 
-    /// Whether `search` succeeds from one of the axes: unit vectors such that every normal u of the vertex (u . spoke
+    /// Whether `search` succeeds from one of several axes: unit vectors such that every normal u of the vertex (u .
+    /// spoke
     /// <= 0 for all spokes) has axis . u >= 0 for one of them. The sum of the spokes, reversed, is such an axis. Where
-    /// it vanishes, normals are perpendicular to all spokes, if there are any.
+    /// it vanishes, or all normals are nearly perpendicular to it, as on flat ground, a face's normal and its opposite
+    /// are.
     template <typename Search>
     bool for_axes(std::size_t vertex, const Search& search) {
         Vector sum = Vector::Zero();
         for (const Vector& s : spokes_) sum -= s;
         const double length = sum.norm();
-        if (length > 1e-6 * static_cast<double>(spokes_.size())) return search(sum / length);
+        if (length > 1e-6 * static_cast<double>(spokes_.size())) {
+            undecided_ = false;
+            const bool found = search(sum / length);
+            if (!found || !undecided_) return found;
+        }
         const Vector& normal = frames_[rings_.corner(vertex, 0).face].normal;
         return search(normal) || search(-normal);
     }
@@ -112,8 +118,10 @@ private:
     bool add_normal_cone(const Vector& axis) {
         search_.start(axis);
         order(0, spokes_.size());
-        return std::all_of(order_.begin(), order_.end(),
-                           [&](std::size_t i) { return search_.add(cone_tolerance * axis - spokes_[i]); });
+        for (const std::size_t i : order_)
+            if (!search_.add(cone_tolerance * axis - spokes_[i])) return false;
+        undecided_ = undecided_ || search_.is_undecided();
+        return true;
     }
 
     /// Every edge of a fan rejects a direction for one of its two faces at most, so where all faces reject one, all do
@@ -137,10 +145,9 @@ private:
     /// that of the side on which the normals lie, which mostly decides.
     ///
     /// A linear condition can only ask for g . u >= margin (m . u) with a unit vector m, which is weaker, and least so
-    /// where u is near m. A direction that is found becomes the m of further conditions: it stands if it is found
-    /// again.
+    /// where u is near m. Where the direction that is found does not have the margin, it becomes the next m.
     bool add_rejections(std::size_t fan, bool by_edge_before) {
-        constexpr int rounds = 4;  // a flat vertex has normals on both sides, and some room for rounding
+        constexpr int rounds = 4;  // a flat vertex has normals on both sides; more than that is left undecided
         order(fans_.start(fan), fans_.start(fan + 1));
         for (int round = 0; round < rounds; ++round) {
             const Vector middle = search_.direction();
@@ -151,7 +158,9 @@ private:
                     if (!search_.add(rejection(fan, i, by_edge_before, above) - margin_ * middle)) return false;
                 }
             }
+            if (search_.is_undecided() || 2 * middle.dot(search_.direction()) > 1) break;
         }
+        undecided_ = undecided_ || search_.is_undecided();
         return true;
     }
 
@@ -198,6 +207,7 @@ private:
     std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
     std::vector<std::size_t> order_;
     ConeSearch search_;
+    bool undecided_ = false;  // whether a search that succeeded hangs on rounding
 };
 
 }  // namespace

@@ -8,12 +8,12 @@
 
 namespace clsdf::polyhedra {
 
-/// A mesh seen from a lattice: positions in voxels (the smallest spacing), in the metric frame, relative to the
-/// lattice's sample (0, 0, 0).
+/// A mesh seen from a lattice: positions in voxels, in the metric frame, relative to the lattice's sample (0, 0, 0).
+/// "A voxel" is the unit of all lengths here: the smallest spacing, or a length of its order that suits the caller.
 struct LatticeView {
     Vec3 origin{};                    ///< of the lattice, in the mesh's units
-    double voxel = 1;                 ///< the smallest spacing, in the mesh's units
-    Vec3 spacing_in_voxels{1, 1, 1};  ///< per axis, >= 1
+    double voxel = 1;                 ///< in the mesh's units
+    Vec3 spacing_in_voxels{1, 1, 1};  ///< per axis
 };
 
 struct LeanedFrusta {

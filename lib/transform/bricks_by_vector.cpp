@@ -21,7 +21,8 @@ public:
           with_triangle_(variant.triangle),
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
-        const std::size_t longest_list = lists.lengths.empty() ? 0 : lists.lengths.front();
+        // The kernel stores whole vectors at a list's end.
+        const std::size_t longest_list = (lists.lengths.empty() ? 0 : lists.lengths.front()) + std::size_t{8};
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         masks_ = pool->lease(work_items_ * longest_list * sizeof(cl_ulong), "scratch masks");

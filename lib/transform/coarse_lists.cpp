@@ -14,11 +14,15 @@ namespace {
 // Surface points that the coarse bounds look at, at most: they need not be tight.
 constexpr std::size_t cap_points = 20000;
 
+/// In a narrow band no bound of a coarse brick is below the half width.
+bool has_uniform_caps(const Layout& layout) {
+    return layout.half_width <= 2 * layout.coarse_radius;
+}
+
 void bound_coarse_bricks(device::Context& context, const Programs& programs, const Layout& layout,
                          const cl::Buffer& polyhedra, std::size_t polyhedron_count, const cl::Buffer& caps,
                          std::size_t bricks) {
-    // In a narrow band no coarse bound is below the half width.
-    if (layout.half_width <= 2 * layout.coarse_radius) {
+    if (has_uniform_caps(layout)) {
         context.queue().enqueueFillBuffer(caps, layout.half_width, 0, bricks * sizeof(float));
         return;
     }
@@ -51,9 +55,10 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         kernel.setArg(1, static_cast<cl_uint>(polyhedron_count));
         kernel.setArg(2, polyhedra);
         kernel.setArg(3, *lists.caps);
-        kernel.setArg(4, *counts);
-        kernel.setArg(5, *counts);  // no entries yet
-        kernel.setArg(6, cl_int{0});
+        kernel.setArg(4, cl_int{has_uniform_caps(layout) ? 1 : 0});
+        kernel.setArg(5, *counts);
+        kernel.setArg(6, *counts);  // no entries yet
+        kernel.setArg(7, cl_int{0});
         queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(programs.part_group()));
 
         lists.starts = pool->lease((counters + 1) * sizeof(cl_uint), "starts of the coarse lists");
@@ -62,8 +67,8 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         lists.entries = pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
 
         queue.enqueueCopyBuffer(*lists.starts, *counts, 0, 0, counters * sizeof(cl_uint));
-        kernel.setArg(5, *lists.entries);
-        kernel.setArg(6, cl_int{1});
+        kernel.setArg(6, *lists.entries);
+        kernel.setArg(7, cl_int{1});
         queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts), cl::NDRange(programs.part_group()));
 
         std::vector<cl_uint> starts(counters + 1);

@@ -9,7 +9,8 @@ using clsdf::test::TemporaryFolder;
 
 namespace {
 
-// Some hundred milliseconds after the mesh has been read, the device is being set up or computes.
+// Some hundred milliseconds after the mesh has been read, the device is being set up or computes, which would take
+// minutes. Only the compilation of a program cannot be interrupted, and takes long on a busy machine.
 void check_interrupted_by(int signal) {
     for (const int milliseconds : {0, 100, 500}) {
         BOOST_TEST_CONTEXT("interrupted after " << milliseconds << " ms") {
@@ -25,7 +26,7 @@ void check_interrupted_by(int signal) {
             const Outcome outcome = process.wait();
             const std::chrono::duration<double> delay = std::chrono::steady_clock::now() - interrupted;
             BOOST_TEST(outcome.status == 6);
-            BOOST_TEST(delay.count() < 5);
+            BOOST_TEST(delay.count() < 30);
             BOOST_TEST(folder.file_count() == 1U);
         }
     }

@@ -54,15 +54,16 @@ public:
     }
 
 private:
-    [[noreturn]] void execute(const std::vector<std::string>& arguments,
-                              const std::vector<std::string>& environment) const {
-        std::vector<char*> words{const_cast<char*>(CLSDF_COMMAND)};
-        for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
+    // The lists are this process' own copies, because exec takes pointers to what it could change.
+    [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment) const {
+        arguments.insert(arguments.begin(), CLSDF_COMMAND);
+        std::vector<char*> words;
+        for (std::string& argument : arguments) words.push_back(argument.data());
         words.push_back(nullptr);
-        for (const std::string& variable : environment) ::putenv(const_cast<char*>(variable.c_str()));
+        for (std::string& variable : environment) ::putenv(variable.data());
         ::dup2(::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
         ::dup2(::open(error_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-        ::execv(CLSDF_COMMAND, words.data());
+        ::execv(words[0], words.data());
         ::_exit(127);
     }
 

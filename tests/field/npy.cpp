@@ -69,7 +69,7 @@ BOOST_AUTO_TEST_CASE(of_another_program_needs_origin_spacing_and_size) {
                boost::test_tools::per_element());
 
     const std::vector<double> doubles(six_values.begin(), six_values.end());
-    const std::string big_double = "{\"shape\":(1,2,3),\"descr\":\">f8\",\"fortran_order\":False}";
+    const std::string big_double = R"({"shape":(1,2,3),"descr":">f8","fortran_order":False})";
     BOOST_TEST(
         Field::read(folder.file("a.npy", npy(big_double) + bytes_of(doubles, std::endian::big))).distance == six_values,
         boost::test_tools::per_element());

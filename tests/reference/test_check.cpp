@@ -237,6 +237,10 @@ BOOST_AUTO_TEST_CASE(a_zero_distance_is_written_as_positive_zero) {
     const CheckReport report = check(mesh, field, complete());
     BOOST_TEST(report.wrong_signs == 1U);
     BOOST_TEST(findings_of(report) == 1U);
+    // Unless -0 is the fill value, and the sample within the tolerance of that limit.
+    Field without_inside = reference_field(mesh, grid, {0, 1});
+    without_inside.distance[zero] = -0.0F;
+    BOOST_TEST(check(mesh, without_inside, complete()).passed());
     // The sign of a sample on the surface, to within the margin, is not judged otherwise.
     field.distance[zero] = -1e-7F;
     BOOST_TEST(check(mesh, field, complete()).passed());
@@ -253,9 +257,11 @@ BOOST_AUTO_TEST_CASE(a_sample_at_the_limit_may_carry_its_distance_or_the_fill_va
             value = value == static_cast<float>(width) ? 1.0F : value;
         }
         BOOST_TEST(check(mesh, field, complete()).passed());
-        // Nothing else, though.
-        field.distance[find(field, [](float d) { return d == 1; })] = 0.5F;
-        BOOST_TEST(findings_of(check(mesh, field, complete())) == 1U);
+        // Nothing else, though, at (-1, 1, 1).
+        field.distance[grid.offset(2, 4, 4)] = 0.5F;
+        const CheckReport report = check(mesh, field, complete());
+        BOOST_TEST(report.wrong_values == 1U);
+        BOOST_TEST(findings_of(report) == 1U);
     }
 }
 

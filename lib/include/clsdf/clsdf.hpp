@@ -1,6 +1,6 @@
 #pragma once
 
-/// Everything but the reference (clsdf/reference.hpp), which is a target of its own.
+/// Everything but the reference (clsdf/reference.hpp) and pictures (clsdf/picture.hpp), which are targets of their own.
 #include <clsdf/band.hpp>
 #include <clsdf/box.hpp>
 #include <clsdf/device.hpp>

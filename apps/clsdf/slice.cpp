@@ -1,0 +1,119 @@
+#include "command.hpp"
+#include "output.hpp"
+#include "progress_bar.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/picture.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using clsdf::picture::Axis;
+using clsdf::picture::Slice;
+using clsdf::picture::SlicePictures;
+using nlohmann::ordered_json;
+
+struct SliceOptions {
+    std::string field;
+    std::string output;
+    std::string axis = "z";
+    std::optional<std::int64_t> index;
+    bool all = false;
+    bool mosaic = false;
+    clsdf::picture::Options picture;
+    bool json = false;
+};
+
+// "slice_007.png" for the slice 7 of some hundred.
+std::string numbered(const std::string& path, std::int64_t index, std::int64_t count) {
+    const fs::path file(path);
+    const std::size_t digits = fmt::format("{}", count - 1).size();
+    return (file.parent_path() /
+            fmt::format("{}_{:0{}}{}", file.stem().string(), index, digits, file.extension().string()))
+        .string();
+}
+
+std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std::int64_t count,
+                                   const std::string& path) {
+    std::vector<std::string> files;
+    ProgressBar progress(true);
+    for (std::int64_t index = 0; index < count; ++index) {
+        files.push_back(numbered(path, index, count));
+        pictures.write_slice({axis, index}, files.back());
+        progress.show(static_cast<double>(index + 1) / static_cast<double>(count));
+    }
+    return files;
+}
+
+ExitStatus run(const SliceOptions& options) {
+    const Axis axis = clsdf::picture::parse_axis(options.axis);
+    SlicePictures::check_output(options.output);
+    const clsdf::Field field = clsdf::Field::read(options.field);
+    const SlicePictures pictures(field, options.picture);
+
+    std::vector<std::string> files{options.output};
+    if (options.all) {
+        files = write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output);
+    } else if (options.mosaic) {
+        pictures.write_mosaic(
+            {pictures.middle(Axis::x).index, pictures.middle(Axis::y).index, pictures.middle(Axis::z).index},
+            options.output);
+    } else {
+        pictures.write_slice({axis, options.index.value_or(pictures.middle(axis).index)}, options.output);
+    }
+
+    if (files.size() == 1)
+        fmt::print(stderr, "wrote {}\n", files.front());
+    else
+        fmt::print(stderr, "wrote {} pictures, {} to {}\n", files.size(), files.front(), files.back());
+    if (options.json)
+        print_result(ordered_json{{"field", options.field}, {"grid", describe(field.grid)}, {"pictures", files}});
+    return ExitStatus::done;
+}
+
+}  // namespace
+
+Command add_slice(CLI::App& program) {
+    const auto options = std::make_shared<SliceOptions>();
+    CLI::App* parser = program.add_subcommand("slice", "Draw a field: colours, iso-lines, axes and a colour bar");
+    parser->add_option("FIELD", options->field, "the field: .nrrd or .npy")->required();
+    parser->add_option("-o,--output", options->output, "the picture: .png, or .pdf for print")
+        ->type_name("FILE")
+        ->required();
+    auto* axis = parser->add_option("--axis", options->axis, "perpendicular to the slice: x, y or z")
+                     ->type_name("AXIS")
+                     ->capture_default_str();
+    auto* index =
+        parser->add_option("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")
+            ->type_name("K");
+    auto* all = parser->add_flag("--all", options->all, "every slice, as FILE_000.png, FILE_001.png, ...");
+    parser->add_flag("--mosaic", options->mosaic, "the middle slices of the three axes in one picture")
+        ->excludes(axis)
+        ->excludes(index)
+        ->excludes(all);
+    all->excludes(index);
+    parser
+        ->add_option("--pixels", options->picture.pixels,
+                     "of the longer side, without axes and colour bar: 100 to 10000")
+        ->type_name("N")
+        ->capture_default_str();
+    parser->add_flag("--json", options->json, "print the files' names as JSON on standard output");
+    parser->footer(
+        "Inside is blue, outside orange, and the zero line is the strong one; beyond the band the colours are flat "
+        "and\n"
+        "pale. A field without a sign has colours from yellow to blue and no zero line.\n\n"
+        "Examples:\n"
+        "  clsdf slice bunny.nrrd -o bunny.png\n"
+        "  clsdf slice bunny.nrrd -o bunny.pdf --axis x --index 100\n"
+        "  clsdf slice bunny.nrrd -o slices/bunny.png --axis y --all --pixels 600\n"
+        "  clsdf slice bunny.nrrd -o bunny.png --mosaic");
+    return {parser, [options] { return run(*options); }};
+}

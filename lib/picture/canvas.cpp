@@ -1,0 +1,192 @@
+#include "picture/canvas.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <cairo-pdf.h>
+#include <cairo.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <new>
+
+namespace clsdf::picture {
+namespace {
+
+constexpr double capital_height = 0.73;  // of the font's size
+
+void check(cairo_status_t status) {
+    if (status != CAIRO_STATUS_SUCCESS)
+        throw Error(status == CAIRO_STATUS_NO_MEMORY ? ErrorCode::out_of_memory : ErrorCode::unsupported,
+                    fmt::format("the picture cannot be drawn: {}", cairo_status_to_string(status)));
+}
+
+void set_colour(cairo_t* context, const Colour& colour, double opacity = 1) {
+    cairo_set_source_rgba(context, colour[0], colour[1], colour[2], opacity);
+}
+
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int length) {
+    try {
+        static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
+        return CAIRO_STATUS_SUCCESS;
+    } catch (const std::bad_alloc&) {  // must not pass through C
+        return CAIRO_STATUS_NO_MEMORY;
+    }
+}
+
+double part_of(Place place) {
+    return place == Place::start ? 0 : place == Place::middle ? 0.5 : 1;
+}
+
+}  // namespace
+
+void Canvas::Release::operator()(cairo_surface_t* surface) const {
+    cairo_surface_destroy(surface);
+}
+
+void Canvas::Release::operator()(cairo_t* context) const {
+    cairo_destroy(context);
+}
+
+Canvas::Canvas()
+    : recording_(cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, nullptr)),
+      context_(cairo_create(recording_.get())) {
+    check(cairo_status(context_.get()));
+    cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
+    // The same letters in the same places whatever the desktop's settings are.
+    cairo_font_options_t* options = cairo_font_options_create();
+    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+    cairo_set_font_options(context_.get(), options);
+    cairo_font_options_destroy(options);
+}
+
+void Canvas::draw(std::span<const Point> line, const Pen& pen) {
+    if (line.size() < 2) return;
+    cairo_t* context = context_.get();
+    for (const Point& point : line) cairo_line_to(context, point[0], point[1]);
+    if (line.front() == line.back()) cairo_close_path(context);
+    cairo_set_line_width(context, pen.width);
+    cairo_set_dash(context, pen.dashes.data(), static_cast<int>(pen.dashes.size()), 0);
+    set_colour(context, pen.colour, pen.opacity);
+    cairo_stroke(context);
+}
+
+void Canvas::draw(const Rectangle& outline, const Pen& pen) {
+    const Point corners[] = {{outline.left, outline.top},
+                             {outline.right(), outline.top},
+                             {outline.right(), outline.bottom()},
+                             {outline.left, outline.bottom()},
+                             {outline.left, outline.top}};
+    draw(corners, pen);
+}
+
+void Canvas::fill(const Rectangle& area, const Colour& colour) {
+    cairo_rectangle(context_.get(), area.left, area.top, area.width, area.height);
+    set_colour(context_.get(), colour);
+    cairo_fill(context_.get());
+}
+
+void Canvas::place(const Raster& raster, int left, int top) {
+    const Surface image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, raster.width, raster.height));
+    check(cairo_surface_status(image.get()));
+    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(image.get()));
+    unsigned char* bytes = cairo_image_surface_get_data(image.get());
+    const auto width = static_cast<std::size_t>(raster.width);
+    for (std::size_t row = 0; row < static_cast<std::size_t>(raster.height); ++row)
+        std::memcpy(bytes + row * stride, raster.pixels.data() + row * width, width * sizeof(std::uint32_t));
+    cairo_surface_mark_dirty(image.get());
+
+    cairo_t* context = context_.get();
+    cairo_set_source_surface(context, image.get(), left, top);
+    cairo_pattern_set_filter(cairo_get_source(context), CAIRO_FILTER_NEAREST);
+    cairo_rectangle(context, left, top, raster.width, raster.height);
+    cairo_fill(context);
+}
+
+void Canvas::choose_font(const TextStyle& style) const {
+    cairo_select_font_face(context_.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                           style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(context_.get(), style.size);
+}
+
+double Canvas::width_of(const std::string& text, const TextStyle& style) const {
+    choose_font(style);
+    cairo_text_extents_t extents;
+    cairo_text_extents(context_.get(), text.c_str(), &extents);
+    check(cairo_status(context_.get()));
+    if (!text.empty() && !(extents.x_advance > 0))
+        throw Error(ErrorCode::unsupported,
+                    "the picture needs a font for its text, and none is installed; on Debian and its kin: apt-get "
+                    "install fonts-dejavu-core");
+    return extents.x_advance;
+}
+
+void Canvas::write(const std::string& text, const Point& at, const TextStyle& style) {
+    const double width = width_of(text, style);
+    cairo_t* context = context_.get();
+    cairo_save(context);
+    cairo_translate(context, at[0], at[1]);
+    if (style.upwards) cairo_rotate(context, -std::acos(-1.0) / 2);
+    cairo_move_to(context, -width * part_of(style.horizontal),
+                  capital_height * style.size * (1 - part_of(style.vertical)));
+    set_colour(context, style.colour);
+    cairo_show_text(context, text.c_str());
+    cairo_new_path(context);  // text leaves a point behind, from which the next line would start
+    cairo_restore(context);
+}
+
+Canvas::Clip::Clip(Canvas& canvas, const Rectangle& area) : canvas_(canvas) {
+    cairo_t* context = canvas_.context_.get();
+    cairo_save(context);
+    cairo_rectangle(context, area.left, area.top, area.width, area.height);
+    cairo_clip(context);
+}
+
+Canvas::Clip::~Clip() {
+    cairo_restore(canvas_.context_.get());
+}
+
+Rectangle Canvas::sheet(double margin) const {
+    check(cairo_status(context_.get()));
+    Rectangle ink;
+    cairo_recording_surface_ink_extents(recording_.get(), &ink.left, &ink.top, &ink.width, &ink.height);
+    const double left = std::floor(ink.left - margin);
+    const double top = std::floor(ink.top - margin);
+    return {left, top, std::ceil(ink.right() + margin) - left, std::ceil(ink.bottom() + margin) - top};
+}
+
+void Canvas::replay(cairo_surface_t* target, const Rectangle& sheet, double scale) const {
+    const Context context(cairo_create(target));
+    set_colour(context.get(), {1, 1, 1});
+    cairo_paint(context.get());
+    cairo_scale(context.get(), scale, scale);
+    cairo_set_source_surface(context.get(), recording_.get(), -sheet.left, -sheet.top);
+    cairo_paint(context.get());
+    check(cairo_status(context.get()));
+}
+
+std::string Canvas::png(double margin) const {
+    const Rectangle area = sheet(margin);
+    const Surface image(
+        cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(area.width), static_cast<int>(area.height)));
+    replay(image.get(), area, 1);
+    std::string bytes;
+    check(cairo_surface_write_to_png_stream(image.get(), append, &bytes));
+    return bytes;
+}
+
+std::string Canvas::pdf(double margin, double points_per_pixel) const {
+    const Rectangle area = sheet(margin);
+    std::string bytes;
+    const Surface document(cairo_pdf_surface_create_for_stream(append, &bytes, area.width * points_per_pixel,
+                                                               area.height * points_per_pixel));
+    replay(document.get(), area, points_per_pixel);
+    cairo_surface_finish(document.get());
+    check(cairo_surface_status(document.get()));
+    return bytes;
+}
+
+}  // namespace clsdf::picture

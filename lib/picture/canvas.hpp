@@ -1,0 +1,106 @@
+#pragma once
+
+#include "picture/colours.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+using cairo_t = struct _cairo;
+using cairo_surface_t = struct _cairo_surface;
+
+namespace clsdf::picture {
+
+/// A point on paper, in pixels: right, down.
+using Point = std::array<double, 2>;
+
+struct Rectangle {
+    double left = 0;
+    double top = 0;
+    double width = 0;
+    double height = 0;
+
+    double right() const { return left + width; }
+    double bottom() const { return top + height; }
+};
+
+struct Pen {
+    double width = 1;
+    Colour colour{};
+    double opacity = 1;
+    std::vector<double> dashes;  ///< lengths of dash and gap; none: a line without gaps
+};
+
+/// Where a text's anchor is in it.
+enum class Place { start, middle, end };
+
+struct TextStyle {
+    double size = 12;
+    Place horizontal = Place::start;
+    Place vertical = Place::end;  ///< end: the point is on the base line; start: at the top of the capitals
+    bool bold = false;
+    bool upwards = false;  ///< turned by a quarter; the places turn with it
+    Colour colour{};
+};
+
+/// Rows of pixels from the top, each 0x00RRGGBB.
+struct Raster {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint32_t> pixels;
+};
+
+/// Paper without edges: draw anywhere, and what was drawn becomes a picture that is as large as it has to be. Lengths
+/// are in pixels. Functions throw Error(out_of_memory), or Error(unsupported) where there is no font to write with.
+class Canvas {
+public:
+    Canvas();
+
+    void draw(std::span<const Point> line, const Pen& pen);
+    void draw(const Rectangle& outline, const Pen& pen);
+    void fill(const Rectangle& area, const Colour& colour);
+    /// At whole pixels, unscaled.
+    void place(const Raster& raster, int left, int top);
+    void write(const std::string& text, const Point& at, const TextStyle& style);
+    double width_of(const std::string& text, const TextStyle& style) const;
+
+    /// While it lives, nothing is drawn outside the rectangle.
+    class Clip {
+    public:
+        Clip(Canvas& canvas, const Rectangle& area);
+        ~Clip();
+        Clip(const Clip&) = delete;
+        Clip& operator=(const Clip&) = delete;
+
+    private:
+        Canvas& canvas_;
+    };
+
+    /// What was drawn, on white with a margin around it, as the bytes of a file.
+    std::string png(double margin) const;
+    /// The same, `points_per_pixel` points (1/72 inch) large per pixel.
+    std::string pdf(double margin, double points_per_pixel) const;
+
+private:
+    struct Release {
+        void operator()(cairo_surface_t* surface) const;
+        void operator()(cairo_t* context) const;
+    };
+    using Surface = std::unique_ptr<cairo_surface_t, Release>;
+    using Context = std::unique_ptr<cairo_t, Release>;
+
+    Rectangle sheet(double margin) const;
+    void replay(cairo_surface_t* target, const Rectangle& sheet, double scale) const;
+    void choose_font(const TextStyle& style) const;
+
+    Surface recording_;
+    Context context_;
+};
+
+/// The text with every byte that is not UTF-8 replaced, and its middle left out where it is longer than `characters`.
+std::string printable(const std::string& text, std::size_t characters);
+
+}  // namespace clsdf::picture

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "picture/canvas.hpp"
+#include "picture/plane.hpp"
+#include "picture/round_values.hpp"
+
+namespace clsdf::picture {
+
+/// What all slices of a field are drawn with.
+struct Manner {
+    Colours colours;
+    Scale levels;     ///< of the iso-lines
+    bool zero_line;   ///< a field without a sign has none
+    double unit = 1;  ///< pixels: the lengths and text sizes of the drawing are multiples of it
+};
+
+inline constexpr Colour ink{0.1, 0.11, 0.13};
+inline constexpr Colour faint_ink{0.38, 0.4, 0.43};
+
+Pen iso_line_pen(const Manner& manner, double level);
+Pen frame_pen(const Manner& manner);
+inline constexpr double text_size = 21;  // units
+
+/// The plane in a rectangle of whole pixels: colours, iso-lines and a frame.
+void draw_plane(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner);
+
+/// The axis under the rectangle, or the one left of it: ticks, numbers and the axis' name; `bare`: ticks alone.
+void draw_axis_below(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner, bool bare);
+void draw_axis_left(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner, bool bare);
+
+}  // namespace clsdf::picture

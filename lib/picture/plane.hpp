@@ -1,0 +1,38 @@
+#pragma once
+
+#include <clsdf/field.hpp>
+#include <clsdf/picture.hpp>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace clsdf::picture {
+
+/// The samples of a slice as they lie on paper: columns to the right, rows upwards.
+struct Plane {
+    std::array<Axis, 2> axes{Axis::x, Axis::y};  ///< to the right, upwards
+    std::array<std::int64_t, 2> size{};          ///< columns, rows; each >= 2
+    std::array<double, 2> lower{};               ///< where the first column and row are, in the mesh's units
+    std::array<double, 2> upper{};               ///< where the last ones are
+    std::vector<double> values;                  ///< columns fastest
+
+    double sample(std::int64_t column, std::int64_t row) const {
+        return values[static_cast<std::size_t>(row * size[0] + column)];
+    }
+
+    /// Bilinear between the samples; in samples from the first one, 0 ... size - 1.
+    double at(double column, double row) const;
+};
+
+/// Throws Error(invalid_argument) where the field has no such slice, or the slice fewer than two samples a side.
+///
+/// Where the band ends between two samples, the outer one only says that it is beyond. There the values of the inner
+/// ones are continued in a straight line, so that what is drawn ends where the band does and not in stairs of voxels.
+/// No sample within the band is changed, and none beyond it comes back in.
+Plane plane_of(const Field& field, const Slice& slice, const std::array<Axis, 2>& axes);
+
+/// The two other axes: x before y before z.
+std::array<Axis, 2> axes_beside(Axis axis);
+
+}  // namespace clsdf::picture

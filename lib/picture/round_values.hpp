@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace clsdf::picture {
+
+/// The smallest of 1, 2, 5 x 10^n that is not below `least`, which is positive and finite.
+double round_step(double least);
+
+/// The multiples of `step` within [lower, upper], ascending; zero is exact.
+std::vector<double> round_values(double lower, double upper, double step);
+
+/// Numbers along an axis or a colour bar, with just the digits that tell them apart. What they have in common is said
+/// once: value = label x 10^exponent + offset.
+struct Scale {
+    std::vector<double> values;
+    std::vector<std::string> labels;
+    /// "" or " × 10⁻⁶" or " − 1000000": what is to be done to the axis' quantity to get at the labels' numbers.
+    std::string remark;
+};
+
+/// Round values within [lower, upper], at most about `count`, and their labels.
+Scale scale_between(double lower, double upper, int count);
+
+/// Any length as text, with so many significant digits and a minus sign that is not a hyphen.
+std::string number(double value, int digits);
+
+}  // namespace clsdf::picture

@@ -1,0 +1,22 @@
+# Pictures are drawn with cairo, which the library proper has no use for, so they are a library of their own.
+add_library(clsdf_picture)
+add_library(clsdf::picture ALIAS clsdf_picture)
+set_target_properties(clsdf_picture PROPERTIES EXPORT_NAME picture)
+target_sources(
+  clsdf_picture
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/canvas.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/colour_bar.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/colours.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/iso_lines.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/panel.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/plane.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/printable.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/round_values.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slice_pictures.cpp)
+target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_options(clsdf_picture PRIVATE -ffp-contract=off)
+target_link_libraries(
+  clsdf_picture
+  PUBLIC clsdf::clsdf
+  PRIVATE TBB::tbb fmt::fmt $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
+          $<INSTALL_INTERFACE:cairo>)

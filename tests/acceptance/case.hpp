@@ -1,0 +1,45 @@
+#pragma once
+
+#include <clsdf/band.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/sign.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+/// The list of fields by which the program is accepted, what each of them was found to be, and the record of it.
+namespace clsdf::acceptance {
+
+/// A field to compute.
+struct Problem {
+    Mesh mesh;
+    Grid grid;
+    Band band;
+    SignRule sign = SignRule::automatic;
+};
+
+struct Case {
+    std::string kind;               ///< of mesh; the record sums up by it
+    std::string name;               ///< with whatever makes it again: resolution, half width, seed
+    std::function<Problem()> make;  ///< on demand, so that one mesh is in memory at a time; may throw clsdf::Error
+    std::size_t samples = 0;        ///< held against the reference; 0: every one
+};
+
+/// A resolution with a half width as a share of the longest side of the mesh's box.
+struct Setting {
+    std::int64_t resolution;
+    double share;
+};
+
+/// "96, 10%".
+std::string name_of(const Setting& setting);
+
+/// The grid around the mesh with the band's outside half width as margin, as `clsdf compute` lays it.
+Problem problem(Mesh mesh, const Setting& setting, SignRule sign = SignRule::automatic);
+
+/// Samples at `reach` steps of h on all sides of a centre, which is a sample itself.
+Grid grid_about(const Vec3& centre, double h, std::int64_t reach);
+
+}  // namespace clsdf::acceptance

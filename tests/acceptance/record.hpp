@@ -1,0 +1,35 @@
+#pragma once
+
+#include "acceptance/cost.hpp"
+#include "acceptance/run.hpp"
+
+#include <string>
+#include <vector>
+
+namespace clsdf::acceptance {
+
+/// All that a run found.
+struct Record {
+    std::string command;
+    std::string commit;  ///< empty where not known
+    std::string device;
+    std::vector<Result> results;
+    std::vector<CostLimit> costs;
+    std::vector<std::string> unreadable;
+    double seconds = 0;
+
+    bool passed() const;
+};
+
+/// Rows for the terminal.
+std::string heading();
+std::string row(const Result& result);
+std::string row(const CostLimit& limit);
+
+/// What was found wrong, a line each; empty where nothing was.
+std::string explain(const Result& result);
+
+/// The record in Markdown, with the machine and the date. Throws Error(output_failure).
+void write(const Record& record, const std::string& path);
+
+}  // namespace clsdf::acceptance

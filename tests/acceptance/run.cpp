@@ -1,0 +1,64 @@
+#include "acceptance/run.hpp"
+#include "acceptance/stopwatch.hpp"
+
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
+
+namespace clsdf::acceptance {
+
+namespace {
+
+reference::CheckReport check(const Mesh& mesh, const Field& field, std::size_t samples, double tolerance_voxels) {
+    reference::CheckOptions options;
+    options.samples = samples;
+    options.tolerance_voxels = tolerance_voxels;
+    return reference::check(mesh, field, options);
+}
+
+/// Of a check against the aim: nothing is wrong but values, and no value by more than the bound.
+bool is_within_bound(const reference::CheckReport& report) {
+    return report.wrong_signs + report.missed + report.leaked + report.wrong_triangles == 0 &&
+           report.max_error_voxels <= judged_voxels;
+}
+
+void compute_and_check(const Device& device, const Case& example, Result& result) {
+    const Problem problem = example.make();
+    result.triangles = problem.mesh.triangles().size();
+    result.size = problem.grid.size;
+    result.half_width_voxels = problem.band.outside / problem.grid.voxel();
+
+    DistanceTransform transform(device, problem.mesh, {.sign = problem.sign});
+    const Stopwatch computing;
+    const Field field = transform(problem.grid, problem.band, {.triangle = true});
+    result.compute_seconds = computing.seconds();
+    result.sign = field.sign;
+
+    const Stopwatch checking;
+    result.judged = check(problem.mesh, field, example.samples, aim_voxels);
+    result.beyond_aim = result.judged.wrong_values;
+    // What meets the aim meets the bound that is judged; only what may break that is looked at again.
+    if (is_within_bound(result.judged)) {
+        result.judged.wrong_values = 0;
+        result.judged.findings.clear();
+    } else {
+        result.judged = check(problem.mesh, field, example.samples, judged_voxels);
+    }
+    result.check_seconds = checking.seconds();
+    result.every_sample = result.judged.samples == problem.grid.sample_count();
+}
+
+}  // namespace
+
+Result run(const Device& device, const Case& example) {
+    Result result;
+    result.kind = example.kind;
+    result.name = example.name;
+    try {
+        compute_and_check(device, example, result);
+    } catch (const Error& error) {
+        result.error = error.what();
+    }
+    return result;
+}
+
+}  // namespace clsdf::acceptance

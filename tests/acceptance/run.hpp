@@ -1,0 +1,35 @@
+#pragma once
+
+#include "acceptance/case.hpp"
+
+#include <clsdf/device.hpp>
+#include <clsdf/reference.hpp>
+
+namespace clsdf::acceptance {
+
+/// An error may be as large as the larger of this and two units in the last place; the aim is the tighter one.
+inline constexpr double judged_voxels = 1e-5;
+inline constexpr double aim_voxels = 1e-6;
+
+/// What a field was found to be.
+struct Result {
+    std::string kind;
+    std::string name;
+    std::string error;  ///< of a field that could not be computed or checked; nothing below is set then
+    std::size_t triangles = 0;
+    Index3 size{};
+    double half_width_voxels = 0;
+    SignRule sign = SignRule::none;
+    bool every_sample = false;
+    reference::CheckReport judged;
+    std::size_t beyond_aim = 0;  ///< band samples
+    double compute_seconds = 0;
+    double check_seconds = 0;
+
+    /// A field without a sample in its band proves nothing.
+    bool passed() const { return error.empty() && judged.band_samples > 0 && judged.passed(); }
+};
+
+Result run(const Device& device, const Case& example);
+
+}  // namespace clsdf::acceptance

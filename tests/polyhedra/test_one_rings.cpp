@@ -1,0 +1,159 @@
+#include "coverage.hpp"
+#include "polyhedra/dihedral.hpp"
+#include "polyhedra/vertex_fans.hpp"
+#include "stress_points.hpp"
+#include "support/exact_distance.hpp"
+#include "support/test_meshes.hpp"
+
+#include <clsdf/shapes.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <chrono>
+
+namespace clsdf::test {
+namespace {
+
+using polyhedra::LatticeView;
+using polyhedra::leaned_frusta;
+using polyhedra::LeanedFrusta;
+
+constexpr double half_width = 4;
+
+LeanedFrusta frusta_of(const Mesh& mesh) {
+    return leaned_frusta(mesh, {}, half_width, least_slack(half_width));
+}
+
+/// A tip at (0, 0, height) over a ring of radius 10 whose vertices lie `wave` above and below the plane in turn.
+Mesh tip(std::uint32_t ring, double height, double wave) {
+    std::vector<Vec3> vertices{{0, 0, height}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < ring; ++i) {
+        const double angle = 6.283185307179586 * i / ring;
+        vertices.push_back({10 * std::cos(angle), 10 * std::sin(angle), i % 2 == 0 ? wave : -wave});
+        triangles.push_back({0, 1 + i, 1 + (i + 1) % ring});
+    }
+    return {std::move(vertices), std::move(triangles), "tip"};
+}
+
+int exact_side(const Mesh& mesh, const Triangle& triangle, std::uint32_t opposite) {
+    const auto at = [&](std::uint32_t vertex) { return rational(mesh.vertices()[vertex]); };
+    const RationalPoint origin = at(triangle[0]);
+    const Rational volume =
+        dot(cross(minus(at(triangle[1]), origin), minus(at(triangle[2]), origin)), minus(at(opposite), origin));
+    return volume.sign();
+}
+
+BOOST_AUTO_TEST_SUITE(one_rings)
+
+BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
+    std::array<std::size_t, 3> seen{};
+    for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+        BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            // Two triangles over an edge, the fourth vertex in the plane of the first three up to a few roundings.
+            const Vec3 a = random.point(-1, 1);
+            const Vec3 b = random.point(-1, 1);
+            const Vec3 c = random.point(-1, 1);
+            const double u = random.uniform(0.2, 2);
+            const double v = random.uniform(-2, 2);
+            Vec3 d{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                d[axis] = a[axis] + u * (a[axis] - c[axis]) + v * (b[axis] - a[axis]);
+                if (random.index(3) == 0) d[axis] *= 1 + random.uniform(-1, 1) * std::pow(10, random.uniform(-17, -10));
+            }
+            Mesh mesh({a, b, c, d}, {{0, 1, 2}, {1, 0, 3}}, "two triangles");
+            if (seed % 3 == 0) {  // exactly flat
+                std::vector<Vec3> vertices = mesh.vertices();
+                for (Vec3& vertex : vertices) vertex[2] = vertex[0];
+                mesh = Mesh(vertices, mesh.triangles(), "flat");
+            }
+            std::vector<polyhedra::TriangleFrame> frames;
+            for (const auto& [p, q, r] : mesh.triangles())
+                frames.push_back(polyhedra::triangle_frame({mesh.vertices()[p], mesh.vertices()[q], mesh.vertices()[r]},
+                                                           LatticeView{}));
+            const int side = side_of_plane(mesh, mesh.triangles(), frames, {0, 0}, {1, 0});
+            BOOST_TEST(side == exact_side(mesh, mesh.triangles()[0], 3));
+            ++seen[static_cast<std::size_t>(side + 1)];
+        }
+    }
+    for (const std::size_t times : seen) BOOST_TEST(times > 300U);
+}
+
+BOOST_AUTO_TEST_CASE(convex_meshes_have_no_saddles) {
+    const LeanedFrusta sphere = frusta_of(make_shape("sphere6"));
+    BOOST_TEST(sphere.saddle_vertices == 0U);
+    BOOST_TEST(sphere.point_sites == 0U);
+    BOOST_TEST(sphere.boxes == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_vertex_has_a_fan_for_each_cone_that_ends_there) {
+    // Two pyramids, tip to tip.
+    Mesh mesh({{0, 0, 0}, {4, 0, 5}, {0, 4, 5}, {-4, -4, 5}, {4, 0, -5}, {0, 4, -5}, {-4, -4, -5}},
+              {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}}, "pyramids");
+    const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+    BOOST_TEST(rings.size(0) == 6U);
+    std::vector<polyhedra::TriangleFrame> frames;
+    for (const auto& [p, q, r] : mesh.triangles())
+        frames.push_back(
+            polyhedra::triangle_frame({mesh.vertices()[p], mesh.vertices()[q], mesh.vertices()[r]}, LatticeView{}));
+    const auto faces = edge_slopes(mesh, mesh.triangles(), frames, rings, CLSDF_OPEN_SLOPE);
+    polyhedra::VertexFans fans;
+    fans.build(mesh.triangles(), faces, rings, 0);
+    BOOST_REQUIRE(fans.fan_count() == 2U);
+    for (std::size_t fan = 0; fan < 2; ++fan) {
+        BOOST_TEST(fans.start(fan + 1) - fans.start(fan) == 3U);
+        for (std::size_t i = fans.start(fan); i < fans.start(fan + 1); ++i)
+            BOOST_TEST((fans.faces()[i].neighbour <= 3) == (fan == 0));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_tip_with_a_thousand_faces_is_covered) {
+    for (const double wave : {0.0, 0.5, 5.0}) {
+        BOOST_TEST_CONTEXT("wave " << wave) {
+            const Mesh mesh = tip(1000, 7, wave);
+            const CoverageTest test(mesh, {}, half_width, least_slack(half_width));
+            Random random(5);
+            Coverage coverage;
+            for (int i = 0; i < 2000; ++i) {
+                const Vec3 direction = random.direction();
+                test.look(along({0, 0, 7}, random.uniform(0, half_width), direction), coverage);
+            }
+            BOOST_CHECK_MESSAGE(coverage.failures() == 0, coverage.text());
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_time_does_not_grow_with_the_square_of_what_meets) {
+    const auto seconds = [](const Mesh& mesh) {
+        const auto start = std::chrono::steady_clock::now();
+        frusta_of(mesh);
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    constexpr std::uint32_t count = 200000;
+    for (const double height : {7.0, 0.0, -7.0}) BOOST_TEST(seconds(tip(count, height, 1e-3)) < 20);
+
+    std::vector<Vec3> pages{{0, 0, -1}, {0, 0, 1}};
+    std::vector<Triangle> triangles;
+    std::vector<Triangle> cones;  // fans of three faces each, all at vertex 0
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const double angle = 6.283185307179586 * i / count;
+        pages.push_back({10 * std::cos(angle), 10 * std::sin(angle), i % 3 == 0 ? 0.0 : 0.1});
+        triangles.push_back({0, 1, 2 + i});
+        if (i % 3 == 2) cones.insert(cones.end(), {{0, i, i + 1}, {0, i + 1, i + 2}, {0, i + 2, i}});
+    }
+    BOOST_TEST(seconds(Mesh(pages, triangles, "book")) < 20);
+    BOOST_TEST(seconds(Mesh(pages, cones, "cones")) < 20);
+}
+
+BOOST_AUTO_TEST_CASE(non_manifold_vertices_with_normals_have_a_point_site) {
+    // Three faces at an edge: its two ends.
+    const Mesh book({{0, 0, -5}, {0, 0, 5}, {10, 0, 0}, {-5, 8, 0}, {-5, -8, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}},
+                    "book");
+    BOOST_TEST(frusta_of(book).point_sites == 2U);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+}  // namespace
+}  // namespace clsdf::test

@@ -1,0 +1,269 @@
+#include "pointwise.hpp"
+#include "polyhedra/triangle_frame.hpp"
+#include "support/random_meshes.hpp"
+#include "support/test_meshes.hpp"
+
+#include <clsdf/shapes.hpp>
+
+#include <tbb/global_control.h>
+
+#include <boost/test/unit_test.hpp>
+
+#include <cstring>
+#include <limits>
+
+namespace clsdf::test {
+namespace {
+
+using polyhedra::LatticeView;
+using polyhedra::leaned_frusta;
+using polyhedra::LeanedFrusta;
+using polyhedra::Vector;
+
+constexpr double half_width = 8;
+constexpr double slack = 2e-3;
+
+bool same_bytes(const LeanedFrusta& a, const LeanedFrusta& b) {
+    return a.polyhedra.size() == b.polyhedra.size() &&
+           std::memcmp(a.polyhedra.data(), b.polyhedra.data(), a.polyhedra.size() * sizeof(Polyhedron)) == 0;
+}
+
+Mesh changed(const Mesh& mesh, const auto& change) {
+    std::vector<Vec3> vertices = mesh.vertices();
+    for (Vec3& vertex : vertices) change(vertex);
+    return {std::move(vertices), mesh.triangles(), mesh.name()};
+}
+
+Mesh single_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+    return {{a, b, c}, {{0, 1, 2}}, "triangle"};
+}
+
+double norm(const Vec3& v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+Vec3 minus(const Vec3& a, const Vec3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+BOOST_AUTO_TEST_SUITE(records)
+
+BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+        BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            LatticeView lattice{random.point(-50, 50), 0.5, {1, 2, 4}};
+            const std::array<Vec3, 3> corners{random.point(-20, 20), random.point(-20, 20), random.point(-20, 20)};
+            const Mesh mesh = single_triangle(corners[0], corners[1], corners[2]);
+            const Polyhedron record = leaned_frusta(mesh, lattice, half_width, slack).polyhedra.front();
+            const PointwisePolyhedron pointwise(record, half_width, slack);
+            const polyhedra::TriangleFrame frame = polyhedra::triangle_frame(corners, lattice);
+            for (int i = 0; i < 20; ++i) {
+                const Vec3 point = random.point(-100, 100);
+                const Vector metric(point[0], 2 * point[1], 4 * point[2]);
+                const Vector from_foot = metric - frame.foot;
+                const Vec3 found = pointwise.frame(point);
+                const double size = from_foot.norm();
+                BOOST_TEST(std::abs(found[0] - from_foot.dot(frame.along)) <= 1e-13 * size);
+                BOOST_TEST(std::abs(found[1] - from_foot.dot(frame.across)) <= 1e-13 * size);
+                BOOST_TEST(std::abs(found[2] - from_foot.dot(frame.normal)) <= 1e-13 * size);
+            }
+            // The corners are those given, in the order of the base.
+            const std::array<Vec3, 3> ends = pointwise.corners();
+            const std::uint32_t base = frame.base_edge;
+            const std::array<std::size_t, 3> order{(base + 1) % 3, base, (base + 2) % 3};
+            for (std::size_t i = 0; i < 3; ++i) {
+                const Vec3 given = corners[order[i]];
+                const Vec3 metric{lattice.origin[0] + 0.5 * ends[i][0], lattice.origin[1] + ends[i][1],
+                                  lattice.origin[2] + 2 * ends[i][2]};
+                BOOST_TEST(norm(minus(metric, given)) < 1e-11);
+            }
+            BOOST_TEST(std::abs(pointwise.altitude() - frame.altitude()) <= 1e-13 * frame.altitude());
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {
+    const Mesh mesh = single_triangle({0.1, 0.2, 7.3}, {10.1, 0.2, 7.3}, {4.6, 3.2, 7.3});
+    const LatticeView lattice{{0, 0, 0}, 1, {1, 1, 2}};
+    const Polyhedron record = leaned_frusta(mesh, lattice, half_width, slack).polyhedra.front();
+    BOOST_TEST(record.origin_x == 5);
+    BOOST_TEST(record.origin_y == 0);
+    BOOST_TEST(record.origin_z == 4);
+    BOOST_TEST(PointwisePolyhedron(record, half_width, slack).distance({5, 1, 4}) == 0.7,
+               boost::test_tools::tolerance(1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_beyond_all_integers_keeps_its_place) {
+    const double far = 1e10;
+    const Mesh mesh = single_triangle({far, 0, 0}, {far + 4, 0, 0}, {far, 3, 0});
+    const Polyhedron record = leaned_frusta(mesh, {}, half_width, slack).polyhedra.front();
+    BOOST_TEST(record.origin_x == 1 << 30);
+    BOOST_TEST(std::abs(PointwisePolyhedron(record, half_width, slack).distance({far, 0, 5}) - 5) < 1e-3);
+}
+
+BOOST_AUTO_TEST_CASE(the_same_bytes_on_any_number_of_threads) {
+    Random random(7);
+    for (const Mesh& mesh : {make_shape("knot"), make_shape("noisy"), random_soup(random, 3000, 9000)}) {
+        const LatticeView lattice{mesh.box().lower, 0.01, {1, 1, 1}};
+        const auto with_threads = [&](std::size_t threads) {
+            const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+            return leaned_frusta(mesh, lattice, half_width, slack);
+        };
+        const LeanedFrusta one = with_threads(1);
+        BOOST_TEST(same_bytes(one, with_threads(2)), mesh.name());
+        BOOST_TEST(same_bytes(one, with_threads(5)), mesh.name());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(the_scale_of_the_coordinates_does_not_matter) {
+    const Mesh mesh = make_shape("knot");
+    const LatticeView lattice{mesh.box().lower, 0.01, {1, 1, 1}};
+    const LeanedFrusta expected = leaned_frusta(mesh, lattice, half_width, slack);
+    for (const int exponent : {-300, -66, 66, 300}) {
+        const double scale = std::ldexp(1.0, exponent);
+        const auto enlarge = [scale](Vec3& v) { v = {v[0] * scale, v[1] * scale, v[2] * scale}; };
+        LatticeView enlarged = lattice;
+        enlarge(enlarged.origin);
+        enlarged.voxel *= scale;
+        BOOST_TEST_CONTEXT("scale 2^" << exponent)
+        BOOST_TEST(same_bytes(leaned_frusta(changed(mesh, enlarge), enlarged, half_width, slack), expected));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(triangles_of_equal_place_come_in_the_callers_order_and_every_one_once) {
+    Random random(3);
+    const Mesh mesh = random_soup(random, 500, 5000);
+    const LeanedFrusta frusta = leaned_frusta(mesh, {{-1, -1, -1}, 0.01, {1, 1, 1}}, half_width, slack);
+    std::vector<int> seen(mesh.triangles().size());
+    for (std::size_t i = 0; i < seen.size(); ++i) ++seen[frusta.polyhedra[i].triangle];
+    BOOST_TEST(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
+    BOOST_TEST(frusta.polyhedra.size() == seen.size() + frusta.point_sites);
+
+    const Mesh stack({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(100, {0, 1, 2}), "stack");
+    const LeanedFrusta stacked = leaned_frusta(stack, {}, half_width, slack);
+    for (std::uint32_t i = 0; i < 100; ++i) BOOST_TEST(stacked.polyhedra[i].triangle == i);
+}
+
+BOOST_AUTO_TEST_CASE(vertices_that_no_triangle_uses_are_not_looked_at) {
+    const Mesh clean = b2().mesh;
+    std::vector<Vec3> vertices = clean.vertices();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    vertices.push_back({nan, std::numeric_limits<double>::infinity(), 1e300});
+    const Mesh mesh(vertices, clean.triangles(), "unused");
+    BOOST_TEST(same_bytes(leaned_frusta(mesh, {}, half_width, slack), leaned_frusta(clean, {}, half_width, slack)));
+}
+
+BOOST_AUTO_TEST_CASE(degenerate_triangles_are_boxes_around_segments_and_points) {
+    const Mesh mesh({{0, 0, 0}, {9, 0, 0}, {3, 0, 0}, {30, 0, 0}}, {{0, 1, 2}, {0, 0, 1}, {3, 3, 3}}, "degenerate");
+    const LeanedFrusta frusta = leaned_frusta(mesh, {}, half_width, slack);
+    BOOST_TEST(frusta.boxes == 3U);
+    BOOST_TEST(frusta.point_sites == 0U);
+    for (const Polyhedron& record : frusta.polyhedra) {
+        const PointwisePolyhedron polyhedron(record, half_width, slack);
+        const bool is_point = record.triangle == 2;
+        const Vec3 start{is_point ? 30.0 : 0.0, 0, 0};
+        const Vec3 end{is_point ? 30.0 : 9.0, 0, 0};
+        Random random(11);
+        for (int i = 0; i < 200; ++i) {
+            const double t = random.uniform(0, 1);
+            const Vec3 from{start[0] + t * (end[0] - start[0]), 0, 0};
+            const Vec3 point = along(from, random.uniform(0, half_width), random.direction());
+            const double x = std::clamp(point[0], start[0], end[0]);
+            const double distance = norm(minus(point, {x, 0, 0}));
+            BOOST_TEST(polyhedron.contains(point));
+            BOOST_TEST(std::abs(polyhedron.distance(point) - distance) < 1e-12);
+        }
+        BOOST_TEST(static_cast<double>(record.slope_above[0]) * slack >= half_width);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_point_site_is_an_equilateral_triangle_shrunk_to_its_vertex) {
+    const Counterexample example = h1();
+    const LeanedFrusta frusta = leaned_frusta(example.mesh, {}, half_width, slack);
+    BOOST_REQUIRE(frusta.point_sites == 1U);
+    const Polyhedron& site = frusta.polyhedra.back();
+    for (std::size_t half = 0; half < 2; ++half) {
+        BOOST_TEST(site.base_high[half] == 0);
+        BOOST_TEST(site.normal_along_high[half] == 0.8660254F);
+        BOOST_TEST(site.normal_across_high[half] == 0.5F);
+    }
+    BOOST_TEST(site.altitude_high == 0);
+    BOOST_TEST(site.triangle == 0U);  // vertex 0's lowest
+    // Bounded by the extreme rays of the normal cone, which has all of (1, 1, 1) / sqrt(3) around it.
+    const PointwisePolyhedron polyhedron(site, half_width, slack);
+    BOOST_TEST(polyhedron.contains({1, 1, 1}));
+    BOOST_TEST(!polyhedron.contains({-1, -1, -2}));
+    BOOST_TEST(polyhedron.distance({1, 2, 2}) == 3, boost::test_tools::tolerance(1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(slopes_of_a_roof_are_those_of_its_bisector) {
+    // Two faces that meet at a right angle, the edge up.
+    const Mesh mesh({{0, 0, 0}, {0, 10, 0}, {6, 5, -6}, {-6, 5, -6}}, {{0, 2, 1}, {0, 1, 3}}, "roof");
+    const LeanedFrusta frusta = leaned_frusta(mesh, {}, half_width, slack);
+    for (const Polyhedron& record : frusta.polyhedra) {
+        // The base is the edge they share; tan of half of 90 degrees.
+        BOOST_TEST(record.base_high[0] == 5);
+        BOOST_TEST(record.slope_above[CLSDF_EDGE_BASE] == 1, boost::test_tools::tolerance(2e-6F));
+        BOOST_TEST(record.slope_above[CLSDF_EDGE_BASE] > 1);
+        BOOST_TEST(record.slope_below[CLSDF_EDGE_BASE] == 0);
+        BOOST_TEST(record.slope_above[CLSDF_EDGE_LEFT] == CLSDF_OPEN_SLOPE);
+        BOOST_TEST(record.slope_below[CLSDF_EDGE_RIGHT] == CLSDF_OPEN_SLOPE);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(compact_polyhedra_are_bounded_by_their_lateral_planes_alone) {
+    const Mesh mesh = make_shape("noisy");
+    const LeanedFrusta frusta = leaned_frusta(mesh, {mesh.box().lower, 0.01, {1, 1, 1}}, half_width, slack);
+    std::size_t compact = 0;
+    for (const Polyhedron& record : frusta.polyhedra) {
+        if (!(record.flags & CLSDF_POLYHEDRON_COMPACT)) continue;
+        ++compact;
+        for (std::size_t edge = 0; edge < 3; ++edge) {
+            BOOST_TEST(record.slope_above[edge] <= 1);
+            BOOST_TEST(record.slope_below[edge] <= 1);
+        }
+        BOOST_TEST(record.normal_along_high[0] > 0.15F);
+        BOOST_TEST(record.normal_along_high[1] > 0.15F);
+    }
+    BOOST_TEST(compact > frusta.polyhedra.size() / 2);
+}
+
+BOOST_AUTO_TEST_CASE(reaches_bound_the_frame_over_blocks_of_samples) {
+    const Mesh mesh = single_triangle({0, 0, 0}, {20, 3, 1}, {4, 11, 5});
+    const Polyhedron record = leaned_frusta(mesh, {{0, 0, 0}, 1, {1, 1.5, 3}}, half_width, slack).polyhedra.front();
+    const PointwisePolyhedron polyhedron(record, half_width, slack);
+    const auto coordinates = [&](const Vec3& point) {
+        const auto [x, y, z] = polyhedron.frame(point);
+        const auto high = [&](std::size_t i) {
+            return std::array{static_cast<double>(record.normal_along_high[i]),
+                              static_cast<double>(record.normal_across_high[i])};
+        };
+        const auto [along_right, across_right] = high(CLSDF_HALF_RIGHT);
+        const auto [along_left, across_left] = high(CLSDF_HALF_LEFT);
+        return std::array{x, y, z, along_right * x + across_right * y, -along_left * x + across_left * y};
+    };
+    std::array<double, 5> cube{};
+    std::array<double, 5> block{};
+    const auto centre = coordinates({0, 0, 0});
+    for (const double i : {-1.0, 1.0})
+        for (const double j : {-1.0, 1.0})
+            for (const double k : {-1.0, 1.0}) {
+                const auto corner = coordinates({i, j, k});
+                const auto end = coordinates({1.5 * i, 0.5 * j, 0.5 * k});
+                for (std::size_t n = 0; n < 5; ++n) {
+                    cube[n] = std::max(cube[n], corner[n] - centre[n]);
+                    block[n] = std::max(block[n], end[n] - centre[n]);
+                }
+            }
+    for (std::size_t n = 0; n < 5; ++n) {
+        BOOST_TEST(static_cast<double>(record.reach_cube[n]) >= cube[n] * (1 - 1e-7));
+        BOOST_TEST(static_cast<double>(record.reach_cube[n]) <= cube[n] * (1 + 3e-6));
+        BOOST_TEST(static_cast<double>(record.reach_4x2x2[n]) >= block[n] * (1 - 1e-7));
+        BOOST_TEST(static_cast<double>(record.reach_4x2x2[n]) <= block[n] * (1 + 3e-6));
+    }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+}  // namespace
+}  // namespace clsdf::test

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "device/opencl.hpp"
+
+#include <cstdint>
+#include <vector>
+
+/// Memory of a device, as a caller has it.
+namespace clsdf::test {
+
+/// Values that nothing computes.
+inline constexpr std::uint32_t untouched = 0xABABABABU;
+
+class DeviceMemory {
+public:
+    DeviceMemory(cl_context context, std::size_t count)
+        : count_(count),
+          buffer_(cl::Context(context, true), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, count * sizeof(cl_uint),
+                  std::vector<std::uint32_t>(count, untouched).data()) {}
+
+    cl_mem handle() const { return buffer_(); }
+
+    /// The very bits; blocks.
+    std::vector<std::uint32_t> read(const cl::CommandQueue& queue) const {
+        std::vector<std::uint32_t> bits(count_);
+        queue.enqueueReadBuffer(buffer_, CL_TRUE, 0, count_ * sizeof(cl_uint), bits.data());
+        return bits;
+    }
+
+private:
+    std::size_t count_;
+    cl::Buffer buffer_;
+};
+
+}  // namespace clsdf::test

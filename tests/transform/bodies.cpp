@@ -1,0 +1,100 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/test_meshes.hpp"
+
+#include "device/context.hpp"
+
+#include <cmath>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+void check_agreement(const Field& one, const Field& other) {
+    const double voxel = one.grid.voxel();
+    for (std::size_t i = 0; i < one.distance.size(); ++i) {
+        const double a = one.distance[i], b = other.distance[i];
+        const double ulp = std::abs(a) * 0x1p-23;
+        BOOST_REQUIRE(std::abs(a - b) <= std::max(2 * guaranteed.voxels * voxel, 2 * guaranteed.ulp * ulp));
+        BOOST_REQUIRE((std::signbit(a) == std::signbit(b) || std::abs(a) < guaranteed.voxels * voxel));
+    }
+}
+
+/// Computed by groups: exact, and what the other body computes.
+void check_by_group(const Mesh& mesh, const Grid& grid, const Band& band) {
+    const Field field = compute(mesh, grid, band, KernelBody::by_group);
+    BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
+    check_agreement(field, compute(mesh, grid, band, KernelBody::by_vector));
+}
+
+/// A device whose vectors are half as wide as 512 bits, or narrower: this one, with what it says of itself put aside.
+Device with_float_width(unsigned width) {
+    const device::Context& own = test_device().internal();
+    const cl::CommandQueue queue(own.context(), own.device());
+    const Device device = Device::from_handles(own.context()(), own.device()(), queue());
+    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
+    return device;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(groups_compute_every_counterexample_exactly) {
+    for (const Counterexample& example : all_counterexamples()) {
+        const Band band = Band::symmetric(example.half_width);
+        check_by_group(example.mesh, Grid::around(example.mesh, 26, band), band);
+        const Vec3& known = example.samples.front().position;
+        check_by_group(example.mesh, grid_at(known, example.half_width / 8, 7), band);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(groups_compute_shapes_exactly) {
+    for (const char* name : {"torus", "seashell", "stairs", "needle", "nested", "noisy"}) {
+        const Mesh mesh = make_shape(name);
+        const Grid grid = grid_around(mesh, 28, 3);
+        check_by_group(mesh, grid, Band{2 * grid.voxel(), 3 * grid.voxel()});
+    }
+    const Mesh knot = tilted(make_shape("knot"));
+    check_by_group(knot, grid_around(knot, 24, 2), Band::full());
+}
+
+// A list longer than a group's memory holds at a time.
+BOOST_AUTO_TEST_CASE(groups_compute_long_lists_exactly) {
+    const Mesh mesh = scaled(make_shape("sphere4"), 5);
+    check_by_group(mesh, grid_at({0, 0, 0}, 1, 10), Band::symmetric(4));
+}
+
+BOOST_AUTO_TEST_CASE(groups_compute_large_triangles_and_unequal_spacing_exactly) {
+    const Mesh large({{0.3, -0.2, 0.4}, {8e5, 3e5, 5e5}, {-2e5, 6e5, 7e5}}, {{0, 1, 2}}, "large triangle");
+    check_by_group(large, grid_at({0, 0, 0}, 1, 6), Band::symmetric(3));
+    const Mesh torus = tilted(make_shape("torus"));
+    Grid grid = grid_around(torus, 30, 2);
+    grid.spacing[2] *= 7;
+    grid.size[2] = 5;
+    check_by_group(torus, grid, Band::symmetric(3 * grid.voxel()));
+}
+
+// Processors of 256 bits compute eight samples at a time, narrower ones as well.
+BOOST_AUTO_TEST_CASE(vectors_of_eight_compute_exactly) {
+    for (const unsigned width : {8U, 4U}) {
+        const Device narrow = with_float_width(width);
+        const auto check = [&](const Mesh& mesh, const Grid& grid, const Band& band, bool count = false) {
+            DistanceTransform transform(narrow, mesh, {.body = KernelBody::by_vector, .count = count});
+            const Field field = transform(grid, band, {.triangle = true});
+            BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
+            check_agreement(field, compute(mesh, grid, band));
+            Grid part = grid.part({3, 5, 1}, {grid.size[0] - 6, grid.size[1] - 5, grid.size[2] - 3});
+            check_exact(mesh, transform(part, band), guaranteed);
+        };
+        for (const Counterexample& example : all_counterexamples()) {
+            const Band band = Band::symmetric(example.half_width);
+            check(example.mesh, Grid::around(example.mesh, 36, band), band);
+        }
+        const Mesh knot = tilted(make_shape("knot"));
+        check(knot, grid_around(knot, 36, 3), Band::full(), true);
+        Grid grid = grid_around(knot, 60, 2);
+        grid.spacing[0] *= 5;
+        grid.size[0] = 12;
+        check(knot, grid, Band::symmetric(3 * grid.voxel()));
+    }
+}

@@ -1,0 +1,172 @@
+#include "support/hostile_meshes.hpp"
+#include "support/sub_device.hpp"
+#include "support/throws.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <thread>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// So much work that one compute unit takes several launches for it.
+const Mesh& dense() {
+    static const Mesh mesh = make_shape("sphere6");
+    return mesh;
+}
+Grid around_dense() {
+    return grid_around(dense(), 72, 3);
+}
+
+const Mesh& mesh() {
+    static const Mesh shape = tilted(make_shape("knot"));
+    return shape;
+}
+Grid around_mesh() {
+    return grid_around(mesh(), 40, 5);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
+    std::vector<Mesh> meshes;
+    for (const char* name : {"knot", "torus", "seashell", "noisy"}) meshes.push_back(make_shape(name));
+    const auto field_of = [&](std::size_t i) {
+        const Grid grid = grid_around(meshes[i], 36, 4);
+        return compute(meshes[i], grid, i % 2 == 0 ? Band::symmetric(3 * grid.voxel()) : Band::full());
+    };
+    std::vector<Field> together(meshes.size());
+    std::vector<int> differences(meshes.size());
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        threads.emplace_back([&, i] {
+            together[i] = field_of(i);
+            for (int run = 0; run < 3; ++run) differences[i] += same_bytes(together[i], field_of(i)) ? 0 : 1;
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        BOOST_TEST(differences[i] == 0);
+        BOOST_TEST(same_bytes(together[i], field_of(i)));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
+    std::vector<double> seen;
+    const std::thread::id caller = std::this_thread::get_id();
+    DistanceTransform transform(with_compute_units(1), dense(), {.progress = [&](double fraction) {
+                                    BOOST_TEST((std::this_thread::get_id() == caller));
+                                    seen.push_back(fraction);
+                                }});
+    transform(around_dense(), Band::full());
+    BOOST_TEST(seen.size() >= 4U);
+    BOOST_TEST(seen.front() == 0);
+    BOOST_TEST(seen.back() == 1);
+    BOOST_TEST(std::is_sorted(seen.begin(), seen.end()));
+}
+
+BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) {
+    const Field expected = compute(dense(), around_dense(), Band::full());
+    std::stop_source stop;
+    std::vector<double> seen;
+    DistanceTransform transform(with_compute_units(1), dense(),
+                                {.progress =
+                                     [&](double fraction) {
+                                         seen.push_back(fraction);
+                                         if (fraction > 0) stop.request_stop();
+                                     },
+                                 .stop = stop.get_token()});
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full()); });
+    BOOST_TEST(seen.size() == 2U);
+    BOOST_TEST(seen.back() < 1);
+    // Once stopped, it stays so: before anything is computed.
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full()); });
+    BOOST_TEST(seen.size() == 2U);
+    transform.set_stop({});
+    BOOST_TEST(same_bytes(expected, transform(around_dense(), Band::full(), {.triangle = true})));
+    stop = std::stop_source();
+    transform.set_stop(stop.get_token());
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full()); });
+}
+
+BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
+    const Grid grid = around_mesh();
+    const Field expected = compute(mesh(), grid, Band::full());
+    DistanceTransform transform(test_device(), mesh());
+    // Values before and behind them stay as they are.
+    constexpr float guard = -12345.0F;
+    std::vector<float> distance(grid.sample_count() + 14, guard);
+    std::vector<std::uint32_t> triangle(grid.sample_count() + 14, 77);
+    transform.compute(
+        grid, Band::full(),
+        {std::span(distance).subspan(7, grid.sample_count()), std::span(triangle).subspan(7, grid.sample_count())});
+    BOOST_TEST(std::equal(expected.distance.begin(), expected.distance.end(), distance.begin() + 7));
+    BOOST_TEST(std::equal(expected.triangle.begin(), expected.triangle.end(), triangle.begin() + 7));
+    BOOST_TEST(std::count(distance.begin(), distance.begin() + 7, guard) == 7);
+    BOOST_TEST(std::count(distance.end() - 7, distance.end(), guard) == 7);
+    BOOST_TEST(std::count(triangle.begin(), triangle.begin() + 7, 77U) == 7);
+    BOOST_TEST(std::count(triangle.end() - 7, triangle.end(), 77U) == 7);
+}
+
+BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {
+    const Grid grid = around_mesh();
+    DistanceTransform transform(test_device(), mesh());
+    std::vector<float> distance(grid.sample_count() + 1);
+    std::vector<std::uint32_t> triangle(grid.sample_count() + 1);
+    const std::span<float> all(distance);
+    const auto refuse = [&](const HostOutputs& outputs) {
+        check_throws(ErrorCode::invalid_argument,
+                     {std::to_string(grid.sample_count()) + " samples", std::to_string(outputs.distance.size()),
+                      std::to_string(outputs.triangle.size())},
+                     [&] { transform.compute(grid, Band::full(), outputs); });
+    };
+    refuse({});
+    refuse({.distance = all});
+    refuse({.distance = all.first(grid.sample_count() - 1)});
+    refuse({.distance = all.first(grid.sample_count()), .triangle = triangle});
+    refuse({.distance = all.first(grid.sample_count()), .triangle = std::span(triangle).first(1)});
+}
+
+BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
+    const Grid grid = around_mesh();
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        DistanceTransform transform(test_device(), mesh(), {.body = body, .count = true});
+        const Field field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
+        const TransformStatistics& statistics = transform.statistics();
+        const auto in_band =
+            static_cast<std::size_t>(std::count_if(field.triangle.begin(), field.triangle.end(),
+                                                   [](std::uint32_t triangle) { return triangle != no_triangle; }));
+        BOOST_TEST(statistics.triangles == mesh().triangles().size());
+        BOOST_TEST(statistics.band_samples == in_band);
+        BOOST_TEST(statistics.samples_covered >= in_band);
+        BOOST_TEST(statistics.lanes_evaluated >= statistics.samples_covered);
+        BOOST_TEST(statistics.brick_pairs >= statistics.coarse_pairs);
+        BOOST_TEST(statistics.coarse_pairs >= statistics.triangles);
+        BOOST_TEST(statistics.coarse_bricks > 0U);
+        BOOST_TEST(statistics.saddle_vertices > 1000U);
+        BOOST_TEST(statistics.device_bytes >= statistics.triangles * 256);
+        BOOST_TEST(statistics.box_polyhedra == 0U);
+        BOOST_TEST(statistics.polyhedra_seconds > 0);
+        BOOST_TEST(statistics.lists_seconds > 0);
+        BOOST_TEST(statistics.field_seconds > 0);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(nothing_is_counted_on_the_device_unless_asked_for) {
+    const Grid grid = around_mesh();
+    DistanceTransform transform(test_device(), mesh());
+    transform(grid, Band::symmetric(3 * grid.voxel()));
+    BOOST_TEST(transform.statistics().triangles == mesh().triangles().size());
+    BOOST_TEST(transform.statistics().lanes_evaluated == 0U);
+    BOOST_TEST(transform.statistics().band_samples == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(faces_without_area_are_counted_as_boxes) {
+    std::vector<Triangle> triangles = cube(1).triangles();
+    triangles.push_back({0, 1, 1});
+    const Mesh with_segment(cube(1).vertices(), triangles, "cube with a segment");
+    DistanceTransform transform(test_device(), with_segment);
+    transform(grid_at({0, 0, 0}, 0.5, 4), Band::symmetric(1));
+    BOOST_TEST(transform.statistics().box_polyhedra == 1U);
+}

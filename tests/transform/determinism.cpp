@@ -1,0 +1,137 @@
+#include "support/hostile_meshes.hpp"
+#include "support/sub_device.hpp"
+
+#include <array>
+#include <limits>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+
+Field compute_on(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
+    DistanceTransform transform(device, mesh, {.body = body});
+    return transform(grid, band, {.triangle = true});
+}
+
+const Mesh& noisy() {
+    static const Mesh mesh = [] {
+        Random random(11);
+        return random_sphere(random, "sphere4", 0.1);
+    }();
+    return mesh;
+}
+
+/// Its first sample is negative on two axes and on no brick's corner.
+Grid whole_grid(const Mesh& mesh, std::int64_t size, const Vec3& ratio = {1, 1, 1}) {
+    Grid grid;
+    grid.size = {size, size + 9, size - 5};
+    grid.first = {-21, 3, -37};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Box& box = mesh.box();
+        grid.spacing[axis] = 1.15 * ratio[axis] * box.longest_side() / static_cast<double>(size);
+        grid.origin[axis] =
+            0.5 * (box.lower[axis] + box.upper[axis]) -
+            grid.spacing[axis] * (static_cast<double>(grid.first[axis]) + 0.5 * static_cast<double>(grid.size[axis]));
+    }
+    return grid;
+}
+
+Field part_of(const Field& whole, const Grid& part) {
+    Field field;
+    field.grid = part;
+    for (std::int64_t k = 0; k < part.size[2]; ++k)
+        for (std::int64_t j = 0; j < part.size[1]; ++j)
+            for (std::int64_t i = 0; i < part.size[0]; ++i) {
+                const Index3& from = whole.grid.first;
+                const std::size_t at = whole.grid.offset(part.first[0] - from[0] + i, part.first[1] - from[1] + j,
+                                                         part.first[2] - from[2] + k);
+                field.distance.push_back(whole.distance[at]);
+                field.triangle.push_back(whole.triangle[at]);
+            }
+    return field;
+}
+
+void check_parts(const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body,
+                 const std::vector<std::pair<Index3, Index3>>& parts) {
+    const Field whole = compute(mesh, grid, band, body);
+    for (const auto& [offset, size] : parts)
+        BOOST_TEST_CONTEXT("part of " << size[0] << " x " << size[1] << " x " << size[2] << " from (" << offset[0]
+                                      << ", " << offset[1] << ", " << offset[2] << "), widths " << band.inside
+                                      << " and " << band.outside) {
+            const Grid part = grid.part(offset, size);
+            const Field alone = compute(mesh, part, band, body);
+            const Field expected = part_of(whole, part);
+            BOOST_TEST((bits_of(alone.distance) == bits_of(expected.distance)));
+            BOOST_TEST((alone.triangle == expected.triangle));
+        }
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_run_gives_the_same_bytes) {
+    const Grid grid = whole_grid(noisy(), 56);
+    for (const Band& band : {Band::symmetric(4 * grid.voxel()), Band::full()}) {
+        const Field first = compute(noisy(), grid, band, KernelBody::by_vector);
+        DistanceTransform transform(test_device(), noisy());
+        for (int run = 0; run < 3; ++run) BOOST_TEST(same_bytes(first, transform(grid, band, {.triangle = true})));
+    }
+}
+
+// Nothing depends on what is kept beside the distance, or on what was computed before.
+BOOST_AUTO_TEST_CASE(other_outputs_and_other_grids_change_nothing) {
+    const Grid grid = whole_grid(noisy(), 40);
+    const Band band = Band::symmetric(4 * grid.voxel());
+    for (const KernelBody body : both_bodies) {
+        const Field first = compute(noisy(), grid, band, body);
+        DistanceTransform transform(test_device(), noisy(), {.body = body});
+        transform(whole_grid(noisy(), 24), Band::full());
+        BOOST_TEST((bits_of(first.distance) == bits_of(transform(grid, band).distance)));
+        DistanceTransform counting(test_device(), noisy(), {.body = body, .count = true});
+        BOOST_TEST(same_bytes(first, counting(grid, band, {.triangle = true})));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
+    const Device one = with_compute_units(1);
+    BOOST_TEST(one.internal().capabilities().compute_units == 1U);
+    const auto check = [&](const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
+        const Field expected = compute(mesh, grid, band, body);
+        for (int run = 0; run < 2; ++run) BOOST_TEST(same_bytes(expected, compute_on(one, mesh, grid, band, body)));
+    };
+    const Grid grid = whole_grid(noisy(), 56);
+    check(noisy(), grid, Band::symmetric(4 * grid.voxel()), KernelBody::by_vector);
+    check(noisy(), grid, Band::full(), KernelBody::by_vector);
+    const Grid small = whole_grid(noisy(), 24);
+    check(noisy(), small, Band::symmetric(3 * small.voxel()), KernelBody::by_group);
+    check(noisy(), small, Band::full(), KernelBody::by_group);
+}
+
+BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole) {
+    const Grid grid = whole_grid(noisy(), 72);
+    const double h = grid.voxel();
+    // From bricks' corners, from coarse bricks' corners (samples -32 and 32 of the lattice), and from anywhere.
+    const std::vector<std::pair<Index3, Index3>> parts{
+        {{5, 5, 5}, {32, 24, 40}}, {{21, 29, 5}, {32, 32, 32}}, {{0, 0, 0}, {33, 41, 17}},  {{13, 17, 30}, {1, 50, 9}},
+        {{1, 2, 3}, {70, 77, 60}}, {{44, 2, 50}, {28, 70, 17}}, {{20, 28, 36}, {7, 11, 13}}};
+    for (const Band& band : {Band::symmetric(3 * h), Band{1 * h, 9 * h}, Band{infinite, 2 * h}, Band::full()})
+        check_parts(noisy(), grid, band, KernelBody::by_vector, parts);
+}
+
+BOOST_AUTO_TEST_CASE(a_part_with_unequal_spacing_has_the_bytes_of_the_whole) {
+    const Grid grid = whole_grid(noisy(), 48, {1, 0.4, 2.2});
+    for (const Band& band : {Band::symmetric(3 * grid.voxel()), Band::full()})
+        check_parts(noisy(), grid, band, KernelBody::by_vector,
+                    {{{5, 5, 5}, {32, 24, 32}}, {{3, 0, 21}, {40, 57, 1}}, {{11, 13, 17}, {9, 19, 23}}});
+}
+
+BOOST_AUTO_TEST_CASE(a_part_computed_by_groups_has_the_bytes_of_the_whole) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const Grid grid = whole_grid(mesh, 44);
+    for (const Band& band : {Band::symmetric(3 * grid.voxel()), Band::full()})
+        check_parts(mesh, grid, band, KernelBody::by_group,
+                    {{{21, 5, 5}, {16, 24, 32}}, {{3, 4, 9}, {31, 17, 5}}, {{0, 0, 0}, {9, 53, 39}}});
+}

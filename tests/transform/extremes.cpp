@@ -1,0 +1,107 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <cmath>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// A tetrahedron `size` voxels large whose face opposite to its last vertex passes the origin.
+Mesh large_tetrahedron(double size) {
+    const auto at = [&](double x, double y, double z) { return Vec3{size * x + 0.3, size * y - 0.2, size * z + 0.1}; };
+    return {{at(-0.4, -0.3, -0.15), at(0.5, -0.25, 0.1), at(-0.05, 0.6, 0.05), at(0.02, 0.03, -0.9)},
+            {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}},
+            "tetrahedron of " + std::to_string(size) + " voxels"};
+}
+
+/// A box from x = 0 to x = 7.3 that reaches to y = -+ size, to z = -+ 5: its long faces are steep along the rows.
+Mesh long_prism(double size) {
+    return moved(box({0, -size, -5}, {7.3, size, 5}, "prism of " + std::to_string(size) + " voxels"),
+                 [&](const Vec3& v) {
+                     return Vec3{v[0] + 3 * v[1] / size, v[1], v[2]};
+                 });
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(solids_a_million_times_larger_than_a_voxel_are_exact) {
+    for (const double size : {1e4, 1e6}) {
+        const Mesh mesh = large_tetrahedron(size);
+        for (const Vec3& vertex : mesh.vertices()) check_exact(mesh, grid_at(vertex, 1, 7), Band::symmetric(3));
+        const Vec3 &a = mesh.vertices()[0], &b = mesh.vertices()[1], &c = mesh.vertices()[2];
+        const Vec3 on_edge{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2])};
+        const Vec3 on_face{(a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3, (a[2] + b[2] + c[2]) / 3};
+        check_exact(mesh, grid_at(on_edge, 1, 7), Band::symmetric(3));
+        check_exact(mesh, grid_at(on_face, 1, 7), Band{2.5, 3});
+    }
+}
+
+// Positions are two floats: a triangle of 10^9 voxels leaves 4e-6 voxel.
+BOOST_AUTO_TEST_CASE(solids_a_billion_times_larger_than_a_voxel_are_as_good_as_their_numbers) {
+    const Mesh mesh = large_tetrahedron(1e9);
+    for (const Vec3& vertex : mesh.vertices()) check_exact(mesh, grid_at(vertex, 1, 7), Band::symmetric(3), guaranteed);
+    check_exact(long_prism(1e9), grid_at({1, 2, 3}, 1, 9), Band::symmetric(3), guaranteed);
+}
+
+BOOST_AUTO_TEST_CASE(the_sign_is_exact_up_to_the_limit_of_its_integers) {
+    for (const double size : {1e6, 0x1p31, 0x1p40, 0x1p41 - 1024}) {
+        const Mesh mesh = long_prism(size);
+        const Grid grid = grid_at({1, 2, 3}, 1, 9);
+        const Field field = compute(mesh, grid, Band::symmetric(0));
+        const reference::Oracle oracle(mesh);
+        for (std::int64_t k = 0; k < grid.size[2]; ++k)
+            for (std::int64_t j = 0; j < grid.size[1]; ++j)
+                for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+                    const std::optional<int> winding = oracle.winding_number(grid.position(i, j, k));
+                    if (winding) BOOST_REQUIRE(std::signbit(field.distance[grid.offset(i, j, k)]) == (*winding != 0));
+                }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_beyond_the_signs_integers_is_refused) {
+    for (const double size : {0x1p41, 0x1p44}) {
+        const Mesh mesh = long_prism(size);
+        const Grid grid = grid_at({1, 2, 3}, 1, 9);
+        check_throws(ErrorCode::unsupported, {"voxels", "unsigned", mesh.name()},
+                     [&] { compute(mesh, grid, Band::symmetric(3)); });
+        check_throws(ErrorCode::unsupported, {"voxels"},
+                     [&] { DistanceTransform(test_device(), mesh).plan(grid, Band::symmetric(3)); });
+    }
+}
+
+// Rows that cross thousands of walls, in no order, several of them between two samples.
+BOOST_AUTO_TEST_CASE(rows_of_many_crossings_have_every_sign_right) {
+    std::vector<Mesh> slices;
+    for (int i = 0; i < 1500; ++i) {
+        const double x = 0.01 + 0.0613 * ((i * 611) % 1500);
+        slices.push_back(box({x, -0.9, -0.8}, {x + 0.0331, 0.93, 0.87}));
+    }
+    const Mesh mesh = together(slices, "slices");
+    Grid grid;
+    grid.size = {100, 5, 5};
+    grid.origin = {-3, -1, -1};
+    grid.spacing = {1, 0.5, 0.5};
+    check_exact(mesh, grid, Band::symmetric(0.02));
+    check_exact(mesh, grid, Band::full());
+}
+
+BOOST_AUTO_TEST_CASE(ten_thousand_triangles_in_a_voxel_are_exact) {
+    const Mesh drop = scaled(make_shape("sphere5"), 0.21);
+    BOOST_TEST(drop.triangles().size() > 8000U);
+    for (const Vec3& centre : {Vec3{0.45, 0.4, 0.55}, Vec3{7.5, 7.6, 7.4}, Vec3{0, 0, 0}}) {
+        const Mesh mesh = shifted(drop, centre);
+        check_exact(mesh, grid_at({4, 4, 4}, 1, 6), Band::symmetric(4), guaranteed);
+        check_exact(mesh, grid_at({4, 4, 4}, 1, 6), Band::full(), guaranteed);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_tip_of_a_thousand_triangles_is_exact) {
+    const Mesh mesh = tilted(cone(1000));
+    const Grid grid = grid_around(mesh, 30, 5);
+    check_exact(mesh, grid, Band::symmetric(4 * grid.voxel()));
+    const Vec3 tip = mesh.vertices()[0];
+    check_exact(mesh, grid_at(tip, 0.01, 12), Band::symmetric(0.08), guaranteed);
+}

@@ -1,0 +1,144 @@
+#include "support/device_memory.hpp"
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+
+#include <array>
+#include <memory>
+#include <optional>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+constexpr std::array<cl_command_queue_properties, 2> queue_kinds{0, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE};
+
+const Mesh& mesh() {
+    static const Mesh shape = tilted(make_shape("knot"));
+    return shape;
+}
+const Grid& grid() {
+    static const Grid around = grid_around(mesh(), 40, 5);
+    return around;
+}
+Band band() {
+    return Band::symmetric(3 * grid().voxel());
+}
+
+/// A queue of the caller's on the tests' device.
+cl::CommandQueue callers_queue(cl_command_queue_properties properties = 0) {
+    const device::Context& context = test_device().internal();
+    return {context.context(), context.device(), properties};
+}
+
+struct Memory {
+    DeviceMemory distance{test_device().context(), grid().sample_count()};
+    DeviceMemory triangle{test_device().context(), grid().sample_count()};
+
+    DeviceOutputs outputs() const { return {distance.handle(), triangle.handle()}; }
+
+    void check(const Field& expected, const cl::CommandQueue& queue) const {
+        BOOST_TEST((distance.read(queue) == bits_of(expected.distance)));
+        BOOST_TEST((triangle.read(queue) == expected.triangle));
+    }
+};
+
+void wait_and_release(cl_event event) {
+    const cl::Event owned(event);
+    owned.wait();
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_plan_writes_the_field_into_the_callers_memory) {
+    for (const KernelBody body : both_bodies) {
+        const Field expected = compute(mesh(), grid(), band(), body);
+        DistanceTransform transform(test_device(), mesh(), {.body = body});
+        Plan plan = transform.plan(grid(), band(), {.triangle = true});
+        BOOST_TEST((plan.grid() == grid()));
+        BOOST_TEST(plan.band().outside == band().outside);
+        BOOST_TEST(name_of(plan.sign()) == "nonzero");
+        for (const cl_command_queue_properties properties : queue_kinds)
+            for (int run = 0; run < 2; ++run) {
+                const Memory memory;
+                const cl::CommandQueue queue = callers_queue(properties);
+                wait_and_release(plan.enqueue(queue(), memory.outputs()));
+                memory.check(expected, queue);
+            }
+        const Memory memory;
+        wait_and_release(plan.enqueue(nullptr, memory.outputs()));
+        memory.check(expected, callers_queue());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_waits_for_the_callers_events) {
+    const Field expected = compute(mesh(), grid(), band());
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band(), {.triangle = true});
+    for (const cl_command_queue_properties properties : queue_kinds) {
+        const Memory memory;
+        const cl::CommandQueue queue = callers_queue(properties);
+        cl::UserEvent begin(test_device().internal().context());
+        const cl_event wait_list[] = {begin()};
+        // Returns although nothing can begin: it does not block.
+        const cl::Event end(plan.enqueue(queue(), memory.outputs(), wait_list));
+        BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
+        BOOST_TEST(
+            (memory.distance.read(callers_queue()) == std::vector<std::uint32_t>(grid().sample_count(), untouched)));
+        begin.setStatus(CL_COMPLETE);
+        end.wait();
+        memory.check(expected, callers_queue());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_outlives_its_transform) {
+    const Field expected = compute(mesh(), grid(), band());
+    std::optional<DistanceTransform> transform(std::in_place, test_device(), mesh());
+    Plan first = transform->plan(grid(), band(), {.triangle = true});
+    Plan second = transform->plan(grid().part({3, 4, 5}, {20, 21, 22}), Band::full());
+    transform.reset();
+    Plan moved = std::move(first);
+    const Memory memory;
+    wait_and_release(moved.enqueue(nullptr, memory.outputs()));
+    memory.check(expected, callers_queue());
+    const DeviceMemory part(test_device().context(), second.grid().sample_count());
+    wait_and_release(second.enqueue(nullptr, {.distance = part.handle()}));
+    BOOST_TEST((part.read(callers_queue()) == bits_of(compute(mesh(), second.grid(), Band::full()).distance)));
+}
+
+// The plans of a transform keep their buffers to themselves.
+BOOST_AUTO_TEST_CASE(plans_do_not_disturb_one_another) {
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band(), {.triangle = true});
+    Plan other = transform.plan(grid(), Band::full(), {.triangle = true});
+    const Field between = transform(grid().part({0, 0, 0}, {30, 30, 30}), band());
+    const Memory memory, other_memory;
+    const cl::CommandQueue queue = callers_queue(), other_queue = callers_queue();
+    cl_event ended = plan.enqueue(queue(), memory.outputs());
+    wait_and_release(other.enqueue(other_queue(), other_memory.outputs()));
+    wait_and_release(ended);
+    memory.check(compute(mesh(), grid(), band()), queue);
+    other_memory.check(compute(mesh(), grid(), Band::full()), queue);
+    check_exact(mesh(), between);
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_without_triangles_leaves_the_callers_triangles_alone) {
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band());
+    const Memory memory;
+    wait_and_release(plan.enqueue(nullptr, memory.outputs()));
+    BOOST_TEST((memory.triangle.read(callers_queue()) == std::vector<std::uint32_t>(grid().sample_count(), untouched)));
+}
+
+BOOST_AUTO_TEST_CASE(memory_that_is_missing_is_an_error) {
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band(), {.triangle = true});
+    const Memory memory;
+    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::distance"}, [&] { plan.enqueue(nullptr, {}); });
+    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::triangle"},
+                 [&] { plan.enqueue(nullptr, {.distance = memory.distance.handle()}); });
+}

@@ -1,0 +1,96 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <limits>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// The tests' device as if it allocated at most so many bytes at once.
+Device with_largest_allocation(std::size_t bytes) {
+    setenv("CLSDF_MAX_ALLOCATION", std::to_string(bytes).c_str(), 1);
+    const Device device = Device::best();
+    unsetenv("CLSDF_MAX_ALLOCATION");
+    BOOST_REQUIRE(device.internal().capabilities().largest_allocation == bytes);
+    return device;
+}
+
+const Mesh& mesh() {
+    static const Mesh shape = [] {
+        Random random(5);
+        return random_sphere(random, "sphere3", 0.2);
+    }();
+    return shape;
+}
+
+Grid around_mesh(std::int64_t first_z) {
+    Grid grid = grid_around(mesh(), 84, 4);
+    grid.origin[2] -= grid.spacing[2] * static_cast<double>(first_z);
+    grid.first[2] = first_z;
+    return grid;
+}
+
+std::size_t slice_bytes(const Grid& grid) {
+    return static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sizeof(float);
+}
+
+}  // namespace
+
+// Slabs of several coarse bricks, of bricks, and of less than one.
+BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
+    for (const std::int64_t first : {0, -13}) {
+        const Grid grid = around_mesh(first);
+        for (const Band& band : {Band::symmetric(4 * grid.voxel()), Band{infinite, 2 * grid.voxel()}}) {
+            const Field whole = compute(mesh(), grid, band);
+            for (const std::size_t slices : {40U, 33U, 21U, 11U}) BOOST_TEST_CONTEXT(slices << " slices at most") {
+                    DistanceTransform transform(with_largest_allocation(slices * slice_bytes(grid)), mesh());
+                    BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
+                }
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(slabs_computed_by_groups_have_the_bytes_of_the_whole) {
+    const Grid grid = grid_around(mesh(), 60, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field whole = compute(mesh(), grid, band, KernelBody::by_group);
+    std::size_t calls = 0;
+    DistanceTransform transform(with_largest_allocation(320000), mesh(),
+                                {.body = KernelBody::by_group, .progress = [&](double) { ++calls; }});
+    BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
+    BOOST_TEST(calls > 3U, "the grid was not divided");
+}
+
+BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
+    const Grid grid = around_mesh(0);
+    const Band band = Band::symmetric(4 * grid.voxel());
+    DistanceTransform at_once(test_device(), mesh(), {.count = true});
+    at_once(grid, band);
+    std::vector<double> seen;
+    DistanceTransform transform(with_largest_allocation(33 * slice_bytes(grid)), mesh(),
+                                {.progress = [&](double fraction) { seen.push_back(fraction); }, .count = true});
+    transform(grid, band);
+    BOOST_TEST(seen.size() >= 3U);
+    BOOST_TEST(seen.front() == 0);
+    BOOST_TEST(seen.back() == 1);
+    BOOST_TEST(std::is_sorted(seen.begin(), seen.end()));
+    BOOST_TEST(transform.statistics().band_samples == at_once.statistics().band_samples);
+    BOOST_TEST(transform.statistics().lanes_evaluated == at_once.statistics().lanes_evaluated);
+}
+
+BOOST_AUTO_TEST_CASE(what_does_not_fit_a_device_is_named) {
+    const Mesh large = make_shape("sphere5");
+    DistanceTransform transform(with_largest_allocation(1 << 20), large);
+    check_throws(ErrorCode::out_of_memory, {"bytes", "1048576"},
+                 [&] { transform(grid_around(large, 32, 3), Band::symmetric(0.1)); });
+}

@@ -1,0 +1,85 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+
+#include <array>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+
+}  // namespace
+
+// Inside a cube of dyadic coordinates distances are exact in floats: samples on its diagonals, its medial planes and on
+// the faces' own diagonals are as near to several triangles.
+BOOST_AUTO_TEST_CASE(the_lowest_of_the_nearest_triangles_is_named) {
+    const Grid grid = grid_at({0, 0, 0}, 0.125, 9);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            const Mesh mesh = reordered(cube(1), random);
+            const Field expected = reference::reference_field(mesh, grid, Band::full());
+            for (const KernelBody body : both_bodies) {
+                const Field field = compute(mesh, grid, Band::full(), body);
+                BOOST_TEST(field.triangle[grid.offset(9, 9, 9)] == 0U);
+                std::size_t inside = 0;
+                for (std::size_t at = 0; at < field.distance.size(); ++at)
+                    if (expected.distance[at] < 0) {
+                        ++inside;
+                        BOOST_REQUIRE(field.distance[at] == expected.distance[at]);
+                        BOOST_REQUIRE(field.triangle[at] == expected.triangle[at]);
+                    }
+                BOOST_TEST(inside == 15U * 15U * 15U);
+            }
+        }
+}
+
+// Over a face both copies are looked at, and equally far to the last bit. Beside an edge or a vertex, which many
+// triangles share anyhow, only one of them may be.
+BOOST_AUTO_TEST_CASE(of_equal_triangles_the_first_is_named) {
+    const Mesh once = tilted(make_shape("seashell"));
+    const auto count = static_cast<std::uint32_t>(once.triangles().size());
+    std::vector<Triangle> triangles = once.triangles();
+    triangles.insert(triangles.end(), once.triangles().begin(), once.triangles().end());
+    const Mesh twice(once.vertices(), triangles, "seashell twice");
+    const Grid grid = grid_around(twice, 28, 4);
+    const reference::Oracle oracle(once);
+    for (const KernelBody body : both_bodies) {
+        const Field field = compute(twice, grid, Band::symmetric(3 * grid.voxel()), body);
+        check_exact(twice, field);
+        std::size_t over_faces = 0;
+        for (std::int64_t k = 0; k < grid.size[2]; ++k)
+            for (std::int64_t j = 0; j < grid.size[1]; ++j)
+                for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+                    const std::uint32_t triangle = field.triangle[grid.offset(i, j, k)];
+                    if (triangle == no_triangle) continue;
+                    const reference::Nearest nearest = oracle.nearest(grid.position(i, j, k));
+                    if (nearest.site != reference::Site::face) continue;
+                    ++over_faces;
+                    BOOST_REQUIRE(triangle < count);
+                }
+        BOOST_TEST(over_faces > 1000U);
+    }
+}
+
+// Thousands of triangles are as near as rounding tells: any of the nearest is right, and always the same one.
+BOOST_AUTO_TEST_CASE(the_centre_of_a_sphere_is_nearest_to_one_of_its_triangles) {
+    const Mesh mesh = make_shape("sphere4");
+    for (const KernelBody body : both_bodies) {
+        const Field field = compute(mesh, grid_at({0, 0, 0}, 0.0625, 3), Band::full(), body);
+        check_exact(mesh, field, guaranteed);
+        BOOST_TEST(same_bytes(field, compute(mesh, field.grid, field.band, body)));
+    }
+}
+
+// On the octahedron all planes are equally far from the centre, and their numbers are the same but for order and sign.
+BOOST_AUTO_TEST_CASE(the_centre_of_an_octahedron_is_nearest_to_its_first_triangle) {
+    Random random(3);
+    const Mesh mesh = reordered(make_shape("sphere0"), random);
+    for (const KernelBody body : both_bodies) {
+        const Field field = compute(mesh, grid_at({0, 0, 0}, 0.125, 2), Band::full(), body);
+        check_exact(mesh, field);
+        BOOST_TEST(field.triangle[field.grid.offset(2, 2, 2)] == 0U);
+    }
+}
