@@ -203,6 +203,24 @@ BOOST_AUTO_TEST_CASE(the_complete_test_finds_the_gaps_that_a_search_finds) {
     BOOST_TEST(10 * confirmed > 9 * gaps);
 }
 
+// Many planes meet in one line exactly, with the others on one side of it or not.
+BOOST_AUTO_TEST_CASE(fans_on_a_lattice_have_the_gaps_that_a_search_finds) {
+    std::size_t saddles = 0;
+    for (std::uint64_t seed = 0; seed < 400; ++seed) {
+        Random random(seed);
+        std::vector<Vec3> ring{{1, 0, 0},  {1, 1, 0},   {0, 1, 0},  {-1, 1, 0},
+                               {-1, 0, 0}, {-1, -1, 0}, {0, -1, 0}, {1, -1, 0}};
+        for (Vec3& neighbour : ring) neighbour[2] = std::round(random.uniform(-1.5, 1.5));
+        const Mesh mesh = closed_fan("lattice", ring);
+        if (classify(mesh).vertices[0] != VertexKind::saddle) continue;
+        ++saddles;
+        const Fan fan = fan_of_apex(mesh);
+        FanSigns signs(fan);
+        BOOST_TEST_CONTEXT("seed " << seed) BOOST_TEST(has_gap(signs) == has_direction_beyond_all(fan));
+    }
+    BOOST_TEST(saddles > 100U);
+}
+
 BOOST_AUTO_TEST_CASE(every_exact_answer_is_one_that_the_filter_could_not_give) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         Random random(seed);
