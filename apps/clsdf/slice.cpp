@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "interruption.hpp"
 #include "output.hpp"
 #include "progress_bar.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 using clsdf::picture::Axis;
-using clsdf::picture::Slice;
 using clsdf::picture::SlicePictures;
 using nlohmann::ordered_json;
 
@@ -44,8 +44,12 @@ std::string numbered(const std::string& path, std::int64_t index, std::int64_t c
 std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std::int64_t count,
                                    const std::string& path) {
     std::vector<std::string> files;
+    const Interruption interruption;
     ProgressBar progress(true);
     for (std::int64_t index = 0; index < count; ++index) {
+        if (interruption.token().stop_requested())
+            throw clsdf::Error(clsdf::ErrorCode::cancelled,
+                               fmt::format("cancelled; {} of {} pictures were written", index, count));
         files.push_back(numbered(path, index, count));
         pictures.write_slice({axis, index}, files.back());
         progress.show(static_cast<double>(index + 1) / static_cast<double>(count));

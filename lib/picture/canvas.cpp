@@ -1,9 +1,10 @@
 #include "picture/canvas.hpp"
 
+#include "picture/text.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <cairo-pdf.h>
-#include <cairo.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -106,26 +107,27 @@ void Canvas::place(const Raster& raster, int left, int top) {
     cairo_fill(context);
 }
 
-void Canvas::choose_font(const TextStyle& style) const {
-    cairo_select_font_face(context_.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+std::string Canvas::choose_font(const std::string& text, const TextStyle& style) const {
+    cairo_t* context = context_.get();
+    cairo_select_font_face(context, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                            style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(context_.get(), style.size);
+    cairo_set_font_size(context, style.size);
+    // Where no font is installed, cairo has letters of its own, without a minus sign among them.
+    const bool poor = cairo_scaled_font_get_type(cairo_get_scaled_font(context)) == CAIRO_FONT_TYPE_USER;
+    return poor ? in_ascii(text) : text;
 }
 
 double Canvas::width_of(const std::string& text, const TextStyle& style) const {
-    choose_font(style);
+    const std::string shown = choose_font(text, style);
     cairo_text_extents_t extents;
-    cairo_text_extents(context_.get(), text.c_str(), &extents);
+    cairo_text_extents(context_.get(), shown.c_str(), &extents);
     check(cairo_status(context_.get()));
-    if (!text.empty() && !(extents.x_advance > 0))
-        throw Error(ErrorCode::unsupported,
-                    "the picture needs a font for its text, and none is installed; on Debian and its kin: apt-get "
-                    "install fonts-dejavu-core");
     return extents.x_advance;
 }
 
 void Canvas::write(const std::string& text, const Point& at, const TextStyle& style) {
     const double width = width_of(text, style);
+    const std::string shown = choose_font(text, style);
     cairo_t* context = context_.get();
     cairo_save(context);
     cairo_translate(context, at[0], at[1]);
@@ -133,7 +135,7 @@ void Canvas::write(const std::string& text, const Point& at, const TextStyle& st
     cairo_move_to(context, -width * part_of(style.horizontal),
                   capital_height * style.size * (1 - part_of(style.vertical)));
     set_colour(context, style.colour);
-    cairo_show_text(context, text.c_str());
+    cairo_show_text(context, shown.c_str());
     cairo_new_path(context);  // text leaves a point behind, from which the next line would start
     cairo_restore(context);
 }

@@ -2,15 +2,14 @@
 
 #include "picture/colours.hpp"
 
+#include <cairo.h>
+
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
-
-using cairo_t = struct _cairo;
-using cairo_surface_t = struct _cairo_surface;
 
 namespace clsdf::picture {
 
@@ -54,7 +53,8 @@ struct Raster {
 };
 
 /// Paper without edges: draw anywhere, and what was drawn becomes a picture that is as large as it has to be. Lengths
-/// are in pixels. Functions throw Error(out_of_memory), or Error(unsupported) where there is no font to write with.
+/// are in pixels. Text is UTF-8, in DejaVu Sans or what is nearest to it; on a machine without any font it is drawn in
+/// strokes, and in ASCII. Functions throw Error(out_of_memory).
 class Canvas {
 public:
     Canvas();
@@ -94,13 +94,11 @@ private:
 
     Rectangle sheet(double margin) const;
     void replay(cairo_surface_t* target, const Rectangle& sheet, double scale) const;
-    void choose_font(const TextStyle& style) const;
+    /// The text as the font that it chooses can show it.
+    std::string choose_font(const std::string& text, const TextStyle& style) const;
 
     Surface recording_;
     Context context_;
 };
-
-/// The text with every byte that is not UTF-8 replaced, and its middle left out where it is longer than `characters`.
-std::string printable(const std::string& text, std::size_t characters);
 
 }  // namespace clsdf::picture

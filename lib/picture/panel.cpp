@@ -65,7 +65,7 @@ void draw_iso_lines(Canvas& canvas, const Frame& frame, const Manner& manner, do
 template <class LabelLength>
 Scale ticks_along(double lower, double upper, double pixels, double unit, const LabelLength& label_length) {
     Scale scale;
-    for (int count = std::max(4, static_cast<int>(pixels / (80 * unit))); count >= 1; --count) {
+    for (int count = std::max(4, static_cast<int>(pixels / (60 * unit))); count >= 1; --count) {
         scale = scale_between(lower, upper, count);
         if (scale.values.size() < 2) return scale;
         double longest = 0;

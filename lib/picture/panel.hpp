@@ -8,10 +8,13 @@ namespace clsdf::picture {
 
 /// What all slices of a field are drawn with.
 struct Manner {
+    Manner(const Colours& given_colours, bool given_zero_line, double given_unit)
+        : colours(given_colours), zero_line(given_zero_line), unit(given_unit) {}
+
     Colours colours;
-    Scale levels;     ///< of the iso-lines
-    bool zero_line;   ///< a field without a sign has none
-    double unit = 1;  ///< pixels: the lengths and text sizes of the drawing are multiples of it
+    Scale levels;    ///< of the iso-lines
+    bool zero_line;  ///< a field without a sign has none
+    double unit;     ///< pixels: the lengths and text sizes of the drawing are multiples of it
 };
 
 inline constexpr Colour ink{0.1, 0.11, 0.13};

@@ -50,7 +50,10 @@ std::vector<double> round_values(double lower, double upper, double step) {
 }
 
 Scale scale_between(double lower, double upper, int count) {
-    const double step = round_step((upper - lower) / count);
+    return scale_with_step(lower, upper, round_step((upper - lower) / count));
+}
+
+Scale scale_with_step(double lower, double upper, double step) {
     Scale scale{round_values(lower, upper, step), {}, {}};
 
     const double largest = std::max(std::abs(lower), std::abs(upper));

@@ -20,6 +20,9 @@ struct Scale {
     std::string remark;
 };
 
+/// The multiples of `step` within [lower, upper], and their labels.
+Scale scale_with_step(double lower, double upper, double step);
+
 /// Round values within [lower, upper], at most about `count`, and their labels.
 Scale scale_between(double lower, double upper, int count);
 

@@ -1,5 +1,6 @@
 #include "core/atomic_file.hpp"
 #include "picture/colour_bar.hpp"
+#include "picture/text.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -20,6 +21,7 @@ constexpr double panel_gap = 64;     // between the panels of a mosaic, for the 
 constexpr double bar_gap = 40;       // between panel and colour bar
 constexpr double least_bar = 340;    // the height of a colour bar beside a flat panel
 constexpr int most_levels = 24;      // iso-lines, about; half as many on one side
+constexpr double line_gap = 6;       // at least between iso-lines; no distance grows faster than the way
 constexpr double print_width = 468;  // points on the longer side of what is drawn: 6.5 inches
 
 bool is_pdf(const std::string& path) {
@@ -33,9 +35,10 @@ bool is_pdf(const std::string& path) {
 }
 
 void write_picture(const Canvas& canvas, double unit, const std::string& path) {
-    const bool pdf = is_pdf(path);
+    const std::string bytes =
+        is_pdf(path) ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit);
     AtomicFile file(path);
-    file.write(pdf ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit));
+    file.write(bytes);
     file.commit();
 }
 
@@ -47,12 +50,12 @@ public:
           bar_{lower, upper, has_sign && lower <= -static_cast<double>(static_cast<float>(field.band.inside)),
                upper >= static_cast<double>(static_cast<float>(field.band.outside)),
                has_sign ? "signed distance (mesh units)" : "distance (mesh units)"},
-          manner_{Colours(lower, upper, field.band, has_sign), levels(has_sign ? most_levels : most_levels / 2),
-                  has_sign, static_cast<double>(pixels) / page} {}
+          manner_(Colours(lower, upper, field.band, has_sign), has_sign, static_cast<double>(pixels) / page) {}
 
     void slice(const Plane& plane, const Slice& slice, const std::string& path) {
         const double sides[] = {plane.upper[0] - plane.lower[0], plane.upper[1] - plane.lower[1]};
         const double scale = page * manner_.unit / std::max(sides[0], sides[1]);
+        choose_levels(scale);
         const Rectangle panel{0, 0, whole(sides[0] * scale), whole(sides[1] * scale)};
         draw_plane(canvas_, plane, panel, manner_);
         draw_axis_below(canvas_, plane, panel, manner_, false);
@@ -82,6 +85,7 @@ public:
         const double y = left.upper[1] - left.lower[1];
         const double z = right.upper[0] - right.lower[0];
         const double scale = units(page - panel_gap) / std::max(x + z, y + z);
+        choose_levels(scale);
         const double gap = whole(units(panel_gap));
         const Rectangle upper_left{0, 0, whole(x * scale), whole(z * scale)};
         const Rectangle lower_left{0, upper_left.bottom() + gap, upper_left.width, whole(y * scale)};
@@ -108,10 +112,16 @@ private:
 
     static double whole(double pixels) { return std::max(1.0, std::round(pixels)); }
 
-    // Levels at the very end of the band would follow its stairs.
-    Scale levels(int most) const {
-        const double room = 1e-6 * (bar_.upper - bar_.lower);
-        return scale_between(std::min(0.0, bar_.lower + room), std::max(0.0, bar_.upper - room), most);
+    // `scale`: pixels per mesh unit.
+    void choose_levels(double scale) {
+        const double range = bar_.upper - bar_.lower;
+        double least = std::max(range / (manner_.zero_line ? most_levels : most_levels / 2), units(line_gap) / scale);
+        // A band that is narrow on paper has a line on either side all the same.
+        while (round_step(least) >= std::max(-bar_.lower, bar_.upper)) least /= 2;
+        // A level at the very end of the band would follow its stairs.
+        const double room = 1e-6 * range;
+        manner_.levels =
+            scale_with_step(std::min(0.0, bar_.lower + room), std::max(0.0, bar_.upper - room), round_step(least));
     }
 
     TextStyle small() const { return {0.86 * units(text_size), Place::start, Place::end, false, false, faint_ink}; }
@@ -126,8 +136,10 @@ private:
         Index3 sample{};
         const auto axis = static_cast<std::size_t>(slice.axis);
         sample[axis] = slice.index;
-        return fmt::format("{} = {}", name_of(slice.axis),
-                           number(field_.grid.position(sample[0], sample[1], sample[2])[axis], 6));
+        const double position = field_.grid.position(sample[0], sample[1], sample[2])[axis];
+        // The rounding of a position that is meant to be zero.
+        const bool zero = std::abs(position) < 1e-9 * field_.grid.spacing[axis];
+        return fmt::format("{} = {}", name_of(slice.axis), number(zero ? 0 : position, 6));
     }
 
     std::string description() const {

@@ -10,7 +10,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/iso_lines.cpp
           ${CMAKE_CURRENT_LIST_DIR}/panel.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plane.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/printable.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/round_values.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_pictures.cpp)
 target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

@@ -15,12 +15,12 @@ public:
     enum class Answer { not_empty, empty, undecided };
 
     Answer cut(const Vector2& condition) {
-        const double length = condition.norm();
-        if (!(length > negligible)) return Answer::not_empty;  // the circle is nearly that condition's own
-        const Vector2 first(condition.y(), -condition.x());
+        const double squared = condition.squaredNorm();
+        if (!(squared > negligible * negligible))
+            return Answer::not_empty;  // the circle is nearly that condition's own
         if (is_whole_) {
             is_whole_ = false;
-            first_ = {first / length, tolerance / length};
+            first_ = first_end(condition);
             last_ = {-first_.direction, first_.error};
             return Answer::not_empty;
         }
@@ -28,14 +28,15 @@ public:
         const double at_last = condition.dot(last_.direction);
         if (at_first >= 0 && at_last >= 0) return leaves_middle(condition);
         if (at_first < 0 && at_last < 0) {
+            const double length = std::sqrt(squared);
             const bool is_certain =
                 at_first < -tolerance - length * first_.error && at_last < -tolerance - length * last_.error;
             return is_certain ? Answer::empty : Answer::undecided;
         }
         if (at_first < 0) {
-            first_ = {first / length, tolerance / length};
+            first_ = first_end(condition);
         } else {
-            last_ = {-first / length, tolerance / length};
+            last_ = first_end(-condition);
         }
         return Answer::not_empty;
     }
@@ -56,6 +57,12 @@ private:
         Vector2 direction;  // of unit length
         double error;       // angle by which rounding may have moved it
     };
+
+    /// Where the half turn that satisfies the condition begins.
+    static End first_end(const Vector2& condition) {
+        const double scale = 1 / condition.norm();
+        return {{scale * condition.y(), -scale * condition.x()}, scale * tolerance};
+    }
 
     bool is_half_turn() const { return first_.direction.dot(last_.direction) < -1 + 1e-12; }
 

@@ -3,13 +3,12 @@
 #include "polyhedra/dihedral.hpp"
 #include "polyhedra/parallel.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 namespace clsdf::polyhedra {
 
@@ -57,10 +56,12 @@ public:
             set_pair(faces[0].edge(), faces[1].edge());
             return;
         }
-        const std::uint8_t marks = faces.size() == 1 ? edge_open : edge_non_manifold;
+        const bool at_box = std::any_of(faces.begin(), faces.end(),
+                                        [&](const EdgeEntry& entry) { return frames_[entry.edge().face].is_box; });
+        std::uint8_t marks = faces.size() == 1 ? edge_open : edge_non_manifold;
+        if (at_box) marks |= edge_at_box;
         for (const EdgeEntry& entry : faces) faces_[entry.edge().face].marks[entry.edge().vertex] = marks;
-        const auto is_box = [&](const EdgeEntry& entry) { return frames_[entry.edge().face].is_box; };
-        if (std::any_of(faces.begin(), faces.end(), is_box)) {
+        if (at_box) {
             for (const EdgeEntry& entry : faces) set_slopes(entry.edge(), 0, 0);
         } else if (faces.size() == 1) {
             set_slopes(faces[0].edge(), infinite, infinite);
@@ -94,7 +95,9 @@ private:
         double below = 0;
         const TriangleFrame& first_frame = frames_[first.face];
         const TriangleFrame& second_frame = frames_[second.face];
-        if (!first_frame.is_box && !second_frame.is_box) {
+        if (first_frame.is_box || second_frame.is_box) {
+            marks |= edge_at_box;
+        } else {
             const Vector first_inward = first_frame.inward(first.vertex);
             const Vector second_inward = second_frame.inward(second.vertex);
             if (folded(first_inward, second_inward)) {
@@ -164,18 +167,20 @@ float open_slope(double half_width, double slack) {
     return std::max(CLSDF_OPEN_SLOPE, rounded_up(2 * half_width / slack));
 }
 
-std::vector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                   std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
-    std::vector<FaceEdges> faces(triangles.size());
+UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
+                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
+    UninitializedVector<FaceEdges> faces(triangles.size());
     for_each_index(triangles.size(), [&](std::size_t face) {
-        if (frames[face].is_box) faces[face].above = faces[face].below = {open, open, open};
+        faces[face] = {};
+        if (!frames[face].is_box) return;
+        faces[face].above = faces[face].below = {open, open, open};
+        faces[face].marks = {edge_at_box, edge_at_box, edge_at_box};  // an edge from a vertex to itself is not visited
     });
     const EdgeSlopes slopes(mesh, triangles, frames, faces, open);
-    tbb::enumerable_thread_specific<std::vector<EdgeEntry>> entries_of_thread;
-    for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
-        std::vector<EdgeEntry>& entries = entries_of_thread.local();
-        for (std::size_t vertex = begin; vertex != end; ++vertex) {
-            slopes.collect(rings, static_cast<std::uint32_t>(vertex), entries);
+    for_each_vertex(
+        triangles, rings, [&] { return std::vector<EdgeEntry>(); },
+        [&](std::uint32_t vertex, std::vector<EdgeEntry>& entries) {
+            slopes.collect(rings, vertex, entries);
             for (auto first = entries.begin(); first != entries.end();) {
                 const auto last = std::find_if(first, entries.end(), [first](const EdgeEntry& entry) {
                     return entry.higher_vertex() != first->higher_vertex();
@@ -183,8 +188,7 @@ std::vector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> t
                 slopes.set({first, last});
                 first = last;
             }
-        }
-    });
+        });
     return faces;
 }
 

@@ -4,8 +4,6 @@
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/vertex_fans.hpp"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -36,15 +34,9 @@ public:
 
     std::uint8_t operator()(std::size_t vertex) {
         std::uint8_t edges = 0;
-        bool at_box = false;
-        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
-            const Corner corner = rings_.corner(vertex, i);
-            edges |= marks_at(corner);
-            at_box |= frames_[corner.face].is_box;
-        }
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) edges |= marks_at(rings_.corner(vertex, i));
         const bool is_saddle = (edges & saddle) == saddle;
-        return static_cast<std::uint8_t>((is_saddle ? vertex_saddle : 0) |
-                                         (has_gap(vertex, edges, at_box) ? vertex_gap : 0));
+        return static_cast<std::uint8_t>((is_saddle ? vertex_saddle : 0) | (has_gap(vertex, edges) ? vertex_gap : 0));
     }
 
 private:
@@ -59,8 +51,8 @@ private:
 
     /// Only a closed fan with edges of both kinds can leave directions out, and only if every fan of the vertex does.
     /// Where more than two faces share an edge there are no fans, and any normal may be left out.
-    bool has_gap(std::size_t vertex, std::uint8_t edges, bool at_box) {
-        if (at_box) return false;  // the box holds all points that are nearest to the vertex
+    bool has_gap(std::size_t vertex, std::uint8_t edges) {
+        if (edges & edge_at_box) return false;  // the box holds all points that are nearest to the vertex
         if (edges & edge_non_manifold) return has_normals(vertex);
         if ((edges & edge_open) || !can_be_mixed(edges)) return false;
 
@@ -219,13 +211,10 @@ std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> 
     // A direction rejected by less than this lies within a quarter of the slack of the polyhedron (METHOD,
     // section 8.2).
     const double margin = slack / (4 * std::max(half_width, 1.0));
-    tbb::enumerable_thread_specific<GapTest> test_of_thread(
-        [&] { return GapTest(mesh, triangles, frames, faces, rings, lattice, margin); });
     std::vector<std::uint8_t> marks(rings.vertex_count());
-    for_each_range(marks.size(), [&](std::size_t begin, std::size_t end) {
-        GapTest& test = test_of_thread.local();
-        for (std::size_t vertex = begin; vertex != end; ++vertex) marks[vertex] = test(vertex);
-    });
+    for_each_vertex(
+        triangles, rings, [&] { return GapTest(mesh, triangles, frames, faces, rings, lattice, margin); },
+        [&](std::uint32_t vertex, GapTest& test) { marks[vertex] = test(vertex); });
     return marks;
 }
 

@@ -15,10 +15,10 @@ namespace clsdf::polyhedra {
 
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options) {
-    const std::vector<std::uint32_t> order = morton_order(mesh);
+    const UninitializedVector<std::uint32_t> order = morton_order(mesh);
     const std::size_t count = order.size();
-    std::vector<Triangle> triangles(count);
-    std::vector<TriangleFrame> frames(count);
+    UninitializedVector<Triangle> triangles(count);
+    UninitializedVector<TriangleFrame> frames(count);
     for_each_index(count, [&](std::size_t face) {
         const Triangle& triangle = triangles[face] = mesh.triangles()[order[face]];
         const std::vector<Vec3>& vertices = mesh.vertices();
@@ -27,7 +27,7 @@ LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
 
     const OneRings rings(triangles, mesh.vertices().size());
     const float open = open_slope(half_width, slack);
-    std::vector<FaceEdges> faces = edge_slopes(mesh, triangles, frames, rings, open);
+    UninitializedVector<FaceEdges> faces = edge_slopes(mesh, triangles, frames, rings, open);
     if (options.lean) for_each_index(count, [&](std::size_t face) { lean(frames[face], faces[face]); });
     const std::vector<std::uint8_t> marks =
         find_gaps(mesh, triangles, frames, faces, rings, lattice, half_width, slack);

@@ -2,9 +2,8 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedron.h"
-
-#include <vector>
 
 namespace clsdf::polyhedra {
 
@@ -19,7 +18,7 @@ struct LatticeView {
 struct LeanedFrusta {
     /// A polyhedron a triangle, in Morton order, then the point sites by vertex. Together they are exact: every point y
     /// within `half_width` of the mesh lies in the polyhedron of a triangle at the distance dist(y, mesh).
-    std::vector<Polyhedron> polyhedra;
+    UninitializedVector<Polyhedron> polyhedra;
     std::size_t saddle_vertices = 0;  ///< with convex and concave edges, by exact predicates
     std::size_t point_sites = 0;
     std::size_t boxes = 0;  ///< faces so degenerate that their polyhedron is a box

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace clsdf::polyhedra {
 
@@ -55,7 +57,7 @@ private:
 };
 
 /// One stable pass of a radix sort, in blocks: every block knows where its first triangle of each digit goes.
-void sort_by_digit(const std::vector<Keyed>& from, std::vector<Keyed>& to, unsigned shift) {
+void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned shift) {
     constexpr std::size_t block = 1u << 15;
     const std::size_t blocks = (from.size() + block - 1) / block;
     std::vector<std::array<std::uint32_t, digit_values>> next(blocks);
@@ -74,11 +76,11 @@ void sort_by_digit(const std::vector<Keyed>& from, std::vector<Keyed>& to, unsig
 
 }  // namespace
 
-std::vector<std::uint32_t> morton_order(const Mesh& mesh) {
+UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
     const std::size_t count = mesh.triangles().size();
     const CentroidCode code(mesh);
-    std::vector<Keyed> sorted(count);
-    std::vector<Keyed> other(count);
+    UninitializedVector<Keyed> sorted(count);
+    UninitializedVector<Keyed> other(count);
     for_each_index(count, [&](std::size_t t) {
         sorted[t] = {code(mesh.triangles()[t]), static_cast<std::uint32_t>(t)};
     });
@@ -86,7 +88,7 @@ std::vector<std::uint32_t> morton_order(const Mesh& mesh) {
         sort_by_digit(sorted, other, static_cast<unsigned>(pass) * digit_bits);
         sorted.swap(other);
     }
-    std::vector<std::uint32_t> order(count);
+    UninitializedVector<std::uint32_t> order(count);
     for_each_index(count, [&](std::size_t i) { order[i] = sorted[i].triangle; });
     return order;
 }

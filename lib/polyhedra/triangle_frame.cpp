@@ -72,7 +72,7 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
         frame.across = altitude / height;
         frame.across = (frame.across - frame.across.dot(frame.along) * frame.along).normalized();
     }
-    if (!(height > 0) || !(std::abs(frame.across.dot(frame.along)) < 1e-12)) {
+    if (!(height > 0) || !(frame.across.squaredNorm() > 0.5) || !(std::abs(frame.across.dot(frame.along)) < 1e-12)) {
         height = 0;
         frame.across = any_perpendicular(frame.along);
     }

@@ -3,6 +3,7 @@
 #include "picture/canvas.hpp"
 #include "picture/colours.hpp"
 #include "picture/example.hpp"
+#include "picture/text.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -10,6 +11,7 @@
 
 #include <cairo.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -79,9 +81,10 @@ BOOST_AUTO_TEST_CASE(tell_inside_from_outside) {
 BOOST_AUTO_TEST_CASE(grow_darker_away_from_the_surface) {
     for (const bool has_sign : {true, false}) {
         const Colours colours(has_sign ? -1 : 0, 1, Band::full(), has_sign);
-        for (double distance = 0.05; distance <= 1; distance += 0.05)
+        for (int step = 1; step <= 20; ++step)
             for (const double sign : {-1, 1}) {
                 if (sign < 0 && !has_sign) continue;
+                const double distance = 0.05 * step;
                 const Colour near = colours(sign * (distance - 0.05));
                 const Colour far = colours(sign * distance);
                 BOOST_TEST(near[0] + near[1] + near[2] > far[0] + far[1] + far[2]);
@@ -109,7 +112,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     const TemporaryFolder folder;
     const std::string path = folder.file("mosaic.png");
     const Field field = two_balls();
-    SlicePictures(field, {360}).write_mosaic({16, 15, 9}, path);
+    SlicePictures(field, {240}).write_mosaic({16, 15, 9}, path);
     if (const char* target = std::getenv("CLSDF_NEW_GOLDEN"))
         std::filesystem::copy_file(path, target, std::filesystem::copy_options::overwrite_existing);
     const Raster golden = read_png(CLSDF_GOLDEN);
@@ -131,6 +134,13 @@ BOOST_AUTO_TEST_CASE(have_both_hues_with_a_sign_and_no_orange_without) {
     SlicePictures(without, {200}).write_slice({Axis::z, 10}, folder.file("unsigned.png"));
     BOOST_TEST(count_bluish(read_png(folder.file("unsigned.png")), 60) > 1000U);
     BOOST_TEST(count_bluish(read_png(folder.file("unsigned.png")), -60) == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(have_no_more_iso_lines_than_a_narrow_band_has_room_for) {
+    const TemporaryFolder folder;
+    const Field field = two_balls(true, 0.06);
+    SlicePictures(field, {400}).write_slice({Axis::z, 10}, folder.file("narrow.png"));
+    BOOST_TEST(count_bluish(read_png(folder.file("narrow.png")), -120) > 3500U);
 }
 
 BOOST_AUTO_TEST_CASE(are_the_same_bytes_on_every_run) {
@@ -211,9 +221,11 @@ BOOST_AUTO_TEST_CASE(need_a_field_that_fits_its_grid_and_pixels_that_make_sense)
 BOOST_AUTO_TEST_CASE(show_any_name) {
     BOOST_TEST(printable("Häschen.off", 48) == "Häschen.off");
     BOOST_TEST(printable("a\xff\xe4z", 48) == "a\uFFFD\uFFFDz");
+    BOOST_TEST(printable("\xc0\x80", 48) == "\uFFFD\uFFFD");
     BOOST_TEST(printable("a\nb", 48) == "a\uFFFDb");
     BOOST_TEST(printable("\xed\xa0\x80", 48) == "\uFFFD\uFFFD\uFFFD");
     BOOST_TEST(printable("abcdefghij", 4) == "ab…ij");
+    BOOST_TEST(clsdf::picture::in_ascii("−0.2 × 10⁻⁶ … Häschen") == "-0.2 x 10^-6 ... H?schen");
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -48,7 +48,7 @@ inline reference::CheckReport check_exact(const Mesh& mesh, const Field& field, 
     options.samples = 0;
     options.tolerance_voxels = accuracy.voxels;
     options.tolerance_ulp = accuracy.ulp;
-    const reference::CheckReport report = reference::check(mesh, field, options);
+    reference::CheckReport report = reference::check(mesh, field, options);
     BOOST_TEST_CONTEXT("mesh " << mesh.name() << ", grid of " << field.grid.size[0] << " x " << field.grid.size[1]
                                << " x " << field.grid.size[2] << ", half widths in voxels "
                                << field.band.inside / field.grid.voxel() << " and "
@@ -71,7 +71,7 @@ inline reference::CheckReport check_exact(const Mesh& mesh, const Field& field, 
 /// Computed and held against the reference; there must be something in the band to look at.
 inline reference::CheckReport check_exact(const Mesh& mesh, const Grid& grid, const Band& band,
                                           const Accuracy& accuracy = aimed) {
-    const reference::CheckReport report = check_exact(mesh, compute(mesh, grid, band), accuracy);
+    reference::CheckReport report = check_exact(mesh, compute(mesh, grid, band), accuracy);
     BOOST_TEST(report.band_samples > 0U, "nothing of " << mesh.name() << " is in the band");
     return report;
 }

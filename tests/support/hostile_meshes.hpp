@@ -80,6 +80,7 @@ inline Mesh without_triangle(const Mesh& mesh, std::size_t index) {
 
 inline Mesh box(const Vec3& lower, const Vec3& upper, std::string name = "box") {
     std::vector<Vec3> vertices;
+    vertices.reserve(8);
     for (int corner = 0; corner < 8; ++corner)
         vertices.push_back({(corner & 1) != 0 ? upper[0] : lower[0], (corner & 2) != 0 ? upper[1] : lower[1],
                             (corner & 4) != 0 ? upper[2] : lower[2]});
@@ -146,6 +147,7 @@ inline Mesh random_stairs(Random& random, std::size_t steps) {
     }
     // Below, from left to right, then the steps from right to left: two points each.
     std::vector<std::array<double, 2>> profile;
+    profile.reserve(3 * steps + 1);
     for (const double at : x) profile.push_back({at, 0});
     const auto lower = [&](std::size_t i) { return static_cast<std::uint32_t>(i); };
     std::vector<std::uint32_t> upper_right(steps), upper_left(steps);

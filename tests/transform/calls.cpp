@@ -32,6 +32,7 @@ Grid around_mesh() {
 
 BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
     std::vector<Mesh> meshes;
+    meshes.reserve(4);
     for (const char* name : {"knot", "torus", "seashell", "noisy"}) meshes.push_back(make_shape(name));
     const auto field_of = [&](std::size_t i) {
         const Grid grid = grid_around(meshes[i], 36, 4);
@@ -40,6 +41,7 @@ BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
     std::vector<Field> together(meshes.size());
     std::vector<int> differences(meshes.size());
     std::vector<std::thread> threads;
+    threads.reserve(meshes.size());
     for (std::size_t i = 0; i < meshes.size(); ++i)
         threads.emplace_back([&, i] {
             together[i] = field_of(i);

@@ -75,6 +75,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_beyond_the_signs_integers_is_refused) {
 // Rows that cross thousands of walls, in no order, several of them between two samples.
 BOOST_AUTO_TEST_CASE(rows_of_many_crossings_have_every_sign_right) {
     std::vector<Mesh> slices;
+    slices.reserve(1500);
     for (int i = 0; i < 1500; ++i) {
         const double x = 0.01 + 0.0613 * ((i * 611) % 1500);
         slices.push_back(box({x, -0.9, -0.8}, {x + 0.0331, 0.93, 0.87}));

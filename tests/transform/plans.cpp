@@ -6,8 +6,9 @@
 #include "device/context.hpp"
 
 #include <array>
-#include <memory>
+#include <chrono>
 #include <optional>
+#include <thread>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -86,6 +87,7 @@ BOOST_AUTO_TEST_CASE(a_plan_waits_for_the_callers_events) {
         const cl_event wait_list[] = {begin()};
         // Returns although nothing can begin: it does not block.
         const cl::Event end(plan.enqueue(queue(), memory.outputs(), wait_list));
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));  // many times what the field takes
         BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
         BOOST_TEST(
             (memory.distance.read(callers_queue()) == std::vector<std::uint32_t>(grid().sample_count(), untouched)));

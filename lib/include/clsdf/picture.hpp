@@ -29,8 +29,9 @@ struct Options {
 };
 
 /// Draws slices of one field: colours by sign and distance, iso-lines at round values, a strong line where the distance
-/// is zero, axes in the mesh's units, and a colour bar that is the same for every slice of the field. What lies beyond
-/// the band has a flat, paler tone by its sign. A field without a sign has colours on one side only and no zero line.
+/// is zero, axes in the mesh's units, and a colour bar. A distance has the same colour in every slice of the field, and
+/// all slices along an axis have the same iso-lines. What lies beyond the band has a flat, paler tone by its sign. A
+/// field without a sign has colours on one side only and no zero line.
 class SlicePictures {
 public:
     /// Keeps a reference to the field. Throws Error(invalid_argument) where the distances do not fit the grid, or the
