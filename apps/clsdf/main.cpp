@@ -69,7 +69,8 @@ ExitStatus run(int argument_count, char** arguments) {
                                "  clsdf check bunny.off bunny.nrrd\n"
                                "  clsdf shape sphere6 -o sphere6.off\n\n") +
                    exit_status_help());
-    const std::vector<Command> commands{add_compute(program), add_check(program), add_slice(program), add_shape(program)};
+    const std::vector<Command> commands{add_compute(program), add_check(program), add_info(program), add_slice(program),
+                                        add_shape(program)};
 
     try {
         program.parse(argument_count, arguments);

@@ -101,7 +101,7 @@ private:
             const Vector first_inward = first_frame.inward(first.vertex);
             const Vector second_inward = second_frame.inward(second.vertex);
             if (folded(first_inward, second_inward)) {
-                marks |= edge_open;
+                marks |= edge_open | edge_folded;
                 above = below = infinite;
             } else if (side != 0) {
                 (side < 0 ? above : below) = half_wedge_slope(first_inward, second_inward);

@@ -19,6 +19,7 @@ enum EdgeMark : std::uint8_t {
     edge_unoriented =
         16,            ///< two faces that run along it the same way: what is convex for one is concave for the other
     edge_at_box = 32,  ///< one of its faces is so degenerate that its polyhedron is a box
+    edge_folded = 64,  ///< open because its two faces are folded onto each other
 };
 
 /// Of each edge of a face; edge k runs from the face's vertex k to the next.

@@ -15,7 +15,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/sample_choice.cpp
           ${CMAKE_CURRENT_LIST_DIR}/judge.cpp
           ${CMAKE_CURRENT_LIST_DIR}/check.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/self_intersections.cpp)
 target_include_directories(clsdf_reference PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 # Without contraction the same triangle gives the same bits wherever it is evaluated, on every processor.
 target_compile_options(clsdf_reference PRIVATE -ffp-contract=off)

@@ -3,6 +3,8 @@
 /// Everything but the reference (clsdf/reference.hpp) and pictures (clsdf/picture.hpp), which are targets of their own.
 #include <clsdf/band.hpp>
 #include <clsdf/box.hpp>
+#include <clsdf/classification.hpp>
+#include <clsdf/defects.hpp>
 #include <clsdf/device.hpp>
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>

@@ -10,6 +10,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// The slow, plain specification that every kernel is held against. A target of its own, clsdf::reference: it uses
@@ -118,5 +119,13 @@ struct CheckReport {
 /// Throws Error(invalid_argument) where an array of the field does not fit its grid, Error(invalid_mesh) where the mesh
 /// cannot honour the field's sign rule, Error(cancelled).
 CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options = {});
+
+/// Two triangles, the lower index first.
+using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The pairs of triangles that meet in more than the vertices and edges they share, in order; a face without area is
+/// paired with itself. Vertices of equal coordinates count as one. By CGAL's Polygon Mesh Processing, exactly. Throws
+/// Error(unsupported) where the faces are not oriented alike or an edge has more than two.
+std::vector<TrianglePair> find_self_intersections(const Mesh& mesh);
 
 }  // namespace clsdf::reference

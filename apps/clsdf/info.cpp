@@ -1,0 +1,139 @@
+#include "command.hpp"
+#include "output.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/reference.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+namespace {
+
+using clsdf::EdgeKind;
+using clsdf::VertexKind;
+using nlohmann::ordered_json;
+
+struct InfoOptions {
+    std::string mesh;
+    bool self_intersections = false;
+    bool json = false;
+};
+
+struct Info {
+    Info(const InfoOptions& options, const clsdf::Mesh& mesh)
+        : vertices(mesh.vertices().size()),
+          triangles(mesh.triangles().size()),
+          topology(describe_topology(mesh)),
+          defects(find_defects(mesh)),
+          kinds(classify(mesh)),
+          saddles(examine_saddles(mesh)) {
+        if (options.self_intersections) self_intersections = clsdf::reference::find_self_intersections(mesh).size();
+    }
+
+    std::size_t vertices;
+    std::size_t triangles;
+    clsdf::Topology topology;
+    clsdf::Defects defects;
+    clsdf::Classification kinds;
+    clsdf::SaddleReport saddles;
+    std::optional<std::size_t> self_intersections;
+};
+
+ordered_json describe(const Info& info) {
+    const auto edges = [&](EdgeKind kind) { return info.kinds.count(kind); };
+    const auto vertices = [&](VertexKind kind) { return info.kinds.count(kind); };
+    ordered_json defects{{"closed", info.topology.closed},
+                         {"balanced", info.topology.balanced},
+                         {"inside_out", info.topology.inside_out},
+                         {"components", info.defects.components},
+                         {"boundary_edges", edges(EdgeKind::boundary)},
+                         {"non_manifold_edges", edges(EdgeKind::non_manifold)},
+                         {"unoriented_edges", edges(EdgeKind::unoriented)},
+                         {"boundary_vertices", vertices(VertexKind::boundary)},
+                         {"non_manifold_vertices", vertices(VertexKind::non_manifold)},
+                         {"unused_vertices", info.topology.unused_vertices},
+                         {"coincident_vertices", info.topology.coincident_vertices},
+                         {"repeated_vertex_faces", info.topology.repeated_vertex_faces},
+                         {"zero_area_faces", info.defects.zero_area_faces},
+                         {"duplicate_faces", info.defects.duplicate_faces}};
+    if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
+    return {{"vertices", info.vertices},
+            {"triangles", info.triangles},
+            {"saddle_vertices", vertices(VertexKind::saddle)},
+            {"irregular_saddle_vertices", info.saddles.irregular.size()},
+            {"gaps", {{"adjacent_pairs", info.saddles.adjacent_gaps.size()}, {"all_pairs", info.saddles.gaps.size()}}},
+            {"convex_vertices", vertices(VertexKind::convex)},
+            {"concave_vertices", vertices(VertexKind::concave)},
+            {"flat_vertices", vertices(VertexKind::flat)},
+            {"convex_edges", edges(EdgeKind::convex)},
+            {"concave_edges", edges(EdgeKind::concave)},
+            {"flat_edges", edges(EdgeKind::flat)},
+            {"decisions", info.saddles.decisions},
+            {"exact_decisions", info.saddles.exact_decisions},
+            {"defects", defects}};
+}
+
+std::string closedness(const clsdf::Topology& topology) {
+    if (!topology.closed) return "open";
+    if (!topology.balanced) return "closed, faces not oriented alike";
+    return topology.inside_out ? "closed, inside out" : "closed";
+}
+
+void print_human(const Info& info) {
+    const auto edges = [&](EdgeKind kind) { return info.kinds.count(kind); };
+    const auto vertices = [&](VertexKind kind) { return info.kinds.count(kind); };
+    const double part = 100.0 / static_cast<double>(std::max<std::size_t>(info.vertices, 1));
+    fmt::print(stderr, "mesh      {} vertices, {} triangles, {} {}; {}\n", info.vertices, info.triangles,
+               info.defects.components, info.defects.components == 1 ? "component" : "components",
+               closedness(info.topology));
+    fmt::print(stderr, "saddles   {} ({:.1f}%), {} of them not regular\n", vertices(VertexKind::saddle),
+               part * static_cast<double>(vertices(VertexKind::saddle)), info.saddles.irregular.size());
+    fmt::print(stderr, "gaps      {} by adjacent pairs of planes, {} by all pairs\n", info.saddles.adjacent_gaps.size(),
+               info.saddles.gaps.size());
+    fmt::print(stderr, "          {} decisions, {} of them beyond interval arithmetic\n", info.saddles.decisions,
+               info.saddles.exact_decisions);
+    fmt::print(stderr, "vertices  {} convex, {} concave, {} flat, {} boundary, {} non-manifold, {} unused\n",
+               vertices(VertexKind::convex), vertices(VertexKind::concave), vertices(VertexKind::flat),
+               vertices(VertexKind::boundary), vertices(VertexKind::non_manifold), info.topology.unused_vertices);
+    fmt::print(stderr, "edges     {} convex, {} concave, {} flat, {} boundary, {} non-manifold, {} unoriented\n",
+               edges(EdgeKind::convex), edges(EdgeKind::concave), edges(EdgeKind::flat), edges(EdgeKind::boundary),
+               edges(EdgeKind::non_manifold), edges(EdgeKind::unoriented));
+    fmt::print(stderr,
+               "defects   {} faces without area, {} with repeated vertices, {} duplicate; {} coincident vertices\n",
+               info.defects.zero_area_faces, info.topology.repeated_vertex_faces, info.defects.duplicate_faces,
+               info.topology.coincident_vertices);
+    if (info.self_intersections)
+        fmt::print(stderr, "          {} pairs of triangles intersect\n", *info.self_intersections);
+}
+
+ExitStatus run(const InfoOptions& options) {
+    const Info info(options, clsdf::read_mesh(options.mesh));
+    print_human(info);
+    if (options.json) {
+        ordered_json result{{"mesh", options.mesh}};
+        result.update(describe(info));
+        print_result(result);
+    }
+    return ExitStatus::done;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+    const auto options = std::make_shared<InfoOptions>();
+    CLI::App* parser = program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects");
+    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
+    parser->add_flag("--self-intersections", options->self_intersections,
+                     "count the pairs of triangles that intersect, too");
+    parser->add_flag("--json", options->json, "print the result as JSON on standard output");
+    parser->footer(
+        "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
+        "Both are decided exactly on the coordinates as given.\n\n"
+        "Examples:\n"
+        "  clsdf info bunny.off\n"
+        "  clsdf info bunny.off --self-intersections --json > bunny.json");
+    return {parser, [options] { return run(*options); }};
+}

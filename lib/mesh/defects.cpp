@@ -1,0 +1,68 @@
+#include <clsdf/defects.hpp>
+
+#include "mesh/equal_vertices.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace clsdf {
+
+namespace {
+
+/// Sets of vertices that grow together.
+class Parts {
+public:
+    explicit Parts(std::size_t vertex_count) : parent_(vertex_count) {
+        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    }
+
+    std::uint32_t part_of(std::uint32_t vertex) {
+        while (parent_[vertex] != vertex) vertex = parent_[vertex] = parent_[parent_[vertex]];
+        return vertex;
+    }
+
+    void join(std::uint32_t a, std::uint32_t b) { parent_[part_of(a)] = part_of(b); }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+bool has_no_area(const Mesh& mesh, const Triangle& triangle) {
+    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+    const auto point = [&](std::uint32_t index) {
+        const Vec3& v = mesh.vertices()[index];
+        return Kernel::Point_3(v[0], v[1], v[2]);
+    };
+    return CGAL::collinear(point(triangle[0]), point(triangle[1]), point(triangle[2]));
+}
+
+}  // namespace
+
+Defects find_defects(const Mesh& mesh) {
+    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    Defects defects;
+    Parts parts(mesh.vertices().size());
+    std::vector<bool> used(mesh.vertices().size(), false);
+    std::vector<Triangle> sorted;
+    for (Triangle triangle : mesh.triangles()) {
+        for (std::uint32_t& index : triangle) {
+            index = first[index];
+            used[index] = true;
+            parts.join(triangle[0], index);
+        }
+        std::sort(triangle.begin(), triangle.end());
+        if (triangle[0] == triangle[1] || triangle[1] == triangle[2]) continue;
+        sorted.push_back(triangle);
+        defects.zero_area_faces += has_no_area(mesh, triangle);
+    }
+    std::sort(sorted.begin(), sorted.end());
+    const auto distinct = std::unique(sorted.begin(), sorted.end());
+    defects.duplicate_faces = static_cast<std::size_t>(sorted.end() - distinct);
+    for (std::uint32_t vertex = 0; vertex < used.size(); ++vertex)
+        defects.components += used[vertex] && parts.part_of(vertex) == vertex;
+    return defects;
+}
+
+}  // namespace clsdf
