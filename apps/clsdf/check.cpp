@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -7,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
+#include <limits>
 #include <memory>
 
 namespace {
@@ -20,6 +23,7 @@ struct Options {
     clsdf::reference::CheckOptions check;
     bool complete = false;
     bool json = false;
+    bool quiet = false;
 };
 
 ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
@@ -46,12 +50,21 @@ ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid)
             {"findings", findings}};
 }
 
+// What a field that passes needs no note on: the same mesh may have many names.
+std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field) {
+    const std::string name = std::filesystem::path(field.mesh_name).filename().string();
+    if (name.empty() || name == std::filesystem::path(mesh).filename().string()) return {};
+    return fmt::format("the field says it was made from {}, and was held against {}", name, mesh);
+}
+
 void print_human(const CheckReport& report, const clsdf::Field& field, double seconds) {
     fmt::print(stderr, "grid      {}\nband      {}\nsign      {}\n", human(field.grid),
                human(field.band, field.grid.voxel()), name_of(field.sign));
-    fmt::print(stderr, "looked at {} samples, {} of them in the band, in {:.2f} s\n", report.samples,
+    fmt::print(stderr, "looked at {} samples, {} of them within the band's limits, in {:.2f} s\n", report.samples,
                report.band_samples, seconds);
-    fmt::print(stderr, "error     at most {:.3g} voxels and {:.3g} ulp, {:.3g} voxels in the root mean square\n",
+    fmt::print(stderr,
+               "error     at most {:.3g} voxels, and {:.3g} ulp (beyond one voxel from the surface); {:.3g} voxels in "
+               "the root mean square\n",
                report.max_error_voxels, report.max_error_ulp, report.rms_error_voxels);
     fmt::print(stderr, "found     {} wrong values, {} wrong signs, {} missed, {} leaked{}\n", report.wrong_values,
                report.wrong_signs, report.missed, report.leaked,
@@ -77,7 +90,9 @@ ExitStatus run(const Options& options) {
     const CheckReport report = clsdf::reference::check(mesh, field, check_options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    print_human(report, field, seconds.count());
+    const std::string note = report.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
+    if (!options.quiet || !report.passed()) print_human(report, field, seconds.count());
+    if (!note.empty()) fmt::print(stderr, "note: {}\n", note);
     if (options.json) {
         ordered_json result{{"mesh", options.mesh},
                             {"field", options.field},
@@ -88,6 +103,7 @@ ExitStatus run(const Options& options) {
                             {"tolerance_voxels", check_options.tolerance_voxels},
                             {"seconds", seconds.count()}};
         result.update(describe_report(report, field.grid));
+        if (!note.empty()) result["note"] = note;
         print_result(result);
     }
     return report.passed() ? ExitStatus::done : ExitStatus::check_failed;
@@ -102,20 +118,22 @@ Command add_check(CLI::App& program) {
     parser->add_option("FIELD", options->field, "its field: .nrrd or .npy")->required();
     auto* samples =
         parser->add_option("--samples", options->check.samples, "samples to look at, half of them where it is hard")
-            ->check(CLI::PositiveNumber.description(""))
+            ->check(whole_number(1, 1'000'000'000'000'000))
             ->type_name("N")
             ->capture_default_str();
     parser->add_flag("--complete", options->complete, "look at every sample")->excludes(samples);
     parser->add_option("--seed", options->check.seed, "of the random choice of samples")
+        ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
         ->type_name("N")
         ->capture_default_str();
     parser
         ->add_option("--tolerance-voxels", options->check.tolerance_voxels,
                      "an error up to this, or up to 2 ulp, keeps the contract")
-        ->check(CLI::NonNegativeNumber.description(""))
+        ->check(finite_number_of_0_or_more())
         ->type_name("X")
         ->capture_default_str();
     parser->add_flag("--json", options->json, "print the result as JSON on standard output");
+    parser->add_flag("--quiet", options->quiet, "print nothing where the field passes");
     parser->footer(
         "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
         "the exit status is 1 where there is one.\n\n"

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 
 namespace {
@@ -27,6 +28,41 @@ private:
 
 Error cancellation() {
     return {ErrorCode::cancelled, "cancelled; nothing was written"};
+}
+
+Error too_large(const clsdf::Grid& grid) {
+    return {ErrorCode::out_of_memory, fmt::format("a field of {} x {} x {} samples does not fit the memory",
+                                                  grid.size[0], grid.size[1], grid.size[2])};
+}
+
+Error with_remedy(const Error& error) {
+    if (error.code() != ErrorCode::out_of_memory) return error;
+    return {error.code(), fmt::format("{}; choose a lower --resolution or a larger --spacing", error.what())};
+}
+
+clsdf::Field empty_field(const ComputeLayout& layout) {
+    clsdf::Field field;
+    field.grid = layout.grid;
+    field.band = layout.band;
+    field.sign = layout.sign;
+    // Where the file lay concerns nobody else who gets the field.
+    field.mesh_name = std::filesystem::path(layout.mesh_file).filename().string();
+    try {
+        field.distance.resize(layout.grid.sample_count());
+        if (layout.outputs.triangle) field.triangle.resize(layout.grid.sample_count());
+    } catch (const std::exception&) {
+        throw too_large(layout.grid);
+    }
+    return field;
+}
+
+// The library's message speaks to programs, which can compute parts of a grid.
+void check_size(const clsdf::Grid& grid) {
+    try {
+        grid.sample_count();
+    } catch (const Error&) {
+        throw too_large(grid);
+    }
 }
 
 Computation compute_and_write(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout,
@@ -47,7 +83,8 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     result.setup_seconds = setup.seconds();
 
     const Stopwatch compute;
-    const clsdf::Field field = transform(layout.grid, layout.band, request.outputs);
+    clsdf::Field field = empty_field(layout);
+    transform.compute(layout.grid, layout.band, {field.distance, field.triangle});
     result.compute_seconds = compute.seconds();
     result.statistics = transform.statistics();
     result.band_samples = count_band_samples(field);
@@ -59,6 +96,12 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     result.write_seconds = write.seconds();
     result.output = options.output;
     return result;
+}
+
+void warn(ComputeLayout& layout, const std::string& warning) {
+    if (warning.empty()) return;
+    layout.warnings.push_back(warning);
+    fmt::print(stderr, "warning: {}\n", warning);
 }
 
 // The compilers of some devices listen to the same signals and fail then; the user's wish is the reason all the same.
@@ -85,16 +128,15 @@ ExitStatus run(const ComputeOptions& options) {
 
     const clsdf::Grid grid = request.grid_around(mesh.box());
     const clsdf::Band band = request.band_on(grid, mesh.box());
-    grid.sample_count();
-    const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, describe_topology(mesh));
-    ComputeLayout layout{mesh, options.mesh, grid, band, sign.rule, request.outputs, {}};
-    if (!sign.warning.empty()) {
-        layout.warnings.push_back(sign.warning);
-        fmt::print(stderr, "warning: {}\n", sign.warning);
-    }
+    check_size(grid);
+    const clsdf::Topology topology = describe_topology(mesh);
+    const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
+    ComputeLayout layout{mesh, options.mesh, topology, grid, band, sign.rule, request.outputs, {}};
+    warn(layout, sign.warning);
     if (!options.quiet) print_layout(layout);
     if (options.dry_run) {
         if (!options.quiet) print_memory(layout);
+        warn(layout, warning_of_memory(layout));
         if (options.json) print_result(describe_dry_run(layout));
         return ExitStatus::done;
     }
@@ -102,6 +144,8 @@ ExitStatus run(const ComputeOptions& options) {
     Computation computation = run_on_device(options, request, layout);
     computation.read_seconds = read_seconds;
     if (!options.quiet) print_outcome(layout, computation);
+    warn(layout, warning_of_empty_band(layout, computation));
+    warn(layout, warning_of_stale_triangles(layout, computation));
     if (options.json) print_result(describe(layout, computation));
     return ExitStatus::done;
 }
@@ -112,5 +156,11 @@ Command add_compute(CLI::App& program) {
     const auto options = std::make_shared<ComputeOptions>();
     CLI::App* parser = program.add_subcommand("compute", "Compute the distance field of a mesh");
     add_options(*parser, *options);
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options] {
+                try {
+                    return run(*options);
+                } catch (const Error& error) {
+                    throw with_remedy(error);
+                }
+            }};
 }

@@ -1,6 +1,7 @@
 #include "compute_options.hpp"
 
-#include "exit_status.hpp"
+#include "option_values.hpp"
+#include "suggestion.hpp"
 
 #include <fmt/format.h>
 
@@ -40,7 +41,7 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
     const auto numbers = parse_list<Number>(text);
     if (numbers && numbers->size() == 3) return {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
     if (numbers && numbers->size() == 1 && one_for_all) return {(*numbers)[0], (*numbers)[0], (*numbers)[0]};
-    throw Error(ErrorCode::invalid_argument, fmt::format("{} \"{}\": expected {}", option, text, expected));
+    throw Error(ErrorCode::invalid_argument, fmt::format("{}: expected {}, not '{}'", option, expected, text));
 }
 
 Length parse_length(const std::string& option, const std::string& text) {
@@ -71,7 +72,8 @@ clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         if (name != "triangle")
             throw Error(ErrorCode::unsupported,
-                        fmt::format("--with {}: the outputs beside the distance are: triangle", name));
+                        fmt::format("--with: the outputs beside the distance are: triangle; not '{}'{}", name,
+                                    nearest_word(name, {"triangle"}).empty() ? "" : "; did you mean triangle?"));
         outputs.triangle = true;
     }
     return outputs;
@@ -81,6 +83,7 @@ void add_grid_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Grid";
     CLI::Option* resolution =
         parser.add_option("--resolution", options.resolution, "samples on the longest side, margin included")
+            ->check(whole_number(2, most_samples_on_a_side))
             ->type_name("N")
             ->capture_default_str();
     CLI::Option* spacing =
@@ -99,17 +102,25 @@ void add_grid_options(CLI::App& parser, ComputeOptions& options) {
     CLI::Option* origin = parser.add_option("--origin", options.origin, "its first sample")->type_name("X,Y,Z");
     CLI::Option* cell_centred = parser.add_flag("--cell-centred", options.cell_centred,
                                                 "samples at the centres of cells: all half a voxel further");
+    for (CLI::Option* option : {spacing, margin, size, origin}) option->check(not_empty());
     for (CLI::Option* option : {resolution, spacing, margin, cubic, size, origin, cell_centred}) option->group(group);
 }
 
 void add_field_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Field";
     parser.add_option("--band", options.band, "half width of the band on both sides")
+        ->check(not_empty())
         ->type_name("LENGTH")
         ->capture_default_str()
         ->group(group);
-    parser.add_option("--band-inside", options.band_inside, "half width inside")->type_name("LENGTH")->group(group);
-    parser.add_option("--band-outside", options.band_outside, "half width outside")->type_name("LENGTH")->group(group);
+    parser.add_option("--band-inside", options.band_inside, "half width inside")
+        ->check(not_empty())
+        ->type_name("LENGTH")
+        ->group(group);
+    parser.add_option("--band-outside", options.band_outside, "half width outside")
+        ->check(not_empty())
+        ->type_name("LENGTH")
+        ->group(group);
     parser.add_option("--sign", options.sign, "what is inside: auto, nonzero, parity; or none: no sign")
         ->type_name("RULE")
         ->capture_default_str()
@@ -132,24 +143,23 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
     parser.add_flag("--json", options.json, "print the result as JSON on standard output");
     parser.add_flag("--quiet", options.quiet, "print warnings and errors only");
     parser.footer(
-        std::string("A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
-                    "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"
-                    "Examples:\n"
-                    "  clsdf compute bunny.off -o bunny.nrrd\n"
-                    "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
-                    "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
-                    "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02\n"
-                    "  clsdf compute bunny.off --resolution 2048 --dry-run\n\n") +
-        exit_status_help());
+        "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
+        "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"
+        "Examples:\n"
+        "  clsdf compute bunny.off -o bunny.nrrd\n"
+        "  clsdf compute bunny.off -o bunny.npy --resolution 512 --band 3v --with triangle\n"
+        "  clsdf compute wing.stl -o wing.nrrd --spacing 0.01 --band-inside 0 --band-outside 0.2\n"
+        "  clsdf compute part.ply -o part.nrrd --size 128,128,64 --origin -1,-1,0 --spacing 0.02\n"
+        "  clsdf compute bunny.off --resolution 2048 --dry-run");
 }
 
 ComputeRequest::ComputeRequest(const ComputeOptions& options)
-    : band_inside(options.band_inside.empty() ? parse_length("--band", options.band)
-                                              : parse_length("--band-inside", options.band_inside)),
-      band_outside(options.band_outside.empty() ? parse_length("--band", options.band)
-                                                : parse_length("--band-outside", options.band_outside)),
+    : band_inside(parse_length("--band", options.band)),
+      band_outside(band_inside),
       sign(clsdf::parse_sign_rule(options.sign)),
       outputs(parse_outputs(options.with)) {
+    if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
+    if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
     if (!options.size.empty() || !options.origin.empty()) {
         stated_grid = parse_stated_grid(options);
         return;

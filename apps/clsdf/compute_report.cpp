@@ -4,20 +4,50 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <algorithm>
-#include <cmath>
+#include <filesystem>
 
 using nlohmann::ordered_json;
 
 namespace {
 
-double field_bytes(const ComputeLayout& layout) {
-    return static_cast<double>(layout.grid.sample_count()) * (layout.outputs.triangle ? 8 : 4);
+namespace fs = std::filesystem;
+
+std::uint64_t field_bytes(const ComputeLayout& layout) {
+    return std::uint64_t{layout.grid.sample_count()} * (layout.outputs.triangle ? 8 : 4);
 }
 
-// What a computation may use beside the field: polyhedra, lists and the program's compiler.
-double working_bytes(const ComputeLayout& layout) {
-    return 1024.0 * static_cast<double>(layout.mesh.triangles().size()) + 256.0 * 1024 * 1024;
+// About what a computation uses beside the field: polyhedra, lists and the program's compiler.
+std::uint64_t working_bytes(const ComputeLayout& layout) {
+    return std::uint64_t{1024} * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
+}
+
+std::uint64_t physical_memory() {
+    const long pages = ::sysconf(_SC_PHYS_PAGES);
+    const long page = ::sysconf(_SC_PAGESIZE);
+    return pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : 0;
+}
+
+std::string human_box(const clsdf::Box& box) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", box.lower[0], box.lower[1], box.lower[2],
+                       box.upper[0], box.upper[1], box.upper[2]);
+}
+
+clsdf::Box box_of(const clsdf::Grid& grid) {
+    return {grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
+}
+
+ordered_json facts_of(const clsdf::Topology& topology) {
+    return {{"closed", topology.closed},
+            {"balanced", topology.balanced},
+            {"inside_out", topology.inside_out},
+            {"open_edges", topology.open_edges},
+            {"unbalanced_edges", topology.unbalanced_edges},
+            {"non_manifold_edges", topology.non_manifold_edges},
+            {"coincident_vertices", topology.coincident_vertices},
+            {"unused_vertices", topology.unused_vertices},
+            {"repeated_vertex_faces", topology.repeated_vertex_faces}};
 }
 
 const char* meaning_of(clsdf::SignRule rule) {
@@ -34,11 +64,12 @@ const char* meaning_of(clsdf::SignRule rule) {
 ordered_json describe_layout(const ComputeLayout& layout) {
     return {{"mesh",
              {{"file", layout.mesh_file},
-              {"name", layout.mesh.name()},
+              {"name", fs::path(layout.mesh_file).filename().string()},
               {"vertices", layout.mesh.vertices().size()},
               {"triangles", layout.mesh.triangles().size()},
               {"lower", layout.mesh.box().lower},
               {"upper", layout.mesh.box().upper}}},
+            {"topology", facts_of(layout.topology)},
             {"grid", describe(layout.grid)},
             {"band", describe(layout.band)},
             {"sign", name_of(layout.sign)},
@@ -59,6 +90,29 @@ std::size_t count_band_samples(const clsdf::Field& field) {
     }));
 }
 
+std::string warning_of_memory(const ComputeLayout& layout) {
+    const std::uint64_t memory = physical_memory();
+    if (memory == 0 || field_bytes(layout) <= memory) return {};
+    return fmt::format("the field exceeds the {} of memory of this machine; choose a lower --resolution",
+                       human_bytes(static_cast<double>(memory)));
+}
+
+std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation) {
+    const bool has_inside = layout.sign != clsdf::SignRule::none && layout.band.inside > 0;
+    if (computation.band_samples > 0 || (layout.band.outside == 0 && !has_inside)) return {};
+    return fmt::format("no sample lies within the band's limits: the grid reaches from {}, the mesh from {}",
+                       human_box(box_of(layout.grid)), human_box(layout.mesh.box()));
+}
+
+std::string warning_of_stale_triangles(const ComputeLayout& layout, const Computation& computation) {
+    const fs::path output(computation.output);
+    const fs::path triangles =
+        output.parent_path() / (output.stem().string() + "_triangle" + output.extension().string());
+    std::error_code ignored;
+    if (layout.outputs.triangle || !fs::exists(triangles, ignored)) return {};
+    return fmt::format("{} does not belong to this field, which has no triangles; delete it", triangles.string());
+}
+
 void print_layout(const ComputeLayout& layout) {
     fmt::print(stderr, "mesh    {}: {} vertices, {} triangles\n", layout.mesh_file, layout.mesh.vertices().size(),
                layout.mesh.triangles().size());
@@ -68,18 +122,19 @@ void print_layout(const ComputeLayout& layout) {
 }
 
 void print_memory(const ComputeLayout& layout) {
-    fmt::print(stderr, "memory  {} for the field, and up to {} to compute it\n", human_bytes(field_bytes(layout)),
-               human_bytes(working_bytes(layout)));
+    fmt::print(stderr, "memory  {} for the field, and about {} to compute it\n",
+               human_bytes(static_cast<double>(field_bytes(layout))),
+               human_bytes(static_cast<double>(working_bytes(layout))));
 }
 
 void print_outcome(const ComputeLayout& layout, const Computation& computation) {
     const auto samples = static_cast<double>(layout.grid.sample_count());
     fmt::print(stderr, "device  {} ({})\n", computation.device_name, computation.device_platform);
-    fmt::print(stderr, "done    in {:.3f} s: {} samples, {} of them in the band; {} samples a second\n",
+    fmt::print(stderr, "done    in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
                computation.compute_seconds, human_count(samples),
                human_count(static_cast<double>(computation.band_samples)),
                human_count(samples / computation.compute_seconds));
-    fmt::print(stderr, "wrote   {} ({})\n", computation.output, human_bytes(field_bytes(layout)));
+    fmt::print(stderr, "wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 ordered_json describe_dry_run(const ComputeLayout& layout) {
@@ -99,7 +154,7 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
     result["samples_per_second"] = static_cast<double>(layout.grid.sample_count()) / computation.compute_seconds;
     result["statistics"] = {
         {"samples", layout.grid.sample_count()},
-        {"band_samples", statistics.band_samples},
+        {"band_samples", computation.band_samples},
         {"triangles", statistics.triangles},
         {"box_polyhedra", statistics.box_polyhedra},
         {"saddle_vertices", statistics.saddle_vertices},
@@ -110,8 +165,8 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"samples_covered", statistics.samples_covered},
         {"lanes_evaluated", statistics.lanes_evaluated},
         {"device_bytes", statistics.device_bytes},
-        {"samples_covered_per_band_sample", ratio(statistics.samples_covered, statistics.band_samples)},
-        {"lanes_evaluated_per_band_sample", ratio(statistics.lanes_evaluated, statistics.band_samples)},
+        {"samples_covered_per_band_sample", ratio(statistics.samples_covered, computation.band_samples)},
+        {"lanes_evaluated_per_band_sample", ratio(statistics.lanes_evaluated, computation.band_samples)},
         {"box_polyhedra_per_triangle", ratio(statistics.box_polyhedra, statistics.triangles)}};
     result["output"] = computation.output;
     return result;

@@ -11,6 +11,7 @@
 struct ComputeLayout {
     const clsdf::Mesh& mesh;
     std::string mesh_file;
+    clsdf::Topology topology;
     clsdf::Grid grid;
     clsdf::Band band;
     clsdf::SignRule sign;
@@ -31,8 +32,14 @@ struct Computation {
     std::string output;
 };
 
-/// Samples that differ from what is beyond the band.
+/// Samples strictly within the band's limits: those that differ from what is beyond them.
 std::size_t count_band_samples(const clsdf::Field& field);
+
+/// What the user should be told; empty where nothing.
+std::string warning_of_memory(const ComputeLayout& layout);
+std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);
+/// Triangles of an earlier field, which now lie beside this one.
+std::string warning_of_stale_triangles(const ComputeLayout& layout, const Computation& computation);
 
 /// To standard error.
 void print_layout(const ComputeLayout& layout);

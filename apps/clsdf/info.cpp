@@ -20,6 +20,7 @@ struct InfoOptions {
     std::string mesh;
     bool self_intersections = false;
     bool json = false;
+    bool quiet = false;
 };
 
 struct Info {
@@ -111,7 +112,7 @@ void print_human(const Info& info) {
 
 ExitStatus run(const InfoOptions& options) {
     const Info info(options, clsdf::read_mesh(options.mesh));
-    print_human(info);
+    if (!options.quiet) print_human(info);
     if (options.json) {
         ordered_json result{{"mesh", options.mesh}};
         result.update(describe(info));
@@ -129,6 +130,7 @@ Command add_info(CLI::App& program) {
     parser->add_flag("--self-intersections", options->self_intersections,
                      "count the pairs of triangles that intersect, too");
     parser->add_flag("--json", options->json, "print the result as JSON on standard output");
+    parser->add_flag("--quiet", options->quiet, "print errors only, and what --json asks for");
     parser->footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
         "Both are decided exactly on the coordinates as given.\n\n"

@@ -67,10 +67,14 @@ ExitStatus run(int argument_count, char** arguments) {
                                "Examples:\n"
                                "  clsdf compute bunny.off -o bunny.nrrd\n"
                                "  clsdf check bunny.off bunny.nrrd\n"
+                               "  clsdf slice bunny.nrrd -o bunny.png\n"
+                               "  clsdf info bunny.off\n"
                                "  clsdf shape sphere6 -o sphere6.off\n\n") +
                    exit_status_help());
     const std::vector<Command> commands{add_compute(program), add_check(program), add_info(program), add_slice(program),
                                         add_shape(program)};
+    for (const Command& command : commands)
+        command.parser->footer(command.parser->get_footer() + "\n\n" + exit_status_help());
 
     try {
         program.parse(argument_count, arguments);
@@ -96,7 +100,8 @@ int main(int argument_count, char** arguments) {
         fmt::print(stderr, "clsdf: {}\n", error.what());
         status = status_of(error.code());
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "clsdf: the memory is too small for this; choose a coarser grid\n");
+        fmt::print(stderr,
+                   "clsdf: the memory is too small for this; choose a lower --resolution or a larger --spacing\n");
     } catch (const std::exception& error) {
         fmt::print(stderr, "clsdf: internal error: {}\n", error.what());
     }

@@ -13,6 +13,7 @@ struct ShapeOptions {
     std::string name;
     std::string output;
     bool list = false;
+    bool quiet = false;
 };
 
 void list_shapes() {
@@ -32,8 +33,9 @@ ExitStatus run(const ShapeOptions& options) {
                            "a shape needs its NAME and -o FILE; \"clsdf shape --list\" prints the names");
     const clsdf::Mesh mesh = clsdf::make_shape(options.name);
     clsdf::write_mesh(mesh, options.output);
-    fmt::print(stderr, "{}: {} vertices, {} triangles -> {}\n", options.name, mesh.vertices().size(),
-               mesh.triangles().size(), options.output);
+    if (!options.quiet)
+        fmt::print(stderr, "{}: {} vertices, {} triangles -> {}\n", options.name, mesh.vertices().size(),
+                   mesh.triangles().size(), options.output);
     return ExitStatus::done;
 }
 
@@ -46,6 +48,7 @@ Command add_shape(CLI::App& program) {
     parser->add_option("NAME", options->name, "the shape; see --list");
     parser->add_option("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply")->type_name("FILE");
     parser->add_flag("--list", options->list, "print the names and what they are");
+    parser->add_flag("--quiet", options->quiet, "print errors only");
     parser->footer(
         "Examples:\n"
         "  clsdf shape --list\n"

@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "interruption.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
 #include "progress_bar.hpp"
 
@@ -30,6 +31,7 @@ struct SliceOptions {
     bool mosaic = false;
     clsdf::picture::Options picture;
     bool json = false;
+    bool quiet = false;
 };
 
 // "slice_007.png" for the slice 7 of some hundred.
@@ -42,10 +44,10 @@ std::string numbered(const std::string& path, std::int64_t index, std::int64_t c
 }
 
 std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std::int64_t count,
-                                   const std::string& path) {
+                                   const std::string& path, bool quiet) {
     std::vector<std::string> files;
     const Interruption interruption;
-    ProgressBar progress(true);
+    ProgressBar progress(!quiet);
     for (std::int64_t index = 0; index < count; ++index) {
         if (interruption.token().stop_requested())
             throw clsdf::Error(clsdf::ErrorCode::cancelled,
@@ -65,7 +67,8 @@ ExitStatus run(const SliceOptions& options) {
 
     std::vector<std::string> files{options.output};
     if (options.all) {
-        files = write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output);
+        files =
+            write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output, options.quiet);
     } else if (options.mosaic) {
         pictures.write_mosaic(
             {pictures.middle(Axis::x).index, pictures.middle(Axis::y).index, pictures.middle(Axis::z).index},
@@ -74,10 +77,10 @@ ExitStatus run(const SliceOptions& options) {
         pictures.write_slice({axis, options.index.value_or(pictures.middle(axis).index)}, options.output);
     }
 
-    if (files.size() == 1)
-        fmt::print(stderr, "wrote {}\n", files.front());
-    else
-        fmt::print(stderr, "wrote {} pictures, {} to {}\n", files.size(), files.front(), files.back());
+    if (!options.quiet)
+        fmt::print(stderr, "wrote {}\n",
+                   files.size() == 1 ? files.front()
+                                     : fmt::format("{} pictures, {} to {}", files.size(), files.front(), files.back()));
     if (options.json)
         print_result(ordered_json{{"field", options.field}, {"grid", describe(field.grid)}, {"pictures", files}});
     return ExitStatus::done;
@@ -97,6 +100,7 @@ Command add_slice(CLI::App& program) {
                      ->capture_default_str();
     auto* index =
         parser->add_option("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")
+            ->check(whole_number(0, most_samples_on_a_side))
             ->type_name("K");
     auto* all = parser->add_flag("--all", options->all, "every slice, as FILE_000.png, FILE_001.png, ...");
     parser->add_flag("--mosaic", options->mosaic, "the middle slices of the three axes in one picture")
@@ -107,9 +111,11 @@ Command add_slice(CLI::App& program) {
     parser
         ->add_option("--pixels", options->picture.pixels,
                      "of the longer side, without axes and colour bar: 100 to 10000")
+        ->check(whole_number(100, 10000))
         ->type_name("N")
         ->capture_default_str();
     parser->add_flag("--json", options->json, "print the files' names as JSON on standard output");
+    parser->add_flag("--quiet", options->quiet, "print errors only");
     parser->footer(
         "Inside is blue, outside orange, and the zero line is the strong one; beyond the band the colours are flat "
         "and\n"

@@ -12,13 +12,18 @@ using clsdf::test::tetrahedron;
 BOOST_AUTO_TEST_SUITE(the_command)
 
 BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
-    for (const std::vector<std::string>& arguments :
-         {std::vector<std::string>{"--help"}, {"compute", "--help"}, {"check", "--help"}, {"shape", "--help"}}) {
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--help"},
+                                                      {"compute", "--help"},
+                                                      {"check", "--help"},
+                                                      {"slice", "--help"},
+                                                      {"info", "--help"},
+                                                      {"shape", "--help"}}) {
         const Outcome outcome = run_command(arguments);
         BOOST_TEST_CONTEXT("help of " << arguments.front()) {
             BOOST_TEST(outcome.status == 0);
             BOOST_TEST(outcome.error.empty());
             BOOST_TEST(outcome.out.find("Examples:\n  clsdf ") != std::string::npos);
+            BOOST_TEST(outcome.out.find("Exit status: 0 done") != std::string::npos);
         }
     }
 }
@@ -99,16 +104,20 @@ BOOST_AUTO_TEST_CASE(refuses_options_that_make_no_sense) {
         BOOST_TEST_CONTEXT("option " << options.front() << " " << (options.size() > 1 ? options[1] : ""))
         check_refused(run_command(arguments, no_devices), 2, fragments);
     };
-    refused({"--resolution", "many"}, {"--resolution", "many"});
-    refused({"--resolution", "1"}, {"resolution", "1", "2"});
+    for (const char* number : {"many", "1", "1e3", "-3", "", "99999999999999999999"})
+        refused({"--resolution", number},
+                {"--resolution: a whole number from 2 to 1073741824, not '" + std::string(number) + "'"});
     refused({"--resolution", "7", "--band", "3v"}, {"3 voxels", "7"});
     refused({"--resolution", "64", "--spacing", "0.1"}, {"--resolution", "--spacing"});
     refused({"--spacing", "0.1,0.2"}, {"--spacing", "0.1,0.2"});
+    for (const char* option : {"--spacing", "--size", "--origin", "--margin", "--band", "--band-inside"})
+        refused({option, ""}, {option, "missing"});
     refused({"--spacing", "0"}, {"spacing", "0"});
     refused({"--spacing", "nan"}, {"spacing", "nan"});
     refused({"--spacing", "1e-300"}, {"larger spacing"});
     refused({"--band", "3x"}, {"--band", "3x", "10%"});
     refused({"--band-inside", "-1"}, {"--band-inside", "-1"});
+    refused({"--band", "garbage", "--band-inside", "1", "--band-outside", "1"}, {"--band", "garbage"});
     refused({"--margin", "full"}, {"margin"});
     refused({"--size", "8,8,8"}, {"--origin", "--spacing"});
     refused({"--origin", "0,0,0", "--spacing", "1"}, {"--size"});
@@ -117,7 +126,21 @@ BOOST_AUTO_TEST_CASE(refuses_options_that_make_no_sense) {
     refused({"--size", "8,8,8", "--margin", "1"}, {"--size", "--margin"});
     refused({"--sign", "sometimes"}, {"sometimes", "nonzero"});
     refused({"--with", "colour"}, {"--with", "colour", "triangle"});
+    refused({"--with", "trianlge"}, {"--with", "trianlge", "did you mean triangle?"});
     BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(refuses_numbers_of_a_check_that_make_no_sense) {
+    const auto refused = [](const std::string& option, const std::string& value, const std::string& expected) {
+        BOOST_TEST_CONTEXT(option << " " << value)
+        check_refused(run_command({"check", "a.off", "a.nrrd", option, value}), 2,
+                      {option, expected, "'" + value + "'"});
+    };
+    for (const char* value : {"0", "-1", "1e3", "99999999999999999999"})
+        refused("--samples", value, "a whole number from 1");
+    for (const char* value : {"-1", "x", "18446744073709551616"}) refused("--seed", value, "a whole number from 0");
+    for (const char* value : {"nan", "inf", "-1", "1e999", "x"})
+        refused("--tolerance-voxels", value, "a finite number, 0 or more");
 }
 
 BOOST_AUTO_TEST_CASE(looks_at_the_output_before_anything_else) {
@@ -145,7 +168,9 @@ BOOST_AUTO_TEST_CASE(makes_shapes_and_lists_them) {
 
     for (const std::string ending : {".off", ".obj", ".stl", ".ply"}) {
         const std::string mesh = folder.file("torus" + ending);
-        BOOST_TEST(run_command({"shape", "torus", "-o", mesh}).status == 0);
+        const Outcome made = run_command({"shape", "torus", "-o", mesh, "--quiet"});
+        BOOST_TEST(made.status == 0);
+        BOOST_TEST(made.error.empty());
         BOOST_TEST(run_command({"compute", mesh, "--dry-run"}, no_devices).status == 0);
     }
     check_refused(run_command({"shape", "torsu", "-o", folder.file("a.off")}), 2, {"torsu", "torus"});

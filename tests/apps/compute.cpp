@@ -81,10 +81,34 @@ BOOST_AUTO_TEST_CASE(warns_that_an_open_mesh_has_no_inside_and_refuses_a_sign_as
     check_refused(run_command({"compute", mesh, "--dry-run", "--sign", "parity"}, no_devices), 3, {"3", "edge"});
 }
 
+BOOST_AUTO_TEST_CASE(says_what_the_mesh_is_like_and_counts_bytes_in_whole_numbers) {
+    const TemporaryFolder folder;
+    const json result = dry_run(folder.file("mesh.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 2 1\n3 0 1 2\n"), {});
+    BOOST_TEST(result["memory"]["field_bytes"].is_number_integer());
+    BOOST_TEST(result["memory"]["working_bytes"].is_number_integer());
+    const json& topology = result["topology"];
+    BOOST_TEST(topology["closed"] == false);
+    BOOST_TEST(topology["balanced"] == false);
+    BOOST_TEST(topology["inside_out"] == false);
+    BOOST_TEST(topology["open_edges"] == 3);
+    BOOST_TEST(topology["unbalanced_edges"] == 3);
+    for (const char* count : {"non_manifold_edges", "coincident_vertices", "unused_vertices", "repeated_vertex_faces"})
+        BOOST_TEST(topology[count] == 0);
+}
+
+BOOST_AUTO_TEST_CASE(warns_that_a_field_exceeds_the_memory_of_the_machine) {
+    const TemporaryFolder folder;
+    const json result = dry_run(folder.file("mesh.off", tetrahedron), {"--resolution", "100000"});
+    BOOST_TEST(result["memory"]["field_bytes"] == 4'000'000'000'000'000);
+    BOOST_REQUIRE(result["warnings"].size() == 1U);
+    BOOST_TEST(result["warnings"][0].get<std::string>().find("--resolution") != std::string::npos);
+}
+
 BOOST_AUTO_TEST_CASE(refuses_a_grid_beyond_the_address_space) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
-    check_refused(run_command({"compute", mesh, "--dry-run", "--resolution", "3000000"}), 4, {"samples"});
+    check_refused(run_command({"compute", mesh, "--dry-run", "--resolution", "3000000"}), 4,
+                  {"samples", "choose a lower --resolution"});
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -101,7 +125,7 @@ BOOST_AUTO_TEST_CASE(writes_a_field_that_passes_the_check) {
         BOOST_TEST_CONTEXT(computed.error) {
             BOOST_TEST(computed.status == 0);
             BOOST_TEST(computed.out.empty());
-            BOOST_TEST(computed.error.find("in the band") != std::string::npos);
+            BOOST_TEST(computed.error.find("within the band's limits") != std::string::npos);
             BOOST_TEST(computed.error.find('\r') == std::string::npos);
         }
         const Outcome checked = run_command({"check", mesh, field, "--complete", "--json"});
@@ -134,6 +158,54 @@ BOOST_AUTO_TEST_CASE(reports_what_it_did_as_json_and_nothing_when_quiet) {
     BOOST_TEST(statistics["samples_covered_per_band_sample"].get<double>() >= 1);
 }
 
+BOOST_AUTO_TEST_CASE(counts_the_same_samples_in_text_and_json) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off",
+                                         "OFF\n8 4 0\n0 0 0\n8 0 0\n0 8 0\n8 8 0\n0 0 4\n8 0 4\n0 8 4\n"
+                                         "8 8 4\n3 0 1 2\n3 1 3 2\n3 4 5 6\n3 5 7 6\n");
+    // Of the planes z = -2 ... 6, 0 and 4 lie on the mesh; -1, 1, 3 and 5 are exactly at the limit.
+    const Outcome outcome = run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--size", "9,9,9", "--origin",
+                                         "0,0,-2", "--spacing", "1", "--band", "1", "--json"});
+    BOOST_REQUIRE(outcome.status == 0);
+    BOOST_TEST(json::parse(outcome.out)["statistics"]["band_samples"] == 2 * 81);
+    BOOST_CHECK_MESSAGE(outcome.error.find("729 samples, 162 of them within") != std::string::npos, outcome.error);
+}
+
+BOOST_AUTO_TEST_CASE(warns_where_no_sample_is_within_the_limits_and_names_both_boxes) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const Outcome outcome = run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--size", "8", "--origin",
+                                         "100,0,0", "--spacing", "0.5", "--band", "1", "--json", "--quiet"});
+    BOOST_REQUIRE(outcome.status == 0);
+    const json result = json::parse(outcome.out);
+    BOOST_REQUIRE(result["warnings"].size() == 1U);
+    const auto warning = result["warnings"][0].get<std::string>();
+    for (const char* fragment : {"no sample", "(100, 0, 0) to (103.5, 3.5, 3.5)", "(0, 0, 0) to (1, 1, 1)"})
+        BOOST_CHECK_MESSAGE(warning.find(fragment) != std::string::npos, fragment << " in " << warning);
+    BOOST_TEST(outcome.error == "warning: " + warning + "\n");
+}
+
+BOOST_AUTO_TEST_CASE(warns_that_triangles_of_an_earlier_field_lie_beside_the_new_one) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::vector<std::string> plain{"compute", mesh, "-o", folder.file("a.npy"), "--resolution", "9", "--quiet"};
+    std::vector<std::string> with_triangles = plain;
+    with_triangles.insert(with_triangles.end(), {"--with", "triangle"});
+    BOOST_TEST(run_command(plain).error.empty());
+    BOOST_TEST(run_command(with_triangles).error.empty());
+    const Outcome outcome = run_command(plain);
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.error.find("warning: " + folder.file("a_triangle.npy")) == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(keeps_the_name_of_the_mesh_without_its_folder) {
+    const TemporaryFolder folder;
+    const std::string field = folder.file("a.nrrd");
+    BOOST_TEST(
+        run_command({"compute", folder.file("mesh.off", tetrahedron), "-o", field, "--resolution", "9"}).status == 0);
+    BOOST_TEST(clsdf::Field::read(field).mesh_name == "mesh.off");
+}
+
 BOOST_AUTO_TEST_CASE(says_when_its_output_cannot_be_written) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
@@ -162,6 +234,25 @@ BOOST_AUTO_TEST_CASE(finds_what_is_wrong_with_a_field_and_says_where) {
     const json report = json::parse(outcome.out);
     BOOST_TEST(!report["passed"].get<bool>());
     BOOST_TEST(report["findings"].size() == 2U);
+    BOOST_TEST(outcome.error.find("ulp (beyond one voxel from the surface)") != std::string::npos);
+    BOOST_TEST(!report.contains("note"));
+}
+
+BOOST_AUTO_TEST_CASE(notes_that_a_field_which_fails_names_another_mesh_and_is_quiet_where_it_passes) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::string other = folder.file("other.off",
+                                          "OFF\n4 4 0\n0 0 0\n2 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n"
+                                          "3 0 3 2\n3 1 2 3\n");
+    const std::string field = folder.file("field.nrrd");
+    BOOST_REQUIRE(run_command({"compute", mesh, "-o", field, "--resolution", "16"}).status == 0);
+    const Outcome passed = run_command({"check", mesh, field, "--quiet"});
+    BOOST_TEST(passed.status == 0);
+    BOOST_TEST(passed.error.empty());
+    const Outcome failed = run_command({"check", other, field, "--quiet"});
+    BOOST_TEST(failed.status == 1);
+    BOOST_TEST(failed.error.find("FAILED") != std::string::npos);
+    BOOST_TEST(failed.error.find("made from mesh.off") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

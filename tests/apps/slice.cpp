@@ -36,6 +36,8 @@ BOOST_AUTO_TEST_CASE(draws_one_slice_or_a_mosaic) {
     BOOST_TEST((content_of(picture) == middle));
     BOOST_TEST(run_command({"slice", field, "-o", picture, "--pixels", "150", "--axis", "x", "--index", "3"}).status ==
                0);
+    BOOST_TEST(run_command({"slice", field, "-o", picture, "--pixels", "150", "--axis", "x", "--index", "3", "--quiet"})
+                   .error.empty());
     BOOST_TEST((content_of(picture) != middle));
     const Outcome mosaic = run_command({"slice", field, "-o", picture, "--pixels", "150", "--mosaic", "--json"});
     BOOST_TEST(mosaic.status == 0);
@@ -80,7 +82,9 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     check_refused(run_command({"slice", field, "-o", picture, "--index", "21"}), 2,
                   {"no sample 21 along z", "0 to 20"});
     check_refused(run_command({"slice", field, "-o", picture, "--axis", "w"}), 2, {"\"w\"", "x, y or z"});
-    check_refused(run_command({"slice", field, "-o", picture, "--pixels", "7"}), 2, {"7 pixels"});
+    check_refused(run_command({"slice", field, "-o", picture, "--pixels", "7"}), 2,
+                  {"--pixels: a whole number from 100 to 10000, not '7'"});
+    check_refused(run_command({"slice", field, "-o", picture, "--index", "-1"}), 2, {"--index", "-1"});
     check_refused(run_command({"slice", field, "-o", folder.file("balls.gif")}), 2, {".gif", ".png or .pdf"});
     check_refused(run_command({"slice", field, "-o", folder.file("none/balls.png")}), 5, {"no folder"});
     check_refused(run_command({"slice", field, "-o", picture, "--all", "--index", "2"}), 2, {"--index", "--all"});
