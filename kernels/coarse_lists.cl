@@ -27,6 +27,13 @@ __kernel void coarse_caps(Layout layout, uint count, uint stride, __global const
     caps[brick] = LESSER(bound, layout.half_width);
 }
 
+// origin + offset; far outside, where the sum is no longer an int, a number beyond all of the lattice's indices, which are
+// below 2^30.
+inline int index_near(int origin, float offset) {
+    const float limit = 1.0737e9f;
+    return fabs(offset) < 1.0e9f ? origin + (int)offset : (int)clamp((float)origin + offset, -limit, limit);
+}
+
 // The coarse bricks of the lattice that the box of the triangle, enlarged by the half width, overlaps on one axis; limits
 // included. The answer does not depend on the part that is computed.
 inline int2 box_range(__global const Polyhedron* p, __global const float* gradient, int origin, float reach) {
@@ -39,10 +46,7 @@ inline int2 box_range(__global const Polyhedron* p, __global const float* gradie
     const float margin = reach * sqrt(squared) + 1.0e-5f * (fabs(right) + fabs(left) + fabs(apex) + fabs(foot));
     const float low = (foot + LESSER(LESSER(right, left), apex) - margin) / squared;
     const float high = (foot + GREATER(GREATER(right, left), apex) + margin) / squared;
-    // The clamps keep the conversion defined for triangles far outside; the lattice's indices are below 2^30.
-    const float limit = 1.0e9f;
-    return (int2)((origin + (int)clamp(floor(low), -limit, limit) - (CLSDF_COARSE - 1)) >> 5,
-                  (origin + (int)clamp(ceil(high), -limit, limit)) >> 5);
+    return (int2)((index_near(origin, floor(low)) - (CLSDF_COARSE - 1)) >> 5, index_near(origin, ceil(high)) >> 5);
 }
 
 // Bits 0 to 3: which of four neighbours that start at `base` lie in [low, high].
@@ -80,7 +84,7 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
     if (!fill)
-        for (uint brick = 0; brick < (uint)(size.x * size.y * size.z); ++brick) counts[brick * parts + part] = 0;
+        for (size_t brick = 0; brick < (size_t)size.x * size.y * size.z; ++brick) counts[brick * parts + part] = 0;
 
     float block_caps[64];
     for (uint b = 0; b < 64; ++b) block_caps[b] = layout.half_width;

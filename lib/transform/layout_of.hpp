@@ -32,6 +32,8 @@ bool has_long_bricks(const Grid& grid);
 
 std::size_t brick_count(const Layout& layout);
 std::size_t coarse_brick_count(const Layout& layout);
+/// Device memory that the sign takes for each slice of a grid.
+std::size_t sign_bytes_of_slice(const Grid& grid);
 /// Rows of sign bits: every row of samples of the part's bricks.
 std::size_t sign_row_count(const Layout& layout);
 
