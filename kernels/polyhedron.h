@@ -1,8 +1,8 @@
 // One definition for the host and the kernels: the polyhedron of a triangle (or of a point site) as the device reads
 // it.
 //
-// Lengths are in units, in the metric frame; the unit is the greatest power of two (of the mesh's units) not above the voxel. The frame of a triangle has its origin at the foot
-// of the altitude on the longest edge:
+// Lengths are in units, in the metric frame; the unit is the greatest power of two (of the mesh's units) not above the
+// voxel. The frame of a triangle has its origin at the foot of the altitude on the longest edge:
 //   X along the longest edge, the triangle's base; its ends lie at X = -base[left] and X = +base[right];
 //   Y in the plane, from the base to the apex, which lies at (0, altitude);
 //   Z along the unit normal (the height s of METHOD, section 8).
@@ -11,9 +11,8 @@
 //
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
-// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and
-// a float `low` (48 bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no
-// double.
+// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and a float `low` (48
+// bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no double.
 //
 // The polyhedron, both sides of the face at once, with slack eta and height cap (METHOD, section 8.1):
 //   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,
@@ -28,8 +27,10 @@ typedef uint clsdf_uint32;
 #include <cstddef>
 #include <cstdint>
 namespace clsdf {
+// NOLINTBEGIN(readability-identifier-naming): the same names in OpenCL C
 using clsdf_int32 = std::int32_t;
 using clsdf_uint32 = std::uint32_t;
+// NOLINTEND(readability-identifier-naming)
 #endif
 
 // Index of an edge in the slopes, and of a half in pairs.

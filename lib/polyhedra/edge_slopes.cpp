@@ -23,7 +23,7 @@ public:
     std::uint32_t higher_vertex() const { return static_cast<std::uint32_t>(key_ >> 32); }
     Corner edge() const { return Corner::unpack(static_cast<std::uint32_t>(key_)); }
 
-    friend auto operator<=>(const EdgeEntry&, const EdgeEntry&) = default;
+    bool operator<(const EdgeEntry& other) const { return key_ < other.key_; }
 
 private:
     std::uint64_t key_;

@@ -167,7 +167,7 @@ private:
         const Vector outward = leaving ? along.cross(normal) : normal.cross(along);
         const std::uint32_t edge = leaving ? face.corner.vertex : previous_of_three(face.corner.vertex);
         const FaceEdges& edges = faces_[face.corner.face];
-        const double slope = static_cast<double>((above ? edges.above : edges.below)[edge]);
+        const auto slope = static_cast<double>((above ? edges.above : edges.below)[edge]);
         return (outward - (above ? slope : -slope) * normal) * (1 / (1 + slope));
     }
 

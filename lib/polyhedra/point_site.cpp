@@ -23,6 +23,7 @@ std::vector<Vector> neighbour_directions(const Mesh& mesh, std::span<const Trian
     std::sort(neighbours.begin(), neighbours.end());
     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
     std::vector<Vector> directions;
+    directions.reserve(neighbours.size());
     for (const std::uint32_t neighbour : neighbours)
         directions.push_back(
             ((to_vector(mesh.vertices()[neighbour]) - to_vector(mesh.vertices()[vertex])) / lattice.voxel)
@@ -73,7 +74,7 @@ bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, Fac
 
 PointSite point_site(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
                      const OneRings& rings, std::size_t vertex, const LatticeView& lattice, float open) {
-    PointSite site{};
+    PointSite site;
     site.face = rings.corner(vertex, 0).face;
     for (std::size_t i = 1; i < rings.size(vertex); ++i) {
         const std::uint32_t face = rings.corner(vertex, i).face;

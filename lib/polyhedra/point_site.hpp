@@ -11,8 +11,8 @@ namespace clsdf::polyhedra {
 /// The polyhedron of a vertex by itself: it holds the vertex' whole normal cone.
 struct PointSite {
     TriangleFrame frame;
-    FaceEdges edges;
-    std::uint32_t face;  ///< of the list: of the vertex' faces the one that comes first in the caller's order
+    FaceEdges edges{};
+    std::uint32_t face = 0;  ///< of the list: of the vertex' faces the one that comes first in the caller's order
 };
 
 /// `order`: the caller's index of each face of the list.

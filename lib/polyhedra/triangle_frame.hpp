@@ -9,6 +9,7 @@
 namespace clsdf::polyhedra {
 
 /// The frame of kernels/polyhedron.h in double precision, in voxels.
+// NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
 struct TriangleFrame {
     Vector along;   ///< X, along the longest edge: the base
     Vector across;  ///< Y, from the base to the apex
