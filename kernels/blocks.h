@@ -1,8 +1,9 @@
 // Which blocks of samples a polyhedron touches: the test by which bricks and sub-blocks get their lists.
 //
-// A block is represented by its centre and by its reach (half its width) along each of the polyhedron's normals; the test is
-// conservative. Each block has a cap of its own, an upper bound of the distance of its samples to the mesh: a triangle farther
-// away than that is nearest to none of them. The slack grows with the cap, as the rounding of what is compared does.
+// A block is represented by its centre and by its reach (half its width) along each of the polyhedron's normals; the
+// test is conservative. Each block has a cap of its own, an upper bound of the distance of its samples to the mesh: a
+// triangle farther away than that is nearest to none of them. The slack grows with the cap, as the rounding of what is
+// compared does.
 #ifndef CLSDF_BLOCKS_H
 #define CLSDF_BLOCKS_H
 
@@ -24,10 +25,12 @@ inline Reach reach_of(__global const float* reach, float scale) {
 }
 
 // Bit b: the block whose centre lies (i[b], j[b], k[b]) samples from the point of the offsets.
-INLINE uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, Reach reach, floatL cap,
-                           floatL slack) {
-    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT], across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
-    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT], across_left = p->normal_across_high[CLSDF_HALF_LEFT];
+INLINE uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, Reach reach,
+                           floatL cap, floatL slack) {
+    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT],
+                across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
+    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT],
+                across_left = p->normal_across_high[CLSDF_HALF_LEFT];
     const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
     const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
     const floatL s = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z));
@@ -50,8 +53,8 @@ INLINE uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, fl
     return lanes_to_bits(in);
 }
 
-// Bit b of the result: block b of a group of 4 x 4 x 4 (x fastest), each of `side` samples a side, whose first sample is
-// (x, y, z) of the lattice. caps: one a block.
+// Bit b of the result: block b of a group of 4 x 4 x 4 (x fastest), each of `side` samples a side, whose first sample
+// is (x, y, z) of the lattice. caps: one a block.
 INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, float side, __private const float* caps,
                            float level_slack, float slack_rate) {
     // The frame at the centre of the group; the blocks' centres lie at most 1.5 sides from it.

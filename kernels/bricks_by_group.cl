@@ -1,16 +1,20 @@
-// The seven-site distance of every sample near the mesh, for GPUs: a work-group computes a brick of 8 x 8 x 8 samples from the
-// list of its coarse brick.
+// The seven-site distance of every sample near the mesh, for GPUs: a work-group computes a brick of 8 x 8 x 8 samples
+// from the list of its coarse brick.
 //
 //   1. an upper bound of the brick's distances (cap), by a reduction over the list;
-//   2. GROUP polyhedra of the list at a time, one a work-item: does it touch the brick, and which of its 16 sub-blocks of
+//   2. GROUP polyhedra of the list at a time, one a work-item: does it touch the brick, and which of its 16 sub-blocks
+//   of
 //      4 x 4 x 2 samples? Those that do are compacted into local memory, in the order of the list;
-//   3. when local memory is full, or the list ends: each work-item carries its samples through the compacted polyhedra. The
+//   3. when local memory is full, or the list ends: each work-item carries its samples through the compacted polyhedra.
+//   The
 //      32 work-items of a sub-block are neighbours, so that they take the same branches.
 //
-// Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are scheduled.
+// Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are
+// scheduled.
 //
 // Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest triangle;
-// LONG_BRICKS where spacing is so unequal that distances take double (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
+// LONG_BRICKS where spacing is so unequal that distances take double (distance.h); COUNT counts work. LANES is 1: a
+// work-item is a lane.
 
 #include "blocks.h"
 #include "distance.h"
@@ -28,27 +32,34 @@ inline int3 sample_of(uint b, uint lane) {
 // The sub-blocks that a polyhedron touches, 16 bits.
 inline uint touched_subblocks(__global const Polyhedron* p, Offsets o, float cap, float slack) {
     // Half of a sub-block's width: 1.5, 1.5 and 0.5 samples.
-    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT], across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
-    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT], across_left = p->normal_across_high[CLSDF_HALF_LEFT];
-    const float3 gx = vload3(0, p->gradient_x_high), gy = vload3(0, p->gradient_y_high), gz = vload3(0, p->gradient_z_high);
+    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT],
+                across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
+    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT],
+                across_left = p->normal_across_high[CLSDF_HALF_LEFT];
+    const float3 gx = vload3(0, p->gradient_x_high), gy = vload3(0, p->gradient_y_high),
+                 gz = vload3(0, p->gradient_z_high);
     const float widen = 1.0f + 1.0e-6f;
     Reach reach;
     reach.x = widen * (1.5f * fabs(gx.x) + 1.5f * fabs(gy.x) + 0.5f * fabs(gz.x));
     reach.y = widen * (1.5f * fabs(gx.y) + 1.5f * fabs(gy.y) + 0.5f * fabs(gz.y));
     reach.z = widen * (1.5f * fabs(gx.z) + 1.5f * fabs(gy.z) + 0.5f * fabs(gz.z));
-    reach.right = widen * (1.5f * fabs(along_right * gx.x + across_right * gx.y) + 1.5f * fabs(along_right * gy.x + across_right * gy.y) +
+    reach.right = widen * (1.5f * fabs(along_right * gx.x + across_right * gx.y) +
+                           1.5f * fabs(along_right * gy.x + across_right * gy.y) +
                            0.5f * fabs(along_right * gz.x + across_right * gz.y));
-    reach.left = widen * (1.5f * fabs(across_left * gx.y - along_left * gx.x) + 1.5f * fabs(across_left * gy.y - along_left * gy.x) +
+    reach.left = widen * (1.5f * fabs(across_left * gx.y - along_left * gx.x) +
+                          1.5f * fabs(across_left * gy.y - along_left * gy.x) +
                           0.5f * fabs(across_left * gz.y - along_left * gz.x));
     uint touched = 0;
     for (uint b = 0; b < SUBBLOCKS; ++b) {
-        const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f, k = (float)((b >> 2) * 2) - 3.0f;
+        const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f,
+                    k = (float)((b >> 2) * 2) - 3.0f;
         touched |= touched_blocks(p, o, i, j, k, reach, cap, slack) << b;
     }
     return touched;
 }
 
-// Exclusive prefix sum of one value a work-item; `sums` holds 2 GROUP values, and sums[2 GROUP - 1] the total afterwards.
+// Exclusive prefix sum of one value a work-item; `sums` holds 2 GROUP values, and sums[2 GROUP - 1] the total
+// afterwards.
 inline uint group_scan(uint value, __local uint* sums) {
     const uint item = get_local_id(0);
     sums[item] = 0;
@@ -92,9 +103,11 @@ typedef struct Minimum {
 #endif
 } Minimum;
 
-inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
+inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra,
+                     double3 centre, __private Minimum* minimum
 #ifdef COUNT
-                     , float half_width, float slack, __private uint* counters
+                     ,
+                     float half_width, float slack, __private uint* counters
 #endif
 ) {
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
@@ -110,8 +123,8 @@ inline void evaluate(uint count, __local const Compacted* compacted, __global co
             const Offsets o = compacted->offsets[n];
             __global const Polyhedron* p = polyhedra + compacted->polyhedron[n];
 #ifdef LONG_BRICKS
-            const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), from_centre.x, from_centre.y,
-                                                              from_centre.z);
+            const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z),
+                                                              from_centre.x, from_centre.y, from_centre.z);
 #else
             const float squared = squared_distance(p, o, from_centre.x, from_centre.y, from_centre.z);
 #endif
@@ -139,14 +152,16 @@ inline void evaluate(uint count, __local const Compacted* compacted, __global co
 
 // Global size: 64 groups for each coarse brick order[begin, ...) of the launch.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group(
-    Layout layout, uint begin, __global const uint* order, __global const uint* starts, uint parts, __global const uint* entries,
-    __global const float* coarse_caps, __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global uchar* computed,
-    __global float* distance
+    Layout layout, uint begin, __global const uint* order, __global const uint* starts, uint parts,
+    __global const uint* entries, __global const float* coarse_caps, __global const Polyhedron* polyhedra,
+    __global const uint* sign_bits, __global uchar* computed, __global float* distance
 #ifdef NEAREST
-    , __global uint* triangle
+    ,
+    __global uint* triangle
 #endif
 #ifdef COUNT
-    , __global ulong* all_counters  // a set for each group, numbered over all launches
+    ,
+    __global ulong* all_counters  // a set for each group, numbered over all launches
 #endif
 ) {
     __local Compacted compacted;
@@ -175,7 +190,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         const float square = fx * fx + fy * fy + fz * fz;
         least_square = LESSER(square, least_square);
     }
-    const float bound = sqrt(group_least(least_square, least_values)) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
+    const float bound =
+        sqrt(group_least(least_square, least_values)) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
     const float coarse_cap = coarse_caps[number];
     const float cap = LESSER(bound, coarse_cap);
     const float slack = cap * layout.slack_rate + layout.brick_slack;
@@ -218,7 +234,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #endif
             evaluate(count, &compacted, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
-                     , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
+                     ,
+                     layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif
             );
             count = 0;
@@ -253,6 +270,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < CLSDF_COUNTERS) all_counters[(begin * 64 + get_group_id(0)) * CLSDF_COUNTERS + item] = group_counters[item];
+    if (item < CLSDF_COUNTERS)
+        all_counters[(begin * 64 + get_group_id(0)) * CLSDF_COUNTERS + item] = group_counters[item];
 #endif
 }

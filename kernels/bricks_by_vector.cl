@@ -1,12 +1,12 @@
-// The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest first,
-// and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
+// The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest
+// first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
 //   coarse brick: an upper bound of the distance for each of its bricks (cap); a mask of touched bricks per polyhedron;
 //   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
 //   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
 //
-// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal that
-// distances take double (distance.h); COUNT counts work.
+// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal
+// that distances take double (distance.h); COUNT counts work.
 
 #include "blocks.h"
 #include "distance.h"
@@ -24,12 +24,19 @@
 
 // Sub-blocks are SUBBLOCK_X x 2 x 2 samples; number b of a brick lies at (b % SUBBLOCKS_X, b / SUBBLOCKS_X % 4, ...).
 // Offsets of its first sample from the brick's centre:
-inline float subblock_x(uint b) { return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f; }
-inline float subblock_y(uint b) { return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f; }
-inline float subblock_z(uint b) { return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f; }
+inline float subblock_x(uint b) {
+    return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f;
+}
+inline float subblock_y(uint b) {
+    return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f;
+}
+inline float subblock_z(uint b) {
+    return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
+}
 
 // Appends to `chosen` the items whose mask has the bit, in order; returns how many. `chosen` has room for eight more.
-inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit, __global uint* chosen) {
+inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit,
+                   __global uint* chosen) {
     uint n = 0;
     uint i = 0;
 #if defined(__AVX512DQ__) && defined(__AVX512VL__)
@@ -75,10 +82,12 @@ typedef struct Minimum {
 } Minimum;
 
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
-inline void evaluate(uint b, uint count, __private const ushort* chosen, __global const uint* list, __private const Offsets* offsets,
-                     __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
+inline void evaluate(uint b, uint count, __private const ushort* chosen, __global const uint* list,
+                     __private const Offsets* offsets, __global const Polyhedron* polyhedra, double3 centre,
+                     __private Minimum* minimum
 #ifdef COUNT
-                     , float half_width, float slack, __private ulong* counters
+                     ,
+                     float half_width, float slack, __private ulong* counters
 #endif
 ) {
     const uintL lane = LANE_NUMBERS;
@@ -108,7 +117,8 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
 #endif
 #ifdef COUNT
         Reach none = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
-        counters[CLSDF_COUNT_COVERED] += popcount(touched_blocks(p, o, i, j, k, none, (floatL)half_width, (floatL)slack));
+        counters[CLSDF_COUNT_COVERED] +=
+            popcount(touched_blocks(p, o, i, j, k, none, (floatL)half_width, (floatL)slack));
 #endif
     }
     minimum->squared[b] = least;
@@ -125,7 +135,8 @@ inline void unpack(__private const uintL* vectors, __private uint* samples) {
         store_lanes(vectors[b], 0, lanes);
         const uint x = b % SUBBLOCKS_X * SUBBLOCK_X, y = b / SUBBLOCKS_X % 4 * 2, z = b / (SUBBLOCKS_X * 4) * 2;
         for (uint lane = 0; lane < LANES; ++lane)
-            samples[(z + lane / (SUBBLOCK_X * 2)) * 64 + (y + lane / SUBBLOCK_X % 2) * 8 + x + lane % SUBBLOCK_X] = lanes[lane];
+            samples[(z + lane / (SUBBLOCK_X * 2)) * 64 + (y + lane / SUBBLOCK_X % 2) * 8 + x + lane % SUBBLOCK_X] =
+                lanes[lane];
     }
 }
 
@@ -140,13 +151,17 @@ inline void store_row(uint8 values, int begin, int end, __global uint* row) {
     for (int x = begin; x < end; ++x) row[x - begin] = each[x];
 }
 
-// Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the fill.
-inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, __global const uint* sign_bits, __global float* distance
+// Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the
+// fill.
+inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, __global const uint* sign_bits,
+                        __global float* distance
 #ifdef NEAREST
-                        , __global uint* triangle
+                        ,
+                        __global uint* triangle
 #endif
 #ifdef COUNT
-                        , __private ulong* counters
+                        ,
+                        __private ulong* counters
 #endif
 ) {
     uint squared[512];
@@ -156,15 +171,18 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
     unpack(minimum->triangle, nearest);
 #endif
     const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
-    const int3 begin = max(brick * CLSDF_BRICK, first) - first, end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
+    const int3 begin = max(brick * CLSDF_BRICK, first) - first,
+               end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
     const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
     const int3 relative_brick = brick - vload3(0, layout.brick_first);
     for (int z = begin.z; z < end.z; ++z)
         for (int y = begin.y; y < end.y; ++y) {
             // The rows of sign bits cover whole bricks.
-            const size_t bit_row = (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
-                                   (y - relative.y + relative_brick.y * CLSDF_BRICK);
-            const uint inside = (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
+            const size_t bit_row =
+                (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
+                (y - relative.y + relative_brick.y * CLSDF_BRICK);
+            const uint inside =
+                (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
             const int row = (z - relative.z) * 64 + (y - relative.y) * 8;
             const float8 square = as_float8(vload8(0, squared + row));
             const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
@@ -191,10 +209,12 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
 inline void compute_brick(Layout layout, int3 brick, uint count, __global const uint* list, float brick_cap,
                           __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global float* distance
 #ifdef NEAREST
-                          , __global uint* triangle
+                          ,
+                          __global uint* triangle
 #endif
 #ifdef COUNT
-                          , __private ulong* counters
+                          ,
+                          __private ulong* counters
 #endif
 ) {
     Minimum minimum;
@@ -233,7 +253,8 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
             any &= any - 1;
             evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
-                     , layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
+                     ,
+                     layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif
             );
             const float reached = sqrt(greatest_lane(minimum.squared[b]));
@@ -243,18 +264,20 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
     COUNT_ADD(CLSDF_COUNT_BRICK_PAIRS, count);
     write_brick(layout, brick, &minimum, sign_bits, distance
 #ifdef NEAREST
-                , triangle
+                ,
+                triangle
 #endif
 #ifdef COUNT
-                , counters
+                ,
+                counters
 #endif
     );
 }
 
-// Upper bounds of the distance for the samples of each of a coarse brick's 64 bricks: the distance of the brick's centre to
-// the nearest of the surface points it knows (the feet of the altitudes), and the brick's radius.
-inline void brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries, __global const Polyhedron* polyhedra,
-                       float coarse_cap, __private float* caps) {
+// Upper bounds of the distance for the samples of each of a coarse brick's 64 bricks: the distance of the brick's
+// centre to the nearest of the surface points it knows (the feet of the altitudes), and the brick's radius.
+inline void brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                       __global const Polyhedron* polyhedra, float coarse_cap, __private float* caps) {
     floatL least[64 / LANES];
     for (uint v = 0; v < 64 / LANES; ++v) least[v] = INFINITY;
     const double centre = 0.5 * (CLSDF_COARSE - 1);
@@ -262,17 +285,21 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
     const uint stride = count > 4096 ? 4 : count > 1024 ? 2 : 1;
     for (uint e = 0; e < count; e += stride) {
         __global const Polyhedron* p = polyhedra + entries[e];
-        const double4 frame = frame_at(p, (double)coarse.x * CLSDF_COARSE + centre, (double)coarse.y * CLSDF_COARSE + centre,
-                                       (double)coarse.z * CLSDF_COARSE + centre);
+        const double4 frame =
+            frame_at(p, (double)coarse.x * CLSDF_COARSE + centre, (double)coarse.y * CLSDF_COARSE + centre,
+                     (double)coarse.z * CLSDF_COARSE + centre);
         const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
         for (uint v = 0; v < 64 / LANES; ++v) {
             const uintL block = LANE_NUMBERS + v * LANES;
             const floatL i = (convert_floatL(block & 3u) - 1.5f) * CLSDF_BRICK;
             const floatL j = (convert_floatL((block >> 2) & 3u) - 1.5f) * CLSDF_BRICK;
             const floatL k = (convert_floatL(block >> 4) - 1.5f) * CLSDF_BRICK;
-            const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + (k * p->gradient_z_high[0] + fx));
-            const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + (k * p->gradient_z_high[1] + fy));
-            const floatL dz = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + fz));
+            const floatL dx =
+                i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + (k * p->gradient_z_high[0] + fx));
+            const floatL dy =
+                i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + (k * p->gradient_z_high[1] + fy));
+            const floatL dz =
+                i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + fz));
             const floatL squared = dx * dx + dy * dy + dz * dz;
             least[v] = squared < least[v] ? squared : least[v];
         }
@@ -283,16 +310,20 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
     }
 }
 
-// Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's first.
-__kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order, __global const uint* starts,
-                     uint parts, __global const uint* entries, __global const float* coarse_caps,
-                     __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global uchar* computed,
-                     __global ulong* scratch_masks, __global uint* scratch_list, uint scratch_length, __global float* distance
+// Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's
+// first.
+__kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order,
+                               __global const uint* starts, uint parts, __global const uint* entries,
+                               __global const float* coarse_caps, __global const Polyhedron* polyhedra,
+                               __global const uint* sign_bits, __global uchar* computed, __global ulong* scratch_masks,
+                               __global uint* scratch_list, uint scratch_length, __global float* distance
 #ifdef NEAREST
-                     , __global uint* triangle
+                               ,
+                               __global uint* triangle
 #endif
 #ifdef COUNT
-                     , __global ulong* all_counters
+                               ,
+                               __global ulong* all_counters
 #endif
 ) {
     const size_t item = get_global_id(0);
@@ -318,8 +349,9 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
         }
         ulong any = 0;
         for (uint e = 0; e < count; ++e) {
-            const ulong touched = wanted & touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE, coarse.y * CLSDF_COARSE,
-                                                         coarse.z * CLSDF_COARSE, CLSDF_BRICK, caps, layout.brick_slack, layout.slack_rate);
+            const ulong touched = wanted & touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE,
+                                                         coarse.y * CLSDF_COARSE, coarse.z * CLSDF_COARSE, CLSDF_BRICK,
+                                                         caps, layout.brick_slack, layout.slack_rate);
             masks[e] = touched;
             any |= touched;
         }
@@ -332,10 +364,12 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
             computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;
             compute_brick(layout, brick, length, list, caps[b], polyhedra, sign_bits, distance
 #ifdef NEAREST
-                          , triangle
+                          ,
+                          triangle
 #endif
 #ifdef COUNT
-                          , counters
+                          ,
+                          counters
 #endif
             );
         }

@@ -1,15 +1,16 @@
 // The list of polyhedra of each coarse brick (32 x 32 x 32 samples), by count, scan, fill.
 //
-// Each work-item takes a contiguous range of polyhedra and counts into a histogram of its own, so that no atomics are needed
-// and the lists are in the order of the polyhedra, whatever the number of work-items:
+// Each work-item takes a contiguous range of polyhedra and counts into a histogram of its own, so that no atomics are
+// needed and the lists are in the order of the polyhedra, whatever the number of work-items:
 //   counts[brick * parts + part], scanned, is where a part's entries of a brick begin.
 
 #include "blocks.h"
 
-// An upper bound of the distance to the mesh for every sample of a coarse brick: the distance of its centre to the nearest of
-// some of the surface's points (the feet of the altitudes; points of the triangles), and the brick's radius. `stride` leaves
-// most of them out; a coarse bound is enough here, the bricks find finer ones.
-__kernel void coarse_caps(Layout layout, uint count, uint stride, __global const Polyhedron* polyhedra, __global float* caps) {
+// An upper bound of the distance to the mesh for every sample of a coarse brick: the distance of its centre to the
+// nearest of some of the surface's points (the feet of the altitudes; points of the triangles), and the brick's radius.
+// `stride` leaves most of them out; a coarse bound is enough here, the bricks find finer ones.
+__kernel void coarse_caps(Layout layout, uint count, uint stride, __global const Polyhedron* polyhedra,
+                          __global float* caps) {
     const int brick = get_global_id(0);
     const int nx = layout.coarse_bricks[0], ny = layout.coarse_bricks[1];
     const double half_side = 0.5 * (CLSDF_COARSE - 1);
@@ -27,22 +28,27 @@ __kernel void coarse_caps(Layout layout, uint count, uint stride, __global const
     caps[brick] = LESSER(bound, layout.half_width);
 }
 
-// The coarse bricks of the lattice that the box of the triangle, enlarged by the half width, overlaps on one axis; limits
-// included. The answer does not depend on the part that is computed.
+// origin + offset; far outside, where the sum is no longer an int, a number beyond all of the lattice's indices, which
+// are below 2^30.
+inline int index_near(int origin, float offset) {
+    const float limit = 1.0737e9f;
+    return fabs(offset) < 1.0e9f ? origin + (int)offset : (int)clamp((float)origin + offset, -limit, limit);
+}
+
+// The coarse bricks of the lattice that the box of the triangle, enlarged by the half width, overlaps on one axis;
+// limits included. The answer does not depend on the part that is computed.
 inline int2 box_range(__global const Polyhedron* p, __global const float* gradient, int origin, float reach) {
     // One axis of the metric position is spacing * (index - origin). Its unit vector in the frame is the axis' gradient
     // divided by the spacing, so that (gradient . frame point) / spacing^2 is an index.
     const float gx = gradient[0], gy = gradient[1], gz = gradient[2];
     const float squared = gx * gx + gy * gy + gz * gz;
     const float foot = -(gx * p->constant_high[0] + gy * p->constant_high[1] + gz * p->constant_high[2]);
-    const float right = gx * p->base_high[CLSDF_HALF_RIGHT], left = -gx * p->base_high[CLSDF_HALF_LEFT], apex = gy * p->altitude_high;
+    const float right = gx * p->base_high[CLSDF_HALF_RIGHT], left = -gx * p->base_high[CLSDF_HALF_LEFT],
+                apex = gy * p->altitude_high;
     const float margin = reach * sqrt(squared) + 1.0e-5f * (fabs(right) + fabs(left) + fabs(apex) + fabs(foot));
     const float low = (foot + LESSER(LESSER(right, left), apex) - margin) / squared;
     const float high = (foot + GREATER(GREATER(right, left), apex) + margin) / squared;
-    // The clamps keep the conversion defined for triangles far outside; the lattice's indices are below 2^30.
-    const float limit = 1.0e9f;
-    return (int2)((origin + (int)clamp(floor(low), -limit, limit) - (CLSDF_COARSE - 1)) >> 5,
-                  (origin + (int)clamp(ceil(high), -limit, limit)) >> 5);
+    return (int2)((index_near(origin, floor(low)) - (CLSDF_COARSE - 1)) >> 5, index_near(origin, ceil(high)) >> 5);
 }
 
 // Bits 0 to 3: which of four neighbours that start at `base` lie in [low, high].
@@ -53,10 +59,13 @@ inline uint four_in_range(int base, int low, int high) {
 
 // The blocks of a group of 4 x 4 x 4 that starts at (x, y, z) that lie in [low, high], as touched_group numbers them.
 inline ulong group_in_range(int x, int y, int z, int3 low, int3 high) {
-    const uint in_x = four_in_range(x, low.x, high.x), in_y = four_in_range(y, low.y, high.y), in_z = four_in_range(z, low.z, high.z);
-    const uint rows = (in_y & 1u) * 0xFu | (in_y >> 1 & 1u) * 0xF0u | (in_y >> 2 & 1u) * 0xF00u | (in_y >> 3 & 1u) * 0xF000u;
+    const uint in_x = four_in_range(x, low.x, high.x), in_y = four_in_range(y, low.y, high.y),
+               in_z = four_in_range(z, low.z, high.z);
+    const uint rows =
+        (in_y & 1u) * 0xFu | (in_y >> 1 & 1u) * 0xF0u | (in_y >> 2 & 1u) * 0xF00u | (in_y >> 3 & 1u) * 0xF000u;
     const ulong slice = in_x * 0x1111u & rows;
-    return (in_z & 1u) * slice | (in_z >> 1 & 1u) * (slice << 16) | (in_z >> 2 & 1u) * (slice << 32) | (in_z >> 3 & 1u) * (slice << 48);
+    return (in_z & 1u) * slice | (in_z >> 1 & 1u) * (slice << 16) | (in_z >> 2 & 1u) * (slice << 32) |
+           (in_z >> 3 & 1u) * (slice << 48);
 }
 
 inline uint pop_bit(__private ulong* bits) {
@@ -71,16 +80,16 @@ inline size_t coarse_brick_of(int x, int y, int z, uint b, int3 first, int3 size
     return ((size_t)relative.z * size.y + relative.y) * size.x + relative.x;
 }
 
-// With `fill` 0 it counts; with 1 it writes the entries, `counts` being where each part's begin. `uniform`: all caps are the
-// half width.
-__kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps, int uniform,
-                           __global uint* counts, __global uint* entries, int fill) {
+// With `fill` 0 it counts; with 1 it writes the entries, `counts` being where each part's begin. `uniform`: all caps
+// are the half width.
+__kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps,
+                           int uniform, __global uint* counts, __global uint* entries, int fill) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const uint begin = (uint)((ulong)count * part / parts), end = (uint)((ulong)count * (part + 1) / parts);
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
     if (!fill)
-        for (uint brick = 0; brick < (uint)(size.x * size.y * size.z); ++brick) counts[brick * parts + part] = 0;
+        for (size_t brick = 0; brick < (size_t)size.x * size.y * size.z; ++brick) counts[brick * parts + part] = 0;
 
     float block_caps[64];
     for (uint b = 0; b < 64; ++b) block_caps[b] = layout.half_width;
@@ -101,8 +110,9 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
                             const uint b = pop_bit(&rest);
                             block_caps[b] = caps[coarse_brick_of(x, y, z, b, first, size)];
                         }
-                    ulong touched = wanted & touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE,
-                                                           block_caps, layout.coarse_slack, layout.slack_rate);
+                    ulong touched =
+                        wanted & touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE,
+                                               block_caps, layout.coarse_slack, layout.slack_rate);
                     while (touched) {
                         const uint b = pop_bit(&touched);
                         const uint slot = counts[coarse_brick_of(x, y, z, b, first, size) * parts + part]++;

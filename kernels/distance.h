@@ -1,11 +1,11 @@
 // The distance from samples to a triangle by its seven sites (face, edges, vertices).
 //
-// The altitude on its longest edge divides a triangle in two right-angled halves; the nearest point of the triangle lies in
-// the half on the sample's side of the altitude. There, with the coordinates of polyhedron.h:
+// The altitude on its longest edge divides a triangle in two right-angled halves; the nearest point of the triangle
+// lies in the half on the sample's side of the altitude. There, with the coordinates of polyhedron.h:
 //   below the base (Y < 0):  distance^2 = max(X - base, 0)^2 + Y^2 + Z^2
 //   else:                    distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
-// where r is the distance outward from the slanted edge and t the position along it. Each value is an offset at a brick's
-// centre, formed in double, plus float gradients times at most 3.5 samples: it rounds with the size of a brick.
+// where r is the distance outward from the slanted edge and t the position along it. Each value is an offset at a
+// brick's centre, formed in double, plus float gradients times at most 3.5 samples: it rounds with the size of a brick.
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 
@@ -32,8 +32,10 @@ INLINE floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i
 
     const intL right = o.x + dx >= 0.0f;
     const floatL away = right ? dx : -dx;
-    const floatL along = right ? (floatL)p->normal_along_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_along_high[CLSDF_HALF_LEFT];
-    const floatL across = right ? (floatL)p->normal_across_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_across_high[CLSDF_HALF_LEFT];
+    const floatL along =
+        right ? (floatL)p->normal_along_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_along_high[CLSDF_HALF_LEFT];
+    const floatL across =
+        right ? (floatL)p->normal_across_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_across_high[CLSDF_HALF_LEFT];
     const floatL dr = along * away + across * dy;
     const floatL dt = along * dy - across * away;
     const floatL beyond = (right ? (floatL)o.beyond_right : (floatL)o.beyond_left) + away;
@@ -43,14 +45,15 @@ INLINE floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i
     return squared_from_frame(y, z, beyond, r, t, past);
 }
 
-// The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up to the
-// values that are squared. `centre`: (X, Y, Z) at the brick's centre.
+// The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up
+// to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.
 inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 centre, floatL i, floatL j, floatL k) {
     const double4 gx = two_floats(p->gradient_x_high, p->gradient_x_low);
     const double4 gy = two_floats(p->gradient_y_high, p->gradient_y_low);
     const double4 gz = two_floats(p->gradient_z_high, p->gradient_z_low);
     const double4 bases = convert_double4(vload4(0, p->base_high));
-    const double4 normals = convert_double4(vload4(0, p->normal_along_high)) + convert_double4(vload4(0, p->normal_along_low));
+    const double4 normals =
+        convert_double4(vload4(0, p->normal_along_high)) + convert_double4(vload4(0, p->normal_along_low));
     const doubleL di = convert_doubleL(i), dj = convert_doubleL(j), dk = convert_doubleL(k);
     const doubleL x = di * gx.x + (dj * gy.x + (dk * gz.x + centre.x));
     const doubleL y = di * gx.y + (dj * gy.y + (dk * gz.y + centre.y));
@@ -61,8 +64,9 @@ inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 
     const doubleL across = right ? (doubleL)normals.z : (doubleL)normals.w;
     const doubleL beyond = away - (right ? (doubleL)(bases.x + bases.z) : (doubleL)(bases.y + bases.w));
     const doubleL above_apex = y - ((double)p->altitude_high + (double)p->altitude_low);
-    return squared_from_frame(convert_floatL(y), convert_floatL(z), convert_floatL(beyond), convert_floatL(along * beyond + across * y),
-                              convert_floatL(along * y - across * beyond), convert_floatL(along * above_apex - across * away));
+    return squared_from_frame(convert_floatL(y), convert_floatL(z), convert_floatL(beyond),
+                              convert_floatL(along * beyond + across * y), convert_floatL(along * y - across * beyond),
+                              convert_floatL(along * above_apex - across * away));
 }
 
 #endif

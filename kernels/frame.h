@@ -1,7 +1,7 @@
 // A polyhedron's frame at a point of the lattice, and the polyhedron's test for blocks of samples.
 //
-// Offsets are formed in double from the two floats of each number and rounded once, so that what follows in float rounds
-// with the size of the block, not with that of the triangle or the grid.
+// Offsets are formed in double from the two floats of each number and rounded once, so that what follows in float
+// rounds with the size of the block, not with that of the triangle or the grid.
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
@@ -42,8 +42,8 @@ INLINE double4 frame_at(__global const Polyhedron* p, double x, double y, double
 
 INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {
     const double4 frame = frame_at(p, x, y, z);
-    const double4 high = convert_double4(vload4(0, p->base_high));      // base right, left, low parts right, left
-    const double4 along = convert_double4(vload4(0, p->normal_along_high));   // along right, left, across right, left
+    const double4 high = convert_double4(vload4(0, p->base_high));           // base right, left, low parts right, left
+    const double4 along = convert_double4(vload4(0, p->normal_along_high));  // along right, left, across right, left
     const double4 low = convert_double4(vload4(0, p->normal_along_low));
     const double beyond_right = frame.x - (high.x + high.z);
     const double beyond_left = -frame.x - (high.y + high.w);

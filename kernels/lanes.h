@@ -1,5 +1,6 @@
-// Explicit vectors: on a processor the loop over work-items around an inner loop is not vectorised, so one work-item works on
-// LANES samples or blocks at once: 16 or 8, by the device's width. On a GPU a work-item is a lane itself: LANES is 1.
+// Explicit vectors: on a processor the loop over work-items around an inner loop is not vectorised, so one work-item
+// works on LANES samples or blocks at once: 16 or 8, by the device's width. On a GPU a work-item is a lane itself:
+// LANES is 1.
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 

@@ -1,7 +1,7 @@
 // One definition for the host and the kernels: where a part of the lattice and its bricks lie.
 //
-// A brick is 8 x 8 x 8 samples, a coarse brick 4 x 4 x 4 bricks; both tile the lattice from its sample (0, 0, 0), whatever
-// part of it is computed. Bricks and coarse bricks of the part are numbered with x running fastest.
+// A brick is 8 x 8 x 8 samples, a coarse brick 4 x 4 x 4 bricks; both tile the lattice from its sample (0, 0, 0),
+// whatever part of it is computed. Bricks and coarse bricks of the part are numbered with x running fastest.
 #ifndef CLSDF_LAYOUT_H
 #define CLSDF_LAYOUT_H
 
@@ -26,26 +26,27 @@ namespace clsdf {
 #endif
 
 typedef struct Layout {
-    clsdf_int32 first[3];          // the part's first sample
-    clsdf_int32 size[3];           // its samples, x, y, z
-    clsdf_int32 brick_first[3];    // the first brick that overlaps it, in bricks of the lattice
-    clsdf_int32 bricks[3];         // how many bricks overlap it, per axis
-    clsdf_int32 coarse_first[3];   // the same in coarse bricks
+    clsdf_int32 first[3];         // the part's first sample
+    clsdf_int32 size[3];          // its samples, x, y, z
+    clsdf_int32 brick_first[3];   // the first brick that overlaps it, in bricks of the lattice
+    clsdf_int32 bricks[3];        // how many bricks overlap it, per axis
+    clsdf_int32 coarse_first[3];  // the same in coarse bricks
     clsdf_int32 coarse_bricks[3];
-    clsdf_int32 sign_words;        // 32-bit words a row of sign bits has; bit 0 of a row is the part's first brick's first sample
+    clsdf_int32
+        sign_words;  // 32-bit words a row of sign bits has; bit 0 of a row is the part's first brick's first sample
 
     // Lengths in units (see `unit`).
-    float half_width;         // of the band, the larger side; a finite bound where the band is infinite
-    float inside_squared;     // squared half widths, possibly infinite
+    float half_width;      // of the band, the larger side; a finite bound where the band is infinite
+    float inside_squared;  // squared half widths, possibly infinite
     float outside_squared;
-    float slack_rate;         // slack of a test = slack of its level + slack_rate * cap
+    float slack_rate;  // slack of a test = slack of its level + slack_rate * cap
     float brick_slack;
     float coarse_slack;
-    float brick_radius;       // distance from a brick's centre to its farthest sample
+    float brick_radius;  // distance from a brick's centre to its farthest sample
     float coarse_radius;
 
-    // The kernels' unit of length in the mesh's units: the greatest power of two that is not above the voxel, so that results
-    // are scaled without rounding.
+    // The kernels' unit of length in the mesh's units: the greatest power of two that is not above the voxel, so that
+    // results are scaled without rounding.
     float unit;
     float inside_fill;  // -inside and outside, as written beyond the band, in the mesh's units
     float outside_fill;

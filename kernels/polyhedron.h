@@ -11,8 +11,8 @@
 //
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
-// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and a float `low` (48
-// bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no double.
+// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and a float `low`
+// (48 bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no double.
 //
 // The polyhedron, both sides of the face at once, with slack eta and height cap (METHOD, section 8.1):
 //   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,

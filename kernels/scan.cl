@@ -1,7 +1,10 @@
-// Exclusive prefix sums of 32-bit counts in three launches: each of `parts` work-items sums its range; one sums the sums;
-// each writes its range. (Measured: a tree in local memory is many times slower on a processor, one work-item on a GPU.)
+// Exclusive prefix sums of 32-bit counts in three launches: each of `parts` work-items sums its range; one sums the
+// sums; each writes its range. (Measured: a tree in local memory is many times slower on a processor, one work-item on
+// a GPU.)
 
-inline uint range_begin(uint count, uint part, uint parts) { return (uint)((ulong)count * part / parts); }
+inline uint range_begin(uint count, uint part, uint parts) {
+    return (uint)((ulong)count * part / parts);
+}
 
 __kernel void scan_sums(uint count, __global const uint* values, __global ulong* sums) {
     const uint part = get_global_id(0), parts = get_global_size(0);

@@ -1,13 +1,14 @@
 // Inside or outside at every sample: the exact winding number by a sweep along x (METHOD, section 7 and 8.5).
 //
 // y and z of the vertices are snapped to multiples of 2^-b spacings, such that samples are exact: sample (j, k) lies at
-// (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) iff three edge functions, exact integers, say
-// so; a row through an edge or a vertex counts as moved by (+epsilon, +epsilon^2) in (y, z), so that a closed mesh is crossed
-// consistently by every row. The snapped mesh is combinatorially the same and differs by 2^-21 voxel, hence so can the sign.
-// Where the row meets the triangle is interpolated in double with the edge functions as weights: all are of one sign, nothing
-// cancels. (The triangle's plane would be extrapolated on steep triangles.)
+// (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) iff three edge functions, exact
+// integers, say so; a row through an edge or a vertex counts as moved by (+epsilon, +epsilon^2) in (y, z), so that a
+// closed mesh is crossed consistently by every row. The snapped mesh is combinatorially the same and differs by 2^-21
+// voxel, hence so can the sign. Where the row meets the triangle is interpolated in double with the edge functions as
+// weights: all are of one sign, nothing cancels. (The triangle's plane would be extrapolated on steep triangles.)
 //
-// Crossings are counted by row, scanned, scattered, sorted by row; a running sum of their orientation is the winding number.
+// Crossings are counted by row, scanned, scattered, sorted by row; a running sum of their orientation is the winding
+// number.
 
 #include "layout.h"
 #include "sweep_vertex.h"
@@ -31,10 +32,12 @@ inline Wide wide_difference(Wide a, Wide b) {
     return w;
 }
 
-inline double wide_to_double(Wide w) { return (double)w.hi * 18446744073709551616.0 + (double)w.lo; }
+inline double wide_to_double(Wide w) {
+    return (double)w.hi * 18446744073709551616.0 + (double)w.lo;
+}
 
-// Whether the sample (y, z), or its symbolic displacement where it lies on the line, is left of p -> q; the edge function is
-// returned through `weight`. Products of 63 bits are enough where the triangle is small; `wide` takes 128.
+// Whether the sample (y, z), or its symbolic displacement where it lies on the line, is left of p -> q; the edge
+// function is returned through `weight`. Products of 63 bits are enough where the triangle is small; `wide` takes 128.
 inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, bool wide, __private double* weight) {
     const long dy = q.y - p.y, dz = q.z - p.z;
     int sign;
@@ -54,11 +57,12 @@ inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
     return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
 }
 
-// One work-item a triangle. With `fill` 0 it counts crossings by row; with 1 it writes their keys, `cursors` being where each
-// row's begin. Key: 2 k + (1 where the surface faces -x there), k the first sample at or after the crossing, counted from the
-// first brick's first sample and clamped to [0, row_length].
-__kernel void sign_crossings(Layout layout, uint triangle_count, __global const uint* triangles, __global const SweepVertex* vertices,
-                             int bits_y, int bits_z, __global uint* cursors, __global uint* keys, int fill) {
+// One work-item a triangle. With `fill` 0 it counts crossings by row; with 1 it writes their keys, `cursors` being
+// where each row's begin. Key: 2 k + (1 where the surface faces -x there), k the first sample at or after the crossing,
+// counted from the first brick's first sample and clamped to [0, row_length].
+__kernel void sign_crossings(Layout layout, uint triangle_count, __global const uint* triangles,
+                             __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* cursors,
+                             __global uint* keys, int fill) {
     const uint t = get_global_id(0);
     if (t >= triangle_count) return;
     SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]], c = vertices[triangles[3 * t + 2]];
@@ -83,7 +87,8 @@ __kernel void sign_crossings(Layout layout, uint triangle_count, __global const 
     for (long z = begin_z; z <= end_z; ++z)
         for (long y = begin_y; y <= end_y; ++y) {
             double wa, wb, wc;
-            if (!left_of(b, c, y << bits_y, z << bits_z, wide, &wa) || !left_of(c, a, y << bits_y, z << bits_z, wide, &wb) ||
+            if (!left_of(b, c, y << bits_y, z << bits_z, wide, &wa) ||
+                !left_of(c, a, y << bits_y, z << bits_z, wide, &wb) ||
                 !left_of(a, b, y << bits_y, z << bits_z, wide, &wc))
                 continue;
             const size_t row = (size_t)(z - first_z) * rows_y + (y - first_y);
@@ -129,7 +134,8 @@ inline void sort_keys(__global uint* keys, uint count) {
 }
 
 // One work-item a row of samples of the part's bricks: its sign bits, 1 inside.
-__kernel void sign_rows(Layout layout, uint rows, int parity, __global const uint* starts, __global uint* keys, __global uint* sign_bits) {
+__kernel void sign_rows(Layout layout, uint rows, int parity, __global const uint* starts, __global uint* keys,
+                        __global uint* sign_bits) {
     const uint row = get_global_id(0);
     if (row >= rows) return;
     __global uint* bits = sign_bits + (size_t)row * layout.sign_words;

@@ -29,8 +29,15 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
 }  // namespace
 
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
-    : context_(std::move(context)), device_(std::move(device)), queue_(std::move(queue)) {
-    guarded([&] { capabilities_ = capabilities_of(device_); });
+    : context_(std::move(context)),
+      device_(std::move(device)),
+      callers_queue_(std::move(queue)),
+      queue_(callers_queue_) {
+    guarded([&] {
+        capabilities_ = capabilities_of(device_);
+        if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
+            queue_ = cl::CommandQueue(context_, device_);
+    });
     if (device_.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
         throw Error(
             ErrorCode::unsupported,

@@ -17,7 +17,9 @@ public:
 
     const cl::Context& context() const { return context_; }
     const cl::Device& device() const { return device_; }
+    /// In order, for the library's own set-up: the caller's where it is, else one beside it.
     const cl::CommandQueue& queue() const { return queue_; }
+    const cl::CommandQueue& callers_queue() const { return callers_queue_; }
 
     /// What kernels and launches are shaped by.
     struct Capabilities {
@@ -36,6 +38,7 @@ public:
 private:
     cl::Context context_;
     cl::Device device_;
+    cl::CommandQueue callers_queue_;
     cl::CommandQueue queue_;
     Capabilities capabilities_;
     std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own

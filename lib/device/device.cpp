@@ -4,7 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <optional>
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
@@ -48,23 +49,41 @@ bool is_usable(const cl::Device& device) {
            device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
 }
 
+/// Usable devices, the strongest first. One that fails when it is asked is left out.
+std::vector<cl::Device> candidates(const std::vector<cl::Device>& devices) {
+    std::vector<std::pair<double, cl::Device>> rated;
+    for (const cl::Device& device : devices) {
+        try {
+            if (is_usable(device)) rated.emplace_back(strength(device), device);
+        } catch (const cl::Error&) {
+            continue;
+        }
+    }
+    std::stable_sort(rated.begin(), rated.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<cl::Device> sorted;
+    for (const auto& [rate, device] : rated) sorted.push_back(device);
+    return sorted;
+}
+
 }  // namespace
 
 Device Device::best() {
-    return device::guarded([] {
-        std::optional<cl::Device> best;
-        const std::vector<cl::Device> devices = all_devices();
-        for (const cl::Device& device : devices)
-            if (is_usable(device) && (!best || strength(device) > strength(*best))) best = device;
-        if (!best) {
-            const std::string found = devices.empty()
-                                          ? "no OpenCL device was found"
-                                          : "no OpenCL device with double precision and a compiler was found";
-            throw Error(ErrorCode::no_device, fmt::format("{}; {}", found, how_to_install));
+    const std::vector<cl::Device> devices = all_devices();
+    std::string failures;
+    for (const cl::Device& device : candidates(devices)) {
+        try {
+            const cl::Context context(device);
+            return Device(std::make_shared<device::Context>(context, device, cl::CommandQueue(context, device)));
+        } catch (const cl::Error& error) {
+            failures += fmt::format("; \"{}\" failed at {}: {}", device.getInfo<CL_DEVICE_NAME>(), error.what(),
+                                    device::code_name(error.err()));
         }
-        const cl::Context context(*best);
-        return Device(std::make_shared<device::Context>(context, *best, cl::CommandQueue(context, *best)));
-    });
+    }
+    throw Error(ErrorCode::no_device,
+                fmt::format("{}{}; {}",
+                            devices.empty() ? "no OpenCL device was found"
+                                            : "no usable OpenCL device with double precision and a compiler was found",
+                            failures, how_to_install));
 }
 
 Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queue queue) {
@@ -72,8 +91,11 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
         throw Error(ErrorCode::invalid_argument,
                     "Device::from_handles needs a context, a device and a queue; one of them is null");
     return device::guarded([&] {
-        return Device(std::make_shared<device::Context>(cl::Context(context, true), cl::Device(id, true),
-                                                        cl::CommandQueue(queue, true)));
+        const cl::CommandQueue callers(queue, true);
+        if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context || callers.getInfo<CL_QUEUE_DEVICE>()() != id)
+            throw Error(ErrorCode::invalid_argument,
+                        "Device::from_handles: the queue belongs to another context or device than those given");
+        return Device(std::make_shared<device::Context>(cl::Context(context, true), cl::Device(id, true), callers));
     });
 }
 
@@ -93,7 +115,7 @@ cl_device_id Device::id() const {
     return context_->device()();
 }
 cl_command_queue Device::queue() const {
-    return context_->queue()();
+    return context_->callers_queue()();
 }
 
 }  // namespace clsdf

@@ -29,7 +29,7 @@ public:
           frames_(frames),
           faces_(faces),
           rings_(rings),
-          per_voxel_(std::min(1 / lattice.voxel, std::numeric_limits<double>::max())),
+          per_unit_(std::min(1 / lattice.unit, std::numeric_limits<double>::max())),
           margin_(margin) {}
 
     std::uint8_t operator()(std::size_t vertex) {
@@ -83,7 +83,7 @@ private:
     Vector spoke(std::size_t vertex, std::uint32_t neighbour) const {
         const Vec3& from = mesh_.vertices()[vertex];
         const Vec3& to = mesh_.vertices()[neighbour];
-        const Vector edge = Vector(to[0] - from[0], to[1] - from[1], to[2] - from[2]) * per_voxel_;
+        const Vector edge = Vector(to[0] - from[0], to[1] - from[1], to[2] - from[2]) * per_unit_;
         return edge * (1 / edge.norm());
     }
 
@@ -192,7 +192,7 @@ private:
     std::span<const TriangleFrame> frames_;
     std::span<const FaceEdges> faces_;
     const OneRings& rings_;
-    double per_voxel_;  // only the directions of what it scales are used
+    double per_unit_;  // only the directions of what it scales are used
     double margin_;
 
     VertexFans fans_;

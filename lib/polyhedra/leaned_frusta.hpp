@@ -7,12 +7,12 @@
 
 namespace clsdf::polyhedra {
 
-/// A mesh seen from a lattice: positions in voxels, in the metric frame, relative to the lattice's sample (0, 0, 0).
-/// "A voxel" is the unit of all lengths here: the smallest spacing, or a length of its order that suits the caller.
+/// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
+/// unit is the caller's choice, of the order of the smallest spacing; a power of two scales without rounding.
 struct LatticeView {
-    Vec3 origin{};                    ///< of the lattice, in the mesh's units
-    double voxel = 1;                 ///< in the mesh's units
-    Vec3 spacing_in_voxels{1, 1, 1};  ///< per axis
+    Vec3 origin{};                   ///< of the lattice, in the mesh's units
+    double unit = 1;                 ///< in the mesh's units
+    Vec3 spacing_in_units{1, 1, 1};  ///< per axis
 };
 
 struct LeanedFrusta {
@@ -30,8 +30,8 @@ struct LeanedFrustaOptions {
     bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
 };
 
-/// The exact bounding polyhedra (METHOD, section 8) for a band of `half_width` voxels (finite), widened by `slack`
-/// voxels, which must exceed the rounding of every test made with them: slack >= 1e-3 + 2e-5 half_width.
+/// The exact bounding polyhedra (METHOD, section 8) for a band of `half_width` units (finite), widened by `slack`
+/// units, which must exceed the rounding of every test made with them: slack >= 1e-3 + 2e-5 half_width.
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options = {});
 

@@ -26,7 +26,7 @@ clsdf_int32 nearest_sample(double samples) {
 
 /// Steps along (i, j, k) of the lattice, of a quantity whose metric gradient is given.
 Vector steps(const Vector& gradient, const LatticeView& lattice) {
-    return gradient.cwiseProduct(to_vector(lattice.spacing_in_voxels)).cwiseAbs();
+    return gradient.cwiseProduct(to_vector(lattice.spacing_in_units)).cwiseAbs();
 }
 
 bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
@@ -37,7 +37,7 @@ bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
 }
 
 void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
-    const Vector spacing = to_vector(lattice.spacing_in_voxels);
+    const Vector spacing = to_vector(lattice.spacing_in_units);
     const Vector samples = frame.foot.cwiseQuotient(spacing);
     polyhedron.origin_x = nearest_sample(samples.x());
     polyhedron.origin_y = nearest_sample(samples.y());
@@ -51,7 +51,7 @@ void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhed
 
 void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
     const auto pack_axis = [&](int axis, float* high, float* low) {
-        const double spacing = lattice.spacing_in_voxels[static_cast<std::size_t>(axis)];
+        const double spacing = lattice.spacing_in_units[static_cast<std::size_t>(axis)];
         split(frame.along[axis] * spacing, high[0], low[0]);
         split(frame.across[axis] * spacing, high[1], low[1]);
         split(frame.normal[axis] * spacing, high[2], low[2]);

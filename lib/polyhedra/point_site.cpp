@@ -26,8 +26,7 @@ std::vector<Vector> neighbour_directions(const Mesh& mesh, std::span<const Trian
     directions.reserve(neighbours.size());
     for (const std::uint32_t neighbour : neighbours)
         directions.push_back(
-            ((to_vector(mesh.vertices()[neighbour]) - to_vector(mesh.vertices()[vertex])) / lattice.voxel)
-                .normalized());
+            ((to_vector(mesh.vertices()[neighbour]) - to_vector(mesh.vertices()[vertex])) / lattice.unit).normalized());
     return directions;
 }
 
@@ -80,7 +79,7 @@ PointSite point_site(const Mesh& mesh, std::span<const Triangle> triangles, std:
         const std::uint32_t face = rings.corner(vertex, i).face;
         if (order[face] < order[site.face]) site.face = face;
     }
-    const Vector position = (to_vector(mesh.vertices()[vertex]) - to_vector(lattice.origin)) / lattice.voxel;
+    const Vector position = (to_vector(mesh.vertices()[vertex]) - to_vector(lattice.origin)) / lattice.unit;
 
     const auto rays = extreme_rays(neighbour_directions(mesh, triangles, rings, vertex, lattice));
     Vector sum = Vector::Zero();

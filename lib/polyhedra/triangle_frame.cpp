@@ -8,14 +8,14 @@ namespace clsdf::polyhedra {
 namespace {
 
 constexpr double sliver = 1e-8;
-constexpr double vanishing = 1e-100;  // voxels; squares of shorter lengths leave the range of double
+constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
-/// Differences are taken before positions are brought to voxels: a small triangle far from the lattice's origin keeps
+/// Differences are taken before positions are brought to units: a small triangle far from the lattice's origin keeps
 /// its shape to the last bit of the coordinates given.
-Vector difference(const Vec3& to, const Vec3& from, double voxel) {
-    return Vector{to[0] - from[0], to[1] - from[1], to[2] - from[2]} / voxel;
+Vector difference(const Vec3& to, const Vec3& from, double unit) {
+    return Vector{to[0] - from[0], to[1] - from[1], to[2] - from[2]} / unit;
 }
 
 void set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
@@ -44,9 +44,9 @@ Vector TriangleFrame::inward(std::uint32_t k) const {
 }
 
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
-    const std::array<Vector, 3> edges{difference(corners[1], corners[0], lattice.voxel),
-                                      difference(corners[2], corners[1], lattice.voxel),
-                                      difference(corners[0], corners[2], lattice.voxel)};
+    const std::array<Vector, 3> edges{difference(corners[1], corners[0], lattice.unit),
+                                      difference(corners[2], corners[1], lattice.unit),
+                                      difference(corners[0], corners[2], lattice.unit)};
     const std::array<double, 3> squared{edges[0].squaredNorm(), edges[1].squaredNorm(), edges[2].squaredNorm()};
     std::uint32_t base = squared[0] >= squared[1] ? 0 : 1;
     if (squared[2] > squared[base]) base = 2;
@@ -84,7 +84,7 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
 
     const Vec3& near_end = corners[right_is_nearer ? to_apex : base];
     const Vec3& origin = lattice.origin;
-    frame.foot = difference(near_end, origin, lattice.voxel) +
+    frame.foot = difference(near_end, origin, lattice.unit) +
                  (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
     return frame;
 }

@@ -8,7 +8,7 @@
 
 namespace clsdf::polyhedra {
 
-/// The frame of kernels/polyhedron.h in double precision, in voxels.
+/// The frame of kernels/polyhedron.h in double precision, in units of the lattice.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
 struct TriangleFrame {
     Vector along;   ///< X, along the longest edge: the base
@@ -39,7 +39,7 @@ struct TriangleFrame {
 /// a segment the base is the segment, of a point everything has length zero.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice);
 
-/// The frame of an equilateral triangle that has shrunk to the point at `position` voxels.
+/// The frame of an equilateral triangle that has shrunk to the point at `position`, in units.
 TriangleFrame point_frame(const Vector& position, const Vector& normal);
 
 }  // namespace clsdf::polyhedra

@@ -29,6 +29,8 @@ struct DistanceTransform::State {
           topology(describe_topology(mesh)),
           programs(device::guarded([&] { return transform::Programs(device.internal(), options.body); })),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
+        // Edges between vertices that are equal but not one would be open ones: exact, but slow.
+        if (topology.coincident_vertices > 0) mesh = weld(mesh);
         const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
         sign = resolved.rule;
         if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
@@ -61,7 +63,11 @@ namespace {
 std::vector<Grid> slabs_of(const Grid& grid, std::size_t limit) {
     const std::size_t slice_bytes =
         static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) * sizeof(float);
-    const auto most = static_cast<std::int64_t>(limit / std::max<std::size_t>(slice_bytes, 1));
+    // Sign bits and their counts take whole bricks; of a grid that is thin along x they outweigh the field.
+    constexpr std::size_t sign_limit = std::size_t{96} << 20;
+    const std::size_t sign_bytes = transform::sign_bytes_of_slice(grid);
+    const auto most = static_cast<std::int64_t>(
+        std::min(limit / slice_bytes, std::max<std::size_t>(sign_limit / sign_bytes, CLSDF_BRICK)));
     if (most >= grid.size[2]) return {grid};
     std::vector<Grid> slabs;
     for (std::int64_t begin = 0; begin < grid.size[2];) {
@@ -196,10 +202,12 @@ void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOu
                                 samples, host.distance.size(), host.triangle.size()));
     state.throw_if_stopped();
     const auto prepared = state.prepare(grid, band);
+    state.throw_if_stopped();
     state.statistics = {};
     std::size_t done = 0;
     for (const Grid& slab : slabs_of(grid, state.device.internal().capabilities().largest_allocation)) {
         const auto plan = state.make_plan(prepared, slab, band, outputs);
+        state.throw_if_stopped();
         const std::size_t count = slab.sample_count();
         const HostOutputs part{host.distance.subspan(done, count),
                                outputs.triangle ? host.triangle.subspan(done, count) : std::span<std::uint32_t>{}};

@@ -25,16 +25,37 @@ std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
     return a / b - (a % b != 0 && (a < 0) != (b < 0) ? 1 : 0);
 }
 
+/// The greatest power of two not above the voxel.
+double unit_of(const Grid& grid) {
+    return std::ldexp(1.0, std::ilogb(grid.voxel()));
+}
+
+/// Throws where lengths leave the range of a float, or of the sweep's integers.
+void check_range(const Grid& grid, const Band& band) {
+    constexpr double largest_ratio = 1e9;
+    const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
+    if (longest > largest_ratio * grid.voxel())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the spacings {} and {} differ by more than a factor of 1e9", grid.voxel(), longest));
+    constexpr double smallest = std::numeric_limits<float>::min();
+    constexpr double largest = std::numeric_limits<float>::max();
+    if (unit_of(grid) < smallest || longest > largest)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("a spacing of {} is beyond the floats that distances are given in; scale the mesh",
+                                longest > largest ? longest : grid.voxel()));
+    for (const double half_width : {band.inside, band.outside})
+        if (std::isfinite(half_width) && half_width > largest)
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("a half width of {} is beyond the floats that distances are given in; scale the mesh",
+                            half_width));
+}
+
 /// A float not below the value.
 float rounded_up(double value) {
     const auto rounded = static_cast<float>(value);
     return static_cast<double>(rounded) < value ? std::nextafter(rounded, std::numeric_limits<float>::infinity())
                                                 : rounded;
-}
-
-/// The greatest power of two not above the voxel.
-double unit_of(const Grid& grid) {
-    return std::ldexp(1.0, std::ilogb(grid.voxel()));
 }
 
 float squared_limit(double half_width) {
@@ -46,6 +67,7 @@ float squared_limit(double half_width) {
 Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
     grid.validate();
     band.validate();
+    check_range(grid, band);
     Layout layout{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t first = grid.first[axis];
@@ -116,6 +138,13 @@ std::size_t brick_count(const Layout& layout) {
 std::size_t coarse_brick_count(const Layout& layout) {
     return static_cast<std::size_t>(layout.coarse_bricks[0]) * static_cast<std::size_t>(layout.coarse_bricks[1]) *
            static_cast<std::size_t>(layout.coarse_bricks[2]);
+}
+
+std::size_t sign_bytes_of_slice(const Grid& grid) {
+    // Of each row of whole bricks: a word for 32 samples, a count and a start.
+    const auto rows = static_cast<std::size_t>(grid.size[1] + 2 * CLSDF_BRICK);
+    const auto words = static_cast<std::size_t>(grid.size[0] / 32 + 2);
+    return rows * (words + 2) * sizeof(std::uint32_t);
 }
 
 std::size_t sign_row_count(const Layout& layout) {

@@ -11,7 +11,7 @@
 
 namespace clsdf::transform {
 
-/// Where the bricks of a part of a lattice lie, and the band in voxels, as the kernels want them. Nothing but first,
+/// Where the bricks of a part of a lattice lie, and the band in units, as the kernels want them. Nothing but first,
 /// size and the ranges of bricks depends on the part. Throws Error(invalid_argument) where a number is out of the
 /// kernels' range.
 Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
@@ -19,7 +19,7 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
 /// How polyhedra see the lattice.
 polyhedra::LatticeView lattice_of(const Grid& grid);
 
-/// The half width, in voxels, that the polyhedra are made for, and their slack. Frusta for an infinite band hold for
+/// The half width, in units, that the polyhedra are made for, and their slack. Frusta for an infinite band hold for
 /// every finite cap, because the slack of a test grows with its cap.
 struct PolyhedronWidths {
     double half_width;
@@ -32,6 +32,8 @@ bool has_long_bricks(const Grid& grid);
 
 std::size_t brick_count(const Layout& layout);
 std::size_t coarse_brick_count(const Layout& layout);
+/// Device memory that the sign takes for each slice of a grid.
+std::size_t sign_bytes_of_slice(const Grid& grid);
 /// Rows of sign bits: every row of samples of the part's bricks.
 std::size_t sign_row_count(const Layout& layout);
 

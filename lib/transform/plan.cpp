@@ -5,6 +5,8 @@
 #include "transform/sign_sweep.hpp"
 #include "transform/stopwatch.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace clsdf {
@@ -36,6 +38,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
         fill_kernel_.setArg(0, layout_);
         fill_kernel_.setArg(1, *computed_);
         fill_kernel_.setArg(2, *sign_bits_);
+        context.queue().finish();  // computations may run on another queue
     });
 
     statistics.triangles = mesh.triangles().size();
@@ -51,6 +54,10 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
              &prepared->polyhedra, &prepared->triangles, &lists_.caps, &lists_.starts, &lists_.entries, &sign_bits_,
              &computed_})
         statistics.device_bytes += lease->bytes();
+}
+
+Plan::State::~State() {
+    if (last_() != nullptr) clWaitForEvents(1, &last_());
 }
 
 cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
@@ -73,8 +80,9 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
     chain.then([&](auto& target, auto* wait, auto* event) {
         target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, rows, cl::NullRange, wait, event);
     });
+    last_ = chain.last();
     queue.flush();
-    return chain.last();
+    return last_;
 }
 
 void Plan::State::read_counters() {
@@ -85,6 +93,24 @@ void Plan::State::read_counters() {
     statistics.samples_covered = counters[CLSDF_COUNT_COVERED];
     statistics.band_samples = counters[CLSDF_COUNT_BAND];
 }
+
+namespace {
+
+/// Memory of the caller's that is too small, or of another context, would be written past, or fail later and less
+/// clearly.
+void check_memory(const char* name, cl_mem memory, cl_context context, std::size_t samples) {
+    const cl::Memory object(memory, true);
+    if (object.getInfo<CL_MEM_CONTEXT>()() != context)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("DeviceOutputs::{} belongs to another OpenCL context than the plan's device", name));
+    const std::size_t bytes = object.getInfo<CL_MEM_SIZE>();
+    if (bytes / sizeof(float) < samples)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("DeviceOutputs::{} holds {} bytes, and the grid's {} samples need {}", name, bytes,
+                                samples, samples * sizeof(float)));
+}
+
+}  // namespace
 
 Plan::Plan(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Plan::Plan(Plan&&) noexcept = default;
@@ -112,11 +138,18 @@ cl_event Plan::enqueue(cl_command_queue queue, const DeviceOutputs& outputs, std
         throw Error(ErrorCode::invalid_argument,
                     "the plan was made with Outputs::triangle, and DeviceOutputs::triangle is null; give it memory, or "
                     "plan without");
+    if (!state_->outputs.triangle && outputs.triangle != nullptr)
+        throw Error(
+            ErrorCode::invalid_argument,
+            "DeviceOutputs::triangle is given, and the plan was made without; plan with Outputs{.triangle = true}");
     return device::guarded([&] {
+        const std::size_t samples = state_->grid.sample_count();
+        check_memory("distance", outputs.distance, state_->device.context(), samples);
+        if (outputs.triangle != nullptr) check_memory("triangle", outputs.triangle, state_->device.context(), samples);
         std::vector<cl::Event> events;
         for (cl_event event : wait_list) events.emplace_back(event, true);
         const cl::CommandQueue target =
-            queue != nullptr ? cl::CommandQueue(queue, true) : state_->device.internal().queue();
+            queue != nullptr ? cl::CommandQueue(queue, true) : state_->device.internal().callers_queue();
         const cl::Buffer distance(outputs.distance, true);
         const cl::Buffer triangle = outputs.triangle != nullptr ? cl::Buffer(outputs.triangle, true) : cl::Buffer();
         const cl::Event last = state_->enqueue(target, distance, triangle, events, {});

@@ -17,6 +17,11 @@ struct Plan::State {
           std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
           const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count);
 
+    /// Waits for what is under way: its buffers go back to the pool.
+    ~State();
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+
     /// As Plan::enqueue; `between_launches` (may be empty) is called with the fraction done before each launch.
     cl::Event enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
                       const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
@@ -40,6 +45,7 @@ private:
     device::BufferPool::Lease computed_;
     std::unique_ptr<transform::BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
+    cl::Event last_;  ///< of the latest computation
 };
 
 }  // namespace clsdf

@@ -16,8 +16,8 @@ constexpr double farthest = 1e14;
 
 void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double low = (mesh.box().lower[axis] - lattice.origin[axis]) / lattice.voxel;
-        const double high = (mesh.box().upper[axis] - lattice.origin[axis]) / lattice.voxel;
+        const double low = (mesh.box().lower[axis] - lattice.origin[axis]) / lattice.unit;
+        const double high = (mesh.box().upper[axis] - lattice.origin[axis]) / lattice.unit;
         if (!(std::abs(low) < farthest) || !(std::abs(high) < farthest))
             throw Error(ErrorCode::invalid_argument, fmt::format("{} reaches more than 1e14 voxels from the grid's "
                                                                  "origin on axis {}; use a larger spacing, or a grid "

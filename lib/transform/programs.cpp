@@ -60,7 +60,10 @@ cl::Program Programs::bricks_by_group(device::Context& context, const BrickVaria
 }
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {
-    if (body == KernelBody::by_vector) return 8 * std::size_t{context.capabilities().compute_units};
+    if (body == KernelBody::by_vector) {
+        const std::size_t most = std::max<std::size_t>(histogram_budget / histogram, 1);
+        return std::min(most, 8 * std::size_t{context.capabilities().compute_units});
+    }
     return std::clamp<std::size_t>(histogram_budget / histogram, 64, 8192) / 64 * 64;
 }
 

@@ -9,6 +9,9 @@ namespace clsdf::transform {
 
 std::size_t scan(device::Context& context, const cl::Program& program, const std::shared_ptr<device::BufferPool>& pool,
                  const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what) {
+    if (count >= std::numeric_limits<cl_uint>::max())
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
     return device::guarded([&] {
         // A part of some hundred values: enough of them to fill a GPU, few enough for one work-item to scan their sums.
         const std::size_t parts = std::clamp<std::size_t>(count / 256, 1, 4096);

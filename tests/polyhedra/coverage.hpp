@@ -55,7 +55,7 @@ public:
             for (std::size_t i = 0; i < 3; ++i)
                 for (int axis = 0; axis < 3; ++axis) {
                     const auto a = static_cast<std::size_t>(axis);
-                    corners[i][axis] = (mesh.vertices()[triangle[i]][a] - lattice.origin[a]) / lattice.voxel;
+                    corners[i][axis] = (mesh.vertices()[triangle[i]][a] - lattice.origin[a]) / lattice.unit;
                 }
             triangles_.emplace_back(corners);
         }
@@ -66,12 +66,12 @@ public:
     const std::vector<PlainTriangle>& triangles() const { return triangles_; }
 
     Vec3 to_samples(const Eigen::Vector3d& voxels) const {
-        return {voxels[0] / lattice_.spacing_in_voxels[0], voxels[1] / lattice_.spacing_in_voxels[1],
-                voxels[2] / lattice_.spacing_in_voxels[2]};
+        return {voxels[0] / lattice_.spacing_in_units[0], voxels[1] / lattice_.spacing_in_units[1],
+                voxels[2] / lattice_.spacing_in_units[2]};
     }
     Eigen::Vector3d to_voxels(const Vec3& samples) const {
-        return {samples[0] * lattice_.spacing_in_voxels[0], samples[1] * lattice_.spacing_in_voxels[1],
-                samples[2] * lattice_.spacing_in_voxels[2]};
+        return {samples[0] * lattice_.spacing_in_units[0], samples[1] * lattice_.spacing_in_units[1],
+                samples[2] * lattice_.spacing_in_units[2]};
     }
 
     /// To the mesh.
@@ -125,7 +125,7 @@ private:
         std::array<std::int64_t, 3> last{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto [least, greatest] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
-            const double reach = (half_width_ + 1) / lattice_.spacing_in_voxels[axis];
+            const double reach = (half_width_ + 1) / lattice_.spacing_in_units[axis];
             first[axis] = std::max(lower, static_cast<std::int64_t>(std::floor(least - reach)));
             last[axis] = std::min(lower + static_cast<std::int64_t>(side) - 1,
                                   static_cast<std::int64_t>(std::ceil(greatest + reach)));

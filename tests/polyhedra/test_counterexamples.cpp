@@ -24,8 +24,8 @@ double voxel_of(const Counterexample& example) {
 CoverageTest coverage_test(const Counterexample& example, double slack,
                            const polyhedra::LeanedFrustaOptions& options = {}) {
     polyhedra::LatticeView lattice;
-    lattice.voxel = voxel_of(example);
-    return {example.mesh, lattice, example.half_width / lattice.voxel, slack, options};
+    lattice.unit = voxel_of(example);
+    return {example.mesh, lattice, example.half_width / lattice.unit, slack, options};
 }
 
 CoverageTest coverage_test(const Counterexample& example, const polyhedra::LeanedFrustaOptions& options = {}) {

@@ -150,7 +150,7 @@ BOOST_AUTO_TEST_CASE(the_scale_of_the_coordinates_does_not_matter) {
         const auto enlarge = [scale](Vec3& v) { v = {v[0] * scale, v[1] * scale, v[2] * scale}; };
         LatticeView enlarged = lattice;
         enlarge(enlarged.origin);
-        enlarged.voxel *= scale;
+        enlarged.unit *= scale;
         BOOST_TEST_CONTEXT("scale 2^" << exponent)
         BOOST_TEST(same_bytes(leaned_frusta(changed(mesh, enlarge), enlarged, half_width, slack), expected));
     }

@@ -55,7 +55,10 @@ BOOST_AUTO_TEST_CASE(the_sign_is_exact_up_to_the_limit_of_its_integers) {
         for (std::int64_t k = 0; k < grid.size[2]; ++k)
             for (std::int64_t j = 0; j < grid.size[1]; ++j)
                 for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-                    const std::optional<int> winding = oracle.winding_number(grid.position(i, j, k));
+                    // Nearer than the record's numbers resolve, a distance may be 0, and 0 has no sign.
+                    const Vec3 position = grid.position(i, j, k);
+                    if (oracle.nearest(position).distance <= 0x1p-46 * size) continue;
+                    const std::optional<int> winding = oracle.winding_number(position);
                     if (winding) BOOST_REQUIRE(std::signbit(field.distance[grid.offset(i, j, k)]) == (*winding != 0));
                 }
     }

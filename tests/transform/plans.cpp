@@ -128,12 +128,43 @@ BOOST_AUTO_TEST_CASE(plans_do_not_disturb_one_another) {
     check_exact(mesh(), between);
 }
 
-BOOST_AUTO_TEST_CASE(a_plan_without_triangles_leaves_the_callers_triangles_alone) {
+BOOST_AUTO_TEST_CASE(memory_for_triangles_that_were_not_planned_is_refused) {
     DistanceTransform transform(test_device(), mesh());
     Plan plan = transform.plan(grid(), band());
     const Memory memory;
-    wait_and_release(plan.enqueue(nullptr, memory.outputs()));
+    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::triangle", "Outputs{.triangle = true}"},
+                 [&] { plan.enqueue(nullptr, memory.outputs()); });
     BOOST_TEST((memory.triangle.read(callers_queue()) == std::vector<std::uint32_t>(grid().sample_count(), untouched)));
+}
+
+BOOST_AUTO_TEST_CASE(memory_that_is_too_small_is_refused) {
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band());
+    const cl::Buffer small(cl::Context(test_device().context(), true), CL_MEM_READ_WRITE, 16);
+    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::distance", "16 bytes"},
+                 [&] { plan.enqueue(nullptr, {.distance = small()}); });
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_that_ends_early_keeps_its_memory_until_its_work_is_done) {
+    DistanceTransform transform(test_device(), mesh());
+    const Memory memory, expected;
+    Plan first = transform.plan(grid(), band(), {.triangle = true});
+    wait_and_release(first.enqueue(nullptr, expected.outputs()));
+    cl::UserEvent gate(cl::Context(test_device().context(), true));
+    const std::array<cl_event, 1> wait_list{gate()};
+    std::thread opener([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        gate.setStatus(CL_COMPLETE);
+    });
+    cl_event end = nullptr;
+    {
+        Plan plan = transform.plan(grid(), band(), {.triangle = true});
+        end = plan.enqueue(nullptr, memory.outputs(), wait_list);
+    }
+    const Plan other = transform.plan(grid(), Band::symmetric(0.5 * band().outside));
+    wait_and_release(end);
+    opener.join();
+    BOOST_TEST((memory.triangle.read(callers_queue()) == expected.triangle.read(callers_queue())));
 }
 
 BOOST_AUTO_TEST_CASE(memory_that_is_missing_is_an_error) {

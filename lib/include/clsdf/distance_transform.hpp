@@ -71,7 +71,8 @@ struct HostOutputs {
 };
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
-/// Holds its own copy of what it needs; it may outlive the transform, but not the device. One thread at a time.
+/// Holds its own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued.
+/// One thread at a time.
 class Plan {
 public:
     struct State;
