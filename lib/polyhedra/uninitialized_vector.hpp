@@ -10,11 +10,6 @@ namespace clsdf::polyhedra {
 template <typename T>
 struct DefaultInitializingAllocator : std::allocator<T> {
     template <typename U>
-    struct rebind {
-        using other = DefaultInitializingAllocator<U>;
-    };
-
-    template <typename U>
     void construct(U* place) noexcept {
         ::new (static_cast<void*>(place)) U;
     }

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 /// Distances to the triangles of a mesh by the textbook: the plane where the point lies over the face, else the edges.
@@ -16,7 +17,7 @@ namespace clsdf::test {
 
 class PlainTriangle {
 public:
-    explicit PlainTriangle(const std::array<Eigen::Vector3d, 3>& corners) : corners_(corners) {
+    explicit PlainTriangle(std::array<Eigen::Vector3d, 3> corners) : corners_(std::move(corners)) {
         double longest = 0;
         for (std::size_t i = 0; i < 3; ++i) {
             edges_[i] = corners_[(i + 1) % 3] - corners_[i];

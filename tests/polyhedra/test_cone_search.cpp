@@ -64,7 +64,7 @@ BOOST_AUTO_TEST_CASE(a_direction_is_found_where_there_is_one_and_only_there) {
             for (int i = 0; i < 20; ++i) {
                 const Vector condition = conditions[random.index(conditions.size())];
                 const Vector change = std::pow(10, random.uniform(-17, -9)) * random_direction(random);
-                conditions.push_back(condition + change);
+                conditions.emplace_back(condition + change);
             }
             const bool is_found = search(cone, conditions, random_direction(random));
             const double best = best_ray(conditions);

@@ -69,9 +69,9 @@ BOOST_AUTO_TEST_CASE(the_samples_that_other_polyhedra_miss_have_their_true_dista
 BOOST_AUTO_TEST_CASE(without_point_sites_gaps_leave_the_stated_number_of_samples_uncovered) {
     struct Stated {
         Counterexample example;
-        std::size_t point_sites;
-        std::size_t uncovered;
-        std::size_t band_samples;
+        std::size_t point_sites = 0;
+        std::size_t uncovered = 0;
+        std::size_t band_samples = 0;
     };
     for (const Stated& stated : {Stated{h1(), 1, 154, 48058}, Stated{h2(), 1, 199, 347338}, Stated{h3(), 2, 64, 64535},
                                  Stated{h4(), 1, 30, 73879}, Stated{h5(), 2, 48, 58528}}) {

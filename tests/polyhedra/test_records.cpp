@@ -1,4 +1,5 @@
 #include "pointwise.hpp"
+#include "polyhedra/morton_order.hpp"
 #include "polyhedra/triangle_frame.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
@@ -82,6 +83,31 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
     }
 }
 
+void check_orthonormal(const polyhedra::TriangleFrame& frame) {
+    for (const Vector& axis : {frame.along, frame.across, frame.normal}) BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
+    BOOST_TEST(std::abs(frame.along.dot(frame.across)) < 1e-12);
+    BOOST_TEST((frame.along.cross(frame.across) - frame.normal).norm() < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
+    for (std::uint64_t seed = 1; seed <= 20000; ++seed) {
+        BOOST_TEST_CONTEXT("seed " << seed) {
+            Random random(seed);
+            const double size = seed % 4 == 1 ? std::pow(10, random.uniform(-250, 0)) : 1;
+            const double height = seed % 2 == 0 ? 0 : std::pow(10, random.uniform(-20, -5));
+            const auto on_samples = [&] { return std::round(random.uniform(-9, 9)); };
+            Vec3 edge = random.point(-20, 20);
+            if (seed % 4 == 0) edge = {on_samples(), on_samples(), on_samples()};
+            const Vec3 a{0, 0, 0};
+            const Vec3 b = along(a, size, edge);
+            const Vec3 c = along(along(a, size * random.uniform(-1, 2), edge), size * height, random.direction());
+            const polyhedra::TriangleFrame frame = polyhedra::triangle_frame({a, b, c}, {});
+            check_orthonormal(frame);
+            if (height == 0) BOOST_TEST(frame.is_box);
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {
     const Mesh mesh = single_triangle({0.1, 0.2, 7.3}, {10.1, 0.2, 7.3}, {4.6, 3.2, 7.3});
     const LatticeView lattice{{0, 0, 0}, 1, {1, 1, 2}};
@@ -127,6 +153,35 @@ BOOST_AUTO_TEST_CASE(the_scale_of_the_coordinates_does_not_matter) {
         enlarged.unit *= scale;
         BOOST_TEST_CONTEXT("scale 2^" << exponent)
         BOOST_TEST(same_bytes(leaned_frusta(changed(mesh, enlarge), enlarged, half_width, slack), expected));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(triangles_come_octant_by_octant) {
+    // One in each of 8 x 8 x 8 cells, in random order. In Morton order, the three bits of each level are one after the
+    // other: the first 64 lie in the lowest octant, the first eight in its lowest octant, and x runs fastest.
+    Random random(4);
+    std::vector<Index3> cells;
+    for (std::int64_t i = 0; i < 512; ++i) cells.push_back({i % 8, i / 8 % 8, i / 64});
+    for (std::size_t i = 511; i > 0; --i) std::swap(cells[i], cells[random.index(i + 1)]);
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < 512; ++i) {
+        const auto at = [&](std::size_t axis) { return static_cast<double>(cells[i][axis]); };
+        for (const double d : {0.1, 0.5, 0.9}) vertices.push_back({at(0) + d, at(1) + d * d, at(2) + 0.5});
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    vertices.insert(vertices.end(), {{0, 0, 0}, {8, 8, 8}});
+    triangles.push_back({1536, 1537, 1537});  // the box
+    const Mesh mesh(vertices, triangles, "cells");
+    const auto order = polyhedra::morton_order(mesh);
+    std::int64_t expected = 0;
+    for (const std::uint32_t triangle : order) {
+        if (triangle == 512) continue;
+        std::int64_t code = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t bit = 0; bit < 3; ++bit) code |= (cells[triangle][axis] >> bit & 1) << (3 * bit + axis);
+        BOOST_TEST(code == expected);
+        ++expected;
     }
 }
 
