@@ -52,7 +52,8 @@ public:
     static Device best();
 
     /// A whole number is an index in all(); any other text a part of the name or of the platform's name of exactly one
-    /// usable device, in upper or lower case. Throws Error(no_device) that lists what there is.
+    /// usable device, in upper or lower case. Throws Error(no_device) that lists what there is, Error(device_failure)
+    /// where the device cannot be opened.
     static Device select(const std::string& index_or_substring);
 
     /// select() with the environment variable CLSDF_DEVICE where it is set and not empty, else best(). Nothing else
