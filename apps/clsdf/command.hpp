@@ -14,6 +14,7 @@ struct Command {
 
 Command add_compute(CLI::App& program);
 Command add_check(CLI::App& program);
+Command add_devices(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_shape(CLI::App& program);
 Command add_slice(CLI::App& program);

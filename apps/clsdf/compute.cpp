@@ -71,7 +71,8 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     ProgressBar progress(!options.quiet);
 
     const Stopwatch setup;
-    const clsdf::Device device = clsdf::Device::best();
+    const clsdf::Device device =
+        options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     transform_options.count = options.json;

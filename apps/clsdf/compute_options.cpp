@@ -139,6 +139,11 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
         ->type_name("FILE");
     add_grid_options(parser, options);
     add_field_options(parser, options);
+    parser
+        .add_option("--device", options.device,
+                    "what computes, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
+        ->check(not_empty())
+        ->type_name("INDEX|NAME");
     parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.add_flag("--json", options.json, "print the result as JSON on standard output");
     parser.add_flag("--quiet", options.quiet, "print warnings and errors only");

@@ -25,6 +25,7 @@ struct ComputeOptions {
     std::string band_outside;
     std::string sign = "auto";
     std::vector<std::string> with;
+    std::string device;
     bool dry_run = false;
     bool json = false;
     bool quiet = false;

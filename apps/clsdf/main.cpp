@@ -69,10 +69,11 @@ ExitStatus run(int argument_count, char** arguments) {
                                "  clsdf check bunny.off bunny.nrrd\n"
                                "  clsdf slice bunny.nrrd -o bunny.png\n"
                                "  clsdf info bunny.off\n"
-                               "  clsdf shape sphere6 -o sphere6.off\n\n") +
+                               "  clsdf shape sphere6 -o sphere6.off\n"
+                               "  clsdf devices\n\n") +
                    exit_status_help());
-    const std::vector<Command> commands{add_compute(program), add_check(program), add_info(program), add_slice(program),
-                                        add_shape(program)};
+    const std::vector<Command> commands{add_compute(program), add_check(program), add_info(program),
+                                        add_slice(program),   add_shape(program), add_devices(program)};
     for (const Command& command : commands)
         command.parser->footer(command.parser->get_footer() + "\n\n" + exit_status_help());
 

@@ -9,8 +9,6 @@
 
 namespace clsdf::device {
 
-namespace {
-
 Context::Capabilities capabilities_of(const cl::Device& device) {
     Context::Capabilities capabilities;
     capabilities.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
@@ -25,8 +23,6 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
     return capabilities;
 }
-
-}  // namespace
 
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     : context_(std::move(context)),

@@ -45,4 +45,7 @@ private:
     std::map<std::string, cl::Program> programs_;
 };
 
+/// Throws cl::Error.
+Context::Capabilities capabilities_of(const cl::Device& device);
+
 }  // namespace clsdf::device

@@ -3,5 +3,7 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/buffer_pool.cpp
           ${CMAKE_CURRENT_LIST_DIR}/context.cpp
           ${CMAKE_CURRENT_LIST_DIR}/device.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/device_choice.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/device_info.cpp
           ${CMAKE_CURRENT_LIST_DIR}/kernel_text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/opencl.cpp)

@@ -17,7 +17,8 @@ BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
                                                       {"check", "--help"},
                                                       {"slice", "--help"},
                                                       {"info", "--help"},
-                                                      {"shape", "--help"}}) {
+                                                      {"shape", "--help"},
+                                                      {"devices", "--help"}}) {
         const Outcome outcome = run_command(arguments);
         BOOST_TEST_CONTEXT("help of " << arguments.front()) {
             BOOST_TEST(outcome.status == 0);
@@ -38,6 +39,7 @@ BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {
     check_refused(run_command({"compte", "a.off", "-o", "a.nrrd"}), 2, {"compte", "did you mean compute?"});
     check_refused(run_command({"compute", "a.off", "-o", "a.nrrd", "--resoluton", "9"}), 2,
                   {"--resoluton", "did you mean --resolution?"});
+    check_refused(run_command({"device"}), 2, {"did you mean devices?"});
     check_refused(run_command({"compute", "a.off", "--ouptut=a.nrrd"}), 2, {"--ouptut", "did you mean --output?"});
     check_refused(run_command({"check", "a.off", "a.nrrd", "--compl"}), 2, {"did you mean --complete?"});
     check_refused(run_command({"--versoin"}), 2, {"did you mean --version?"});

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 // The handles of OpenCL's C interface, so that this header needs none of OpenCL's.
 typedef struct _cl_context* cl_context;
@@ -15,11 +16,52 @@ namespace device {
 class Context;
 }
 
+enum class DeviceKind { gpu, processor, accelerator, other };
+
+/// "gpu", "processor", "accelerator" or "other".
+std::string name_of(DeviceKind kind);
+
+/// What an OpenCL device says of itself.
+struct DeviceInfo {
+    std::size_t index = 0;  ///< in Device::all()
+    cl_device_id id = nullptr;
+    std::string name;
+    std::string platform;
+    std::string version;  ///< of OpenCL, e.g. "OpenCL 3.0 CUDA"
+    std::string driver;   ///< its version
+    DeviceKind kind = DeviceKind::other;
+    unsigned compute_units = 0;
+    unsigned clock_megahertz = 0;
+    std::size_t memory = 0;              ///< bytes
+    std::size_t largest_allocation = 0;  ///< bytes
+    bool fp64 = false;                   ///< double precision, which this library needs
+    bool atomics64 = false;              ///< atomic operations on 64 bits, which it does not need
+    unsigned float_width = 0;            ///< floats in a native vector; 1 on most GPUs
+    std::string why_not;                 ///< why this library cannot use it; empty where it can
+
+    bool usable() const { return why_not.empty(); }
+};
+
 /// An OpenCL device with a context and a queue. Cheap to copy; copies share them.
 class Device {
 public:
-    /// The strongest GPU, else the processor. Throws Error(no_device) that says what to install.
+    /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used.
+    static std::vector<DeviceInfo> all();
+
+    /// The strongest GPU, else the strongest other device. Throws Error(no_device) that says what to install.
     static Device best();
+
+    /// A whole number is an index in all(); any other text a part of the name or of the platform's name of exactly one
+    /// usable device, in upper or lower case. Throws Error(no_device) that lists what there is, Error(device_failure)
+    /// where the device cannot be opened.
+    static Device select(const std::string& index_or_substring);
+
+    /// select() with the environment variable CLSDF_DEVICE where it is set and not empty, else best(). Nothing else
+    /// in the library reads that variable.
+    static Device preferred();
+
+    /// What CLSDF_DEVICE asks preferred() for; empty where it asks for nothing.
+    static std::string environment_choice();
 
     /// The caller's own objects; they are retained, and released with the last copy.
     static Device from_handles(cl_context context, cl_device_id device, cl_command_queue queue);
@@ -36,6 +78,9 @@ public:
 
 private:
     explicit Device(std::shared_ptr<device::Context> context) : context_(std::move(context)) {}
+
+    /// With a context and a queue of its own. Throws the exceptions of OpenCL's C++ binding.
+    static Device open(const DeviceInfo& info);
 
     std::shared_ptr<device::Context> context_;
 };

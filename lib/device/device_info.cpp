@@ -1,0 +1,100 @@
+#include <clsdf/device.hpp>
+
+#include "device/context.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+namespace clsdf {
+
+namespace {
+
+std::vector<cl::Device> all_devices() {
+    std::vector<cl::Platform> platforms;
+    std::vector<cl::Device> devices;
+    try {
+        cl::Platform::get(&platforms);
+    } catch (const cl::Error&) {
+        return devices;  // the loader reports "no platform" as an error
+    }
+    for (const cl::Platform& platform : platforms) {
+        std::vector<cl::Device> found;
+        try {
+            platform.getDevices(CL_DEVICE_TYPE_ALL, &found);
+        } catch (const cl::Error&) {
+            continue;  // a platform without devices
+        }
+        devices.insert(devices.end(), found.begin(), found.end());
+    }
+    return devices;
+}
+
+DeviceKind kind_of(const cl::Device& device) {
+    const cl_device_type type = device.getInfo<CL_DEVICE_TYPE>();
+    if ((type & CL_DEVICE_TYPE_GPU) != 0) return DeviceKind::gpu;
+    if ((type & CL_DEVICE_TYPE_CPU) != 0) return DeviceKind::processor;
+    if ((type & CL_DEVICE_TYPE_ACCELERATOR) != 0) return DeviceKind::accelerator;
+    return DeviceKind::other;
+}
+
+bool has_extension(const cl::Device& device, const std::string& name) {
+    return (' ' + device.getInfo<CL_DEVICE_EXTENSIONS>() + ' ').find(' ' + name + ' ') != std::string::npos;
+}
+
+/// Throws cl::Error, as devices with a broken driver do; what was learnt until then stays.
+void ask(const cl::Device& device, DeviceInfo& info) {
+    info.name = device.getInfo<CL_DEVICE_NAME>();
+    info.platform = cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
+    info.version = device.getInfo<CL_DEVICE_VERSION>();
+    info.driver = device.getInfo<CL_DRIVER_VERSION>();
+    info.kind = kind_of(device);
+    const device::Context::Capabilities capabilities = device::capabilities_of(device);
+    info.compute_units = capabilities.compute_units;
+    info.clock_megahertz = device.getInfo<CL_DEVICE_MAX_CLOCK_FREQUENCY>();
+    info.memory = capabilities.memory;
+    info.largest_allocation = capabilities.largest_allocation;
+    info.float_width = capabilities.float_width;
+    info.atomics64 = has_extension(device, "cl_khr_int64_base_atomics");
+    info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
+    if (!info.fp64)
+        info.why_not = "it has no double precision (cl_khr_fp64)";
+    else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
+        info.why_not = "its driver has no compiler";
+    else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
+        info.why_not = "its driver says that it is not available";
+}
+
+}  // namespace
+
+std::string name_of(DeviceKind kind) {
+    switch (kind) {
+        case DeviceKind::gpu:
+            return "gpu";
+        case DeviceKind::processor:
+            return "processor";
+        case DeviceKind::accelerator:
+            return "accelerator";
+        default:
+            return "other";
+    }
+}
+
+std::vector<DeviceInfo> Device::all() {
+    std::vector<DeviceInfo> infos;
+    for (const cl::Device& device : all_devices()) {
+        DeviceInfo info;
+        info.index = infos.size();
+        info.id = device();
+        try {
+            ask(device, info);
+        } catch (const cl::Error& error) {
+            info.why_not = fmt::format("it fails at {}: {}", error.what(), device::code_name(error.err()));
+        }
+        infos.push_back(std::move(info));
+    }
+    return infos;
+}
+
+}  // namespace clsdf
