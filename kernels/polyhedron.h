@@ -48,7 +48,7 @@ using clsdf_uint32 = std::uint32_t;
 #define CLSDF_POLYHEDRON_COMPACT 1u
 
 typedef struct Polyhedron {
-    // Columns: [0] of X, [1] of Y, [2] of Z, [3] padding used for other members, below.
+    // Columns: [0] of X, [1] of Y, [2] of Z. They are read as vectors of four; another member takes the fourth place.
     float gradient_x_high[3];
     float altitude_high;
     float gradient_y_high[3];

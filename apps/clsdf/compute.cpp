@@ -5,11 +5,12 @@
 #include "output.hpp"
 #include "progress_bar.hpp"
 
+#include "core/stopwatch.hpp"
+
 #include <clsdf/clsdf.hpp>
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -17,14 +18,7 @@ namespace {
 
 using clsdf::Error;
 using clsdf::ErrorCode;
-
-class Stopwatch {
-public:
-    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
+using clsdf::Stopwatch;
 
 Error cancellation() {
     return {ErrorCode::cancelled, "cancelled; nothing was written"};

@@ -77,8 +77,8 @@ private:
     void set_slopes(const Corner& edge, double above, double below) const {
         const bool is_box = frames_[edge.face].is_box;
         FaceEdges& face = faces_[edge.face];
-        face.above[edge.vertex] = is_box ? open_ : std::min(open_, rounded_up(above));
-        face.below[edge.vertex] = is_box ? open_ : std::min(open_, rounded_up(below));
+        face.above[edge.vertex] = is_box ? open_ : std::min(open_, widened(above));
+        face.below[edge.vertex] = is_box ? open_ : std::min(open_, widened(below));
     }
 
     void set_pair(const Corner& first, const Corner& second) const {
@@ -164,7 +164,7 @@ private:
 }  // namespace
 
 float open_slope(double half_width, double slack) {
-    return std::max(CLSDF_OPEN_SLOPE, rounded_up(2 * half_width / slack));
+    return std::max(CLSDF_OPEN_SLOPE, widened(2 * half_width / slack));
 }
 
 UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
@@ -201,8 +201,8 @@ void lean(const TriangleFrame& frame, FaceEdges& edges) {
     for (std::array<float, 3>* slopes : {&edges.above, &edges.below}) {
         float& at_right = (*slopes)[right];
         float& at_left = (*slopes)[left];
-        const float from_right = rounded_up(cosine * static_cast<double>(at_right));
-        const float from_left = rounded_up(cosine * static_cast<double>(at_left));
+        const float from_right = widened(cosine * static_cast<double>(at_right));
+        const float from_left = widened(cosine * static_cast<double>(at_left));
         at_right = std::max(at_right, from_left);
         at_left = std::max(at_left, from_right);
     }

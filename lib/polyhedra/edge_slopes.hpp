@@ -34,7 +34,7 @@ struct FaceEdges {
 float open_slope(double half_width, double slack);
 
 /// `x` >= 0 as a float that is not below it, also after the roundings that led to it.
-inline float rounded_up(double x) {
+inline float widened(double x) {
     return static_cast<float>(x * (1 + 1e-6));
 }
 

@@ -70,8 +70,8 @@ void pack_reaches(const TriangleFrame& frame, const LatticeView& lattice, Polyhe
                                  slanted(CLSDF_HALF_LEFT)};
     for (std::size_t i = 0; i < 5; ++i) {
         const Vector step = steps(directions[i], lattice);
-        polyhedron.reach_cube[i] = rounded_up(step.sum());
-        polyhedron.reach_4x2x2[i] = rounded_up(1.5 * step.x() + 0.5 * step.y() + 0.5 * step.z());
+        polyhedron.reach_cube[i] = widened(step.sum());
+        polyhedron.reach_4x2x2[i] = widened(1.5 * step.x() + 0.5 * step.y() + 0.5 * step.z());
     }
 }
 

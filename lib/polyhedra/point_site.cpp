@@ -63,7 +63,7 @@ bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, Fac
             if (height < lowest) return false;
             slope = std::max(slope, ray.dot(outward) / height);
         }
-        edges.above[k] = rounded_up(slope + tolerance);
+        edges.above[k] = widened(slope + tolerance);
         edges.below[k] = 0;
     }
     return true;

@@ -1,9 +1,9 @@
 #include <clsdf/distance_transform.hpp>
 
+#include "core/stopwatch.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
-#include "transform/stopwatch.hpp"
 
 #include <fmt/format.h>
 
@@ -138,7 +138,7 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
 }  // namespace
 
 void DistanceTransform::State::compute(Plan::State& plan, const HostOutputs& host, double begin, double end) {
-    const transform::Stopwatch watch;
+    const Stopwatch watch;
     const device::Context& context = device.internal();
     device::guarded([&] {
         const std::size_t bytes = plan.grid.sample_count() * sizeof(float);

@@ -1,9 +1,9 @@
 #include "transform/plan_state.hpp"
 
+#include "core/stopwatch.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
 #include "transform/sign_sweep.hpp"
-#include "transform/stopwatch.hpp"
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
       sign(sign_in),
       outputs(outputs_in),
       layout_(transform::layout_of(grid, band, sign)) {
-    const transform::Stopwatch watch;
+    const Stopwatch watch;
     device::Context& context = device.internal();
     lists_ = transform::make_coarse_lists(context, programs, pool, layout_, *prepared->polyhedra,
                                           prepared->polyhedron_count);

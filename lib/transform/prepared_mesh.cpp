@@ -1,7 +1,7 @@
 #include "transform/prepared_mesh.hpp"
 
+#include "core/stopwatch.hpp"
 #include "transform/layout_of.hpp"
-#include "transform/stopwatch.hpp"
 
 #include <fmt/format.h>
 

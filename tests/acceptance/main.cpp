@@ -4,7 +4,7 @@
 #include "acceptance/cases.hpp"
 #include "acceptance/cost.hpp"
 #include "acceptance/record.hpp"
-#include "acceptance/stopwatch.hpp"
+#include "core/stopwatch.hpp"
 
 #include <clsdf/error.hpp>
 

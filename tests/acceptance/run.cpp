@@ -1,5 +1,5 @@
 #include "acceptance/run.hpp"
-#include "acceptance/stopwatch.hpp"
+#include "core/stopwatch.hpp"
 
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>

@@ -5,7 +5,7 @@ add_executable(acceptance)
 foreach(source main case shape_cases strained_cases random_cases archive_cases run cost record)
   target_sources(acceptance PRIVATE ${CMAKE_CURRENT_LIST_DIR}/${source}.cpp)
 endforeach()
-target_include_directories(acceptance PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+target_include_directories(acceptance PRIVATE ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/lib)
 target_link_libraries(acceptance PRIVATE clsdf::clsdf clsdf::reference CLI11::CLI11 fmt::fmt clsdf_warnings)
 add_test(NAME acceptance COMMAND acceptance --sampled)
 

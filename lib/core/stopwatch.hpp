@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace clsdf::transform {
+namespace clsdf {
 
 /// Wall-clock seconds since it was made.
 class Stopwatch {
@@ -13,4 +13,4 @@ private:
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace clsdf::transform
+}  // namespace clsdf
