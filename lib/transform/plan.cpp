@@ -26,7 +26,9 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     device::Context& context = device.internal();
     lists_ = transform::make_coarse_lists(context, programs, pool, layout_, *prepared->polyhedra,
                                           prepared->polyhedron_count);
+    const Stopwatch sign_watch;
     sign_bits_ = transform::sweep_signs(context, programs, pool, layout_, grid, mesh, sign, *prepared->triangles);
+    statistics.sign_seconds = sign_watch.seconds();
 
     computed_ = pool->lease(transform::brick_count(layout_), "marks of the computed bricks");
     device::guarded([&] {
@@ -66,6 +68,7 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
     transform::CommandChain chain(queue, wait_list);
     chain.then_fill(*computed_, transform::brick_count(layout_));
     bricks_->enqueue_reset(chain, distance, triangle);
+    before_bricks_ = chain.last();
     for (std::size_t launch = 0; launch < bricks_->launch_count(); ++launch) {
         if (between_launches) {
             chain.wait();
@@ -73,6 +76,7 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
         }
         bricks_->enqueue_launch(chain, launch);
     }
+    after_bricks_ = chain.last();
     fill_kernel_.setArg(3, distance);
     fill_kernel_.setArg(4, outputs.triangle ? triangle : distance);
     fill_kernel_.setArg(5, cl_int{outputs.triangle ? 1 : 0});
@@ -92,6 +96,16 @@ void Plan::State::read_counters() {
     statistics.lanes_evaluated = counters[CLSDF_COUNT_LANES];
     statistics.samples_covered = counters[CLSDF_COUNT_COVERED];
     statistics.band_samples = counters[CLSDF_COUNT_BAND];
+}
+
+void Plan::State::read_times(const cl::CommandQueue& queue) {
+    if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
+    const auto seconds = [](const cl::Event& from, const cl::Event& to) {
+        const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();
+        return 1e-9 * static_cast<double>(to.getProfilingInfo<CL_PROFILING_COMMAND_END>() - begin);
+    };
+    statistics.bricks_seconds = seconds(before_bricks_, after_bricks_);
+    statistics.fill_seconds = seconds(after_bricks_, last_);
 }
 
 namespace {

@@ -29,6 +29,9 @@ struct Plan::State {
     /// Reads the counters of the last computation into the statistics, where it was asked for.
     void read_counters();
 
+    /// Reads the kernels' times of the last computation, which has ended, where the queue it ran on keeps them.
+    void read_times(const cl::CommandQueue& queue);
+
     Device device;
     std::shared_ptr<device::BufferPool> pool;
     std::shared_ptr<const transform::PreparedMesh> prepared;
@@ -45,7 +48,10 @@ private:
     device::BufferPool::Lease computed_;
     std::unique_ptr<transform::BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
-    cl::Event last_;  ///< of the latest computation
+    // Of the latest computation.
+    cl::Event before_bricks_;
+    cl::Event after_bricks_;
+    cl::Event last_;
 };
 
 }  // namespace clsdf
