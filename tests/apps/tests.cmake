@@ -1,5 +1,5 @@
 if(TARGET clsdf_command)
-  clsdf_test(command ${CMAKE_CURRENT_LIST_DIR}/command.cpp ${CMAKE_CURRENT_LIST_DIR}/compute.cpp
+  clsdf_test(command ${CMAKE_CURRENT_LIST_DIR}/bench.cpp ${CMAKE_CURRENT_LIST_DIR}/command.cpp ${CMAKE_CURRENT_LIST_DIR}/compute.cpp
              ${CMAKE_CURRENT_LIST_DIR}/devices.cpp ${CMAKE_CURRENT_LIST_DIR}/info.cpp
              ${CMAKE_CURRENT_LIST_DIR}/interruption.cpp ${CMAKE_CURRENT_LIST_DIR}/slice.cpp)
   add_dependencies(test_command clsdf_command)
