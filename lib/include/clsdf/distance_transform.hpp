@@ -15,11 +15,6 @@ typedef struct _cl_event* cl_event;
 
 namespace clsdf {
 
-/// What a field is to hold beside the distance.
-struct Outputs {
-    bool triangle = false;  ///< the nearest triangle of every sample in the band
-};
-
 /// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
 enum class KernelBody {
     automatic,  ///< by_vector on processors, by_group elsewhere
