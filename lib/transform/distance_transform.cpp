@@ -44,7 +44,7 @@ struct DistanceTransform::State {
     std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,
                                            const Band& band, const Outputs& outputs) {
         auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), mesh, grid, band, sign,
-                                                  outputs, options.count);
+                                                  outputs, options.count, [this] { throw_if_stopped(); });
         pool->trim();
         return plan;
     }

@@ -11,9 +11,16 @@
 
 namespace clsdf {
 
+namespace {
+
+constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
+
+}  // namespace
+
 Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
                    std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count)
+                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count,
+                   const std::function<void()>& between_launches)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
       prepared(std::move(prepared_in)),
@@ -24,9 +31,11 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
       layout_(transform::layout_of(grid, band, sign)) {
     const Stopwatch watch;
     device::Context& context = device.internal();
+    const transform::ShortLaunches launches(context, between_launches);
     lists_ = transform::make_coarse_lists(context, programs, pool, layout_, *prepared->polyhedra,
-                                          prepared->polyhedron_count);
-    sign_bits_ = transform::sweep_signs(context, programs, pool, layout_, grid, mesh, sign, *prepared->triangles);
+                                          prepared->polyhedron_count, launches);
+    sign_bits_ =
+        transform::sweep_signs(context, programs, pool, layout_, grid, mesh, sign, *prepared->triangles, launches);
 
     computed_ = pool->lease(transform::brick_count(layout_), "marks of the computed bricks");
     device::guarded([&] {
@@ -38,6 +47,8 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
         fill_kernel_.setArg(0, layout_);
         fill_kernel_.setArg(1, *computed_);
         fill_kernel_.setArg(2, *sign_bits_);
+        const double slice = static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]);
+        slices_per_fill_ = launches.most(seconds_per_filled_sample * slice);
         context.queue().finish();  // computations may run on another queue
     });
 
@@ -76,10 +87,14 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
     fill_kernel_.setArg(3, distance);
     fill_kernel_.setArg(4, outputs.triangle ? triangle : distance);
     fill_kernel_.setArg(5, cl_int{outputs.triangle ? 1 : 0});
-    const cl::NDRange rows(static_cast<std::size_t>(layout_.size[1]), static_cast<std::size_t>(layout_.size[2]));
-    chain.then([&](auto& target, auto* wait, auto* event) {
-        target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, rows, cl::NullRange, wait, event);
-    });
+    const auto rows = static_cast<std::size_t>(layout_.size[1]), slices = static_cast<std::size_t>(layout_.size[2]);
+    for (std::size_t slice = 0; slice < slices; slice += slices_per_fill_) {
+        fill_kernel_.setArg(6, static_cast<cl_int>(slice));
+        const cl::NDRange range(rows, std::min(slices_per_fill_, slices - slice));
+        chain.then([&](auto& target, auto* wait, auto* event) {
+            target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, cl::NullRange, wait, event);
+        });
+    }
     last_ = chain.last();
     queue.flush();
     return last_;

@@ -11,11 +11,13 @@
 
 namespace clsdf {
 
-/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs.
+/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs. `between_launches` of the
+/// set-up may throw.
 struct Plan::State {
     State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
           std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count);
+          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count,
+          const std::function<void()>& between_launches);
 
     /// Waits for what is under way: its buffers go back to the pool.
     ~State();
@@ -45,6 +47,7 @@ private:
     device::BufferPool::Lease computed_;
     std::unique_ptr<transform::BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
+    std::size_t slices_per_fill_;
     cl::Event last_;  ///< of the latest computation
 };
 
