@@ -34,19 +34,13 @@ Error with_remedy(const Error& error) {
     return {error.code(), fmt::format("{}; choose a lower --resolution or a larger --spacing", error.what())};
 }
 
-clsdf::Field empty_field(const ComputeLayout& layout) {
-    clsdf::Field field;
+clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
+    clsdf::FieldDescription field;
     field.grid = layout.grid;
     field.band = layout.band;
     field.sign = layout.sign;
     // Where the file lay concerns nobody else who gets the field.
     field.mesh_name = std::filesystem::path(layout.mesh_file).filename().string();
-    try {
-        field.distance.resize(layout.grid.sample_count());
-        if (layout.outputs.triangle) field.triangle.resize(layout.grid.sample_count());
-    } catch (const std::exception&) {
-        throw too_large(layout.grid);
-    }
     return field;
 }
 
@@ -77,18 +71,26 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     result.device_platform = device.platform();
     result.setup_seconds = setup.seconds();
 
+    // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
     const Stopwatch compute;
-    clsdf::Field field = empty_field(layout);
-    transform.compute(layout.grid, layout.band, {field.distance, field.triangle});
-    result.compute_seconds = compute.seconds();
+    const clsdf::FieldDescription field = describe_field(layout);
+    clsdf::FieldWriter writer(options.output, field, layout.outputs);
+    transform.compute_slabs(layout.grid, layout.band, layout.outputs,
+                            [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
+                                result.compute_seconds = compute.seconds();
+                                const Stopwatch write;
+                                result.band_samples += count_band_samples(field, slab);
+                                writer.append(slab);
+                                result.write_seconds += write.seconds();
+                            });
     result.statistics = transform.statistics();
-    result.band_samples = count_band_samples(field);
     progress.clear();
 
     if (stop.stop_requested()) throw cancellation();
-    const Stopwatch write;
-    field.write(options.output);
-    result.write_seconds = write.seconds();
+    const Stopwatch finish;
+    writer.finish();
+    result.write_seconds += finish.seconds();
+    result.field_seconds = compute.seconds();
     result.output = options.output;
     return result;
 }
