@@ -18,9 +18,11 @@ std::uint64_t field_bytes(const ComputeLayout& layout) {
     return std::uint64_t{layout.grid.sample_count()} * (layout.outputs.triangle ? 8 : 4);
 }
 
-// About what a computation uses beside the field: polyhedra, lists and the program's compiler.
+// About what a computation uses beside the field: polyhedra, for slices also their pieces, lists and the program's
+// compiler.
 std::uint64_t working_bytes(const ComputeLayout& layout) {
-    return std::uint64_t{1024} * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
+    const std::uint64_t bytes_per_triangle = layout.scan == clsdf::Scan::slices ? 2048 : 1024;
+    return bytes_per_triangle * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
 }
 
 std::uint64_t physical_memory() {

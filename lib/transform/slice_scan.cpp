@@ -11,7 +11,7 @@ namespace clsdf::transform {
 namespace {
 
 // Keys and lists of a chunk take no more than this each, but for a single slice.
-constexpr std::size_t chunk_bytes = std::size_t{64} << 20;
+constexpr std::size_t chunk_bytes = std::size_t{32} << 20;
 // A launch ends within a fifth of a second. Measured on one core: a distance takes about 15 nanoseconds; a small GPU
 // computes more than a hundred million a second.
 constexpr double cost_per_core_and_launch = 4e6;
