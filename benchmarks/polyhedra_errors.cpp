@@ -98,22 +98,27 @@ int main(int argc, char** argv) {
             for (const double share : {0.01, 0.03, 0.1}) {
                 const clsdf::Band band = clsdf::Band::symmetric(share * extent);
                 const clsdf::Grid grid = clsdf::Grid::around(mesh, resolution, band);
-                const auto field_by = [&](Polyhedra polyhedra, Scan scan) {
-                    clsdf::DistanceTransform transform(device, mesh, {.polyhedra = polyhedra, .scan = scan});
+                const auto field_by = [&](Polyhedra polyhedra, Scan scan, bool close_gaps = true) {
+                    clsdf::DistanceTransform transform(
+                        device, mesh, {.polyhedra = polyhedra, .scan = scan, .close_gaps = close_gaps});
                     return transform(grid, band, {.triangle = true});
                 };
                 const Field bricks = field_by(Polyhedra::leaned, Scan::bricks);
                 const std::vector<Sample> samples = choose_samples(mesh, bricks, sample_count, seed);
                 const auto errors = [&](const Field& field) { return errors_of(field, samples, 1e-6 * extent); };
                 const Errors paper = errors(field_by(Polyhedra::peikert_sigg, Scan::slices));
+                const Errors open = errors(field_by(Polyhedra::peikert_sigg, Scan::slices, false));
                 const Errors by_bricks = errors(bricks);
                 const Errors by_slices = errors(field_by(Polyhedra::leaned, Scan::slices));
                 const auto percent = [&](std::size_t part) {
                     return 100.0 * static_cast<double>(part) / static_cast<double>(samples.size());
                 };
-                fmt::print("| {} | {}% | {} | {:.3f} | {:.3f} | {:.2f} | {} | {} |\n",
-                           std::filesystem::path(name).stem().string(), 100 * share, samples.size(),
-                           percent(paper.without_value), percent(paper.wrong), paper.greatest / band.outside,
+                const auto row = [&](const Errors& of_kind) {
+                    return fmt::format("{:.3f} | {:.3f} | {:.2f}", percent(of_kind.without_value),
+                                       percent(of_kind.wrong), of_kind.greatest / band.outside);
+                };
+                fmt::print("| {} | {}% | {} | {} | {} | {} | {} |\n", std::filesystem::path(name).stem().string(),
+                           100 * share, samples.size(), row(open), row(paper),
                            by_bricks.wrong + by_bricks.without_value, by_slices.wrong + by_slices.without_value);
                 std::fflush(stdout);
             }

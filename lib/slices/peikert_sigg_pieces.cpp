@@ -21,9 +21,10 @@ PiecePlane plane_of(const Vector& normal, const Vector& through, double limit, c
 
 }  // namespace
 
-PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& lattice, double half_width,
+PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& lattice, double half_width, bool close_gaps,
                                       const Layout& grid) {
-    const peikert_sigg::Polyhedra paper = peikert_sigg::peikert_sigg_polyhedra(mesh, half_width * lattice.unit);
+    const peikert_sigg::Polyhedra paper =
+        peikert_sigg::peikert_sigg_polyhedra(mesh, half_width * lattice.unit, close_gaps);
     PeikertSiggPieces result;
     result.closed_gaps = paper.closings.size();
     result.polyhedra.resize(paper.polyhedra.size());

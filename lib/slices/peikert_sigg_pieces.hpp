@@ -14,6 +14,6 @@ struct PeikertSiggPieces {
 /// The polyhedra that Peikert & Sigg published (lib/peikert_sigg), for a band of `half_width` units. They are not
 /// widened: CLSDF_PIECE_SLACK repairs none of their errors.
 PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width,
-                                      const Layout& grid);
+                                      bool close_gaps, const Layout& grid);
 
 }  // namespace clsdf::slices

@@ -40,7 +40,7 @@ struct DistanceTransform::State {
 
     std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
         return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
-            device.internal(), pool, mesh, grid, transform::layout_of(grid, band, sign), options.polyhedra, scan));
+            device.internal(), pool, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
     }
 
     std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,

@@ -76,7 +76,7 @@ std::size_t PreparedMesh::device_bytes() const {
 }
 
 PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          const Grid& grid, const Layout& layout, Polyhedra polyhedra, Scan scan) {
+                          const Grid& grid, const Layout& layout, const TransformOptions& options, Scan scan) {
     const Stopwatch watch;
     const polyhedra::LatticeView lattice = lattice_of(grid);
     check_distance(mesh, lattice);
@@ -88,8 +88,9 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         prepared.polyhedron_count = records.size();
         prepared.polyhedra = upload(context, pool, records.data(), records.size_bytes(), "polyhedra");
     };
-    if (polyhedra == Polyhedra::peikert_sigg) {
-        const slices::PeikertSiggPieces paper = slices::peikert_sigg_pieces(mesh, lattice, widths.half_width, layout);
+    if (options.polyhedra == Polyhedra::peikert_sigg) {
+        const slices::PeikertSiggPieces paper =
+            slices::peikert_sigg_pieces(mesh, lattice, widths.half_width, options.close_gaps, layout);
         prepared.closed_gaps = paper.closed_gaps;
         upload_polyhedra(paper.polyhedra);
         prepared.pieces = prepare_pieces(context, pool, paper.pieces);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include <clsdf/distance_transform.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
-#include <clsdf/method.hpp>
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
@@ -43,8 +43,8 @@ struct PreparedMesh {
     std::size_t device_bytes() const;
 };
 
-/// `scan` is not automatic.
+/// `scan` is that of the options, but never automatic.
 PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          const Grid& grid, const Layout& layout, Polyhedra polyhedra, Scan scan);
+                          const Grid& grid, const Layout& layout, const TransformOptions& options, Scan scan);
 
 }  // namespace clsdf::transform

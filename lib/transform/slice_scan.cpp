@@ -16,6 +16,7 @@ constexpr std::size_t chunk_bytes = std::size_t{32} << 20;
 // computes more than a hundred million a second.
 constexpr double cost_per_core_and_launch = 4e6;
 constexpr double cost_per_launch = 2e7;
+constexpr std::size_t active_counted_at_once = std::size_t{1} << 23;
 constexpr cl_uint no_key = 0xFFFFFFFF;
 
 bool has_64_bit_atomics(const cl::Device& device) {
@@ -145,8 +146,14 @@ private:
         queue.enqueueFillBuffer(*cursors_, cl_uint{0}, 0, cursor_count() * sizeof(cl_uint));
         active_kernel_.setArg(5, *cursors_);
         active_kernel_.setArg(6, *active_);
-        set_active_range(layout_.first[2], layout_.first[2] + layout_.size[2], 0, false);
-        queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
+        for (auto first = schedule_.chunks.begin(); first != schedule_.chunks.end();) {
+            const auto next = std::find_if(first + 1, schedule_.chunks.end(), [&](const SliceChunk& chunk) {
+                return chunk.active_end - first->active_begin > active_counted_at_once;
+            });
+            set_active_range(first->begin, (next - 1)->end, 0, false);
+            queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
+            first = next;
+        }
         scan(context, programs.scan, pool, *cursors_, *starts_, cursor_count(), "intersections of a piece and a slice");
     }
 

@@ -79,13 +79,12 @@ BOOST_AUTO_TEST_CASE(the_known_wrong_values_are_given) {
     for (const Counterexample& example : all_counterexamples())
         for (const KnownSample& known : example.samples) {
             if (!known.paper) continue;
-            const bool has_gaps = !peikert_sigg_polyhedra(example.mesh, example.half_width).closings.empty();
-            if (has_gaps && !known.closed) continue;  // known for polyhedra that were not closed
             constexpr std::int64_t reach = 3;
             const Grid grid = grid_at(known.position, example.half_width / 16, reach);
             for (const KernelBody body : both_bodies) {
-                const Field field =
-                    scan_paper(example.mesh, grid, Band::symmetric(example.half_width), {.body = body}).field;
+                const Field field = scan_paper(example.mesh, grid, Band::symmetric(example.half_width),
+                                               {.close_gaps = known.closed, .body = body})
+                                        .field;
                 const std::size_t at = grid.offset(reach, reach, reach);
                 const double found = std::abs(static_cast<double>(field.distance[at]));
                 BOOST_TEST_CONTEXT(example.name()
@@ -104,8 +103,9 @@ BOOST_AUTO_TEST_CASE(the_known_wrong_values_are_given) {
                 }
             }
         }
-    BOOST_TEST(wrong_values == 8U);
-    BOOST_TEST(without_value == 12U);
+    BOOST_TEST(wrong_values + without_value == 2 * 13U);
+    BOOST_TEST(wrong_values >= 8U);
+    BOOST_TEST(without_value >= 12U);
 }
 
 BOOST_AUTO_TEST_CASE(every_sample_has_the_least_distance_of_the_polyhedra_that_hold_it) {

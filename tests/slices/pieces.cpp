@@ -123,7 +123,7 @@ BOOST_AUTO_TEST_CASE(a_paper_polyhedron_is_one_piece_of_five_planes) {
     const Mesh mesh = b2().mesh;
     const polyhedra::LatticeView lattice{{0, 0, 0}, 0.125, {1, 1, 1}};
     const slices::PeikertSiggPieces paper =
-        slices::peikert_sigg_pieces(mesh, lattice, 8, layout_at({-100, -100, -100}, {200, 200, 200}));
+        slices::peikert_sigg_pieces(mesh, lattice, 8, true, layout_at({-100, -100, -100}, {200, 200, 200}));
     BOOST_TEST(paper.polyhedra.size() == 4U);
     BOOST_TEST(paper.pieces.pieces.size() == 4U);
     BOOST_TEST(paper.closed_gaps == 0U);

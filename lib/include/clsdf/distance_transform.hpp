@@ -33,6 +33,7 @@ struct TransformOptions {
     SignRule sign = SignRule::automatic;
     Polyhedra polyhedra = Polyhedra::leaned;
     Scan scan = Scan::automatic;
+    bool close_gaps = true;  ///< of Peikert & Sigg's polyhedra, as they do; else as they are before that
     KernelBody body = KernelBody::automatic;
     SliceMinimum slice_minimum = SliceMinimum::automatic;
     std::function<void(double fraction)> progress{};        ///< called between launches, from the calling thread
@@ -47,7 +48,7 @@ struct TransformStatistics {
     std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
     std::size_t saddle_vertices = 0;  ///< vertices with convex and concave edges
     std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
-    std::size_t closed_gaps = 0;      ///< vertices whose gap was closed as in the paper (Peikert & Sigg's polyhedra)
+    std::size_t closed_gaps = 0;      ///< vertices whose gap was closed as in the paper
     std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
     std::size_t active_pieces = 0;    ///< (piece of a polyhedron, slice), in the scan by slices
