@@ -26,19 +26,13 @@ Affine operator-(const Affine& a, double constant) {
     return {a.gradient, a.constant - constant};
 }
 
-double sum(float high, float low) {
-    return static_cast<double>(high) + static_cast<double>(low);
-}
-
 /// A record's frame and outward distances from its edges.
 class Record {
 public:
     explicit Record(const Polyhedron& p) : p_(p) {
         const auto coordinate = [&](std::size_t i) {
-            return Affine{
-                {sum(p.gradient_x_high[i], p.gradient_x_low[i]), sum(p.gradient_y_high[i], p.gradient_y_low[i]),
-                 sum(p.gradient_z_high[i], p.gradient_z_low[i])},
-                sum(p.constant_high[i], p.constant_low[i])};
+            return Affine{{p.exact_gradient_x[i], p.exact_gradient_y[i], p.exact_gradient_z[i]},
+                          p.exact_constant_at_origin[i]};
         };
         x_ = coordinate(0);
         z_ = coordinate(2);
@@ -53,12 +47,12 @@ public:
     const Affine& along() const { return x_; }
     const Affine& height() const { return z_; }
     const Affine& outward(std::size_t edge) const { return outward_[edge]; }
-    double base(std::size_t half) const { return sum(p_.base_high[half], p_.base_low[half]); }
+    double base(std::size_t half) const { return p_.exact_base[half]; }
     bool is_compact() const { return (p_.flags & CLSDF_POLYHEDRON_COMPACT) != 0; }
 
 private:
-    double slanted(std::size_t half) const { return sum(p_.normal_along_high[half], p_.normal_along_low[half]); }
-    double across(std::size_t half) const { return sum(p_.normal_across_high[half], p_.normal_across_low[half]); }
+    double slanted(std::size_t half) const { return p_.exact_normal_along[half]; }
+    double across(std::size_t half) const { return p_.exact_normal_across[half]; }
 
     const Polyhedron& p_;
     Affine x_;
