@@ -139,12 +139,17 @@ private:
             fmt::format("{} × {} × {} samples, {} apart", nx, ny, nz,
                         hx == hy && hy == hz ? number(hx, 4)
                                              : fmt::format("{}, {}, {}", number(hx, 4), number(hy, 4), number(hz, 4)));
-        if (bar_.beyond_inside || bar_.beyond_outside)
-            text += fmt::format("; band {} … {}", bar_.lower < 0 ? number(-field_.band.inside, 4) : "0",
-                                number(field_.band.outside, 4));
+        if (bar_.beyond_inside || bar_.beyond_outside) text += "; band " + band_text();
         const std::vector<double>& values = manner_.levels.values;
         if (values.size() > 1) text += fmt::format("; iso-lines every {}", number(values[1] - values[0], 4));
         return text;
+    }
+
+    std::string band_text() const {
+        const auto& [inside, outside] = field_.band;
+        if (std::isinf(inside) && bar_.lower < 0) return fmt::format("everything inside … {}", number(outside, 4));
+        return fmt::format("{} … {}", bar_.lower < 0 ? number(-inside, 4) : "0",
+                           std::isinf(outside) ? "everything outside" : number(outside, 4));
     }
 
     void panel(const Plane& plane, const Slice& slice, const Rectangle& area, bool bare_below, bool bare_left) {
