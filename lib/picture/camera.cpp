@@ -100,7 +100,7 @@ ViewFrame frame_of(const View& view) {
     const Vec3 front = cross(right, up);
     const double turn = view.azimuth * degree;
     const double rise = view.elevation * degree;
-    ViewFrame frame;
+    ViewFrame frame{};
     frame.right = sum(std::cos(turn), right, -std::sin(turn), front);
     const Vec3 level = sum(std::cos(turn), front, std::sin(turn), right);
     frame.back = sum(std::cos(rise), level, std::sin(rise), up);

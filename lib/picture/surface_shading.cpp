@@ -117,7 +117,7 @@ Light SurfaceShading::operator()(const RenderHit& hit, double pixel) const {
 
 std::uint32_t pixel_of(const Light& light, bool transparent) {
     const double alpha = transparent ? light.cover : 1;
-    std::uint32_t pixel = static_cast<std::uint32_t>(std::lround(alpha * 255));
+    auto pixel = static_cast<std::uint32_t>(std::lround(alpha * 255));
     for (const double part : light.parts) {
         // White behind it, in proportion to the light; of a transparent pixel, the colour of what covers it.
         const double shown = transparent ? from_light(light.cover > 0 ? part / light.cover : 0) * alpha

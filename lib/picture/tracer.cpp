@@ -12,7 +12,7 @@
 namespace clsdf::picture {
 namespace {
 
-constexpr std::size_t piece_bytes = std::size_t{64} << 20U;  // of samples that are prepared at a time
+constexpr std::size_t piece_bytes = std::size_t{4} << 20U;  // of samples or hits that are handled at a time
 constexpr double launch_seconds = 0.08;
 constexpr int first_launch_rows = 2;
 

@@ -153,6 +153,12 @@ BOOST_AUTO_TEST_CASE(of_a_ball_is_met_where_the_ball_is_from_every_side) {
     check_ball(field, options_of(view), {}, 1, tolerance);
 }
 
+BOOST_AUTO_TEST_CASE(is_whole_where_the_samples_come_to_the_device_in_pieces) {
+    const Grid grid{{-1.5, -1.5, -1.5}, {0.025, 0.025, 0.025}, {121, 121, 121}, {}};
+    const Field field = field_of(grid, Band::symmetric(0.45), [](const Vec3& p) { return norm(p) - 1; });
+    check_ball(field, options_of(some_views()[0]), {}, 1, 0.02);
+}
+
 BOOST_AUTO_TEST_CASE(of_a_box_is_met_where_the_box_is_to_a_thousandth_of_a_voxel) {
     const Vec3 half{0.913, 0.777, 0.852};
     const Field field =
