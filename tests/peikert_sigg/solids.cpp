@@ -184,6 +184,25 @@ BOOST_AUTO_TEST_CASE(equal_vertices_count_as_one) {
     BOOST_TEST((triangles_at(soup, 0) == std::vector<std::uint32_t>{0, 1}));
     BOOST_TEST((triangles_at(soup, 3) == std::vector<std::uint32_t>{0, 1}));
     BOOST_TEST((triangles_at(soup, 5) == std::vector<std::uint32_t>{1}));
+
+    const Mesh whole = w1().mesh;
+    std::vector<Vec3> corners;
+    std::vector<Triangle> triangles;
+    for (const Triangle& triangle : whole.triangles()) {
+        const auto first = static_cast<std::uint32_t>(corners.size());
+        for (const std::uint32_t vertex : triangle) corners.push_back(whole.vertices()[vertex]);
+        triangles.push_back({first, first + 1, first + 2});
+    }
+    const Mesh apart(std::move(corners), std::move(triangles), "apart");
+    const std::vector<std::uint32_t> ring = triangles_at(whole, 0);
+    BOOST_TEST((triangles_at(apart, 0) == ring));
+    const auto expected = leaned_solids(whole, ring, 0.3);
+    const auto found = leaned_solids(apart, ring, 0.3);
+    BOOST_REQUIRE(found.size() == expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i)
+        BOOST_TEST(std::abs(volume(found[i].mesh) - volume(expected[i].mesh)) < 1e-12);
+    BOOST_TEST(std::abs(volume(peikert_sigg_solids(apart, ring, 0.3)) - volume(peikert_sigg_solids(whole, ring, 0.3))) <
+               1e-12);
 }
 
 BOOST_AUTO_TEST_CASE(what_is_out_of_range_is_refused) {
