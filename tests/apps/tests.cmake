@@ -3,6 +3,7 @@ if(TARGET clsdf_command)
              ${CMAKE_CURRENT_LIST_DIR}/devices.cpp ${CMAKE_CURRENT_LIST_DIR}/info.cpp
              ${CMAKE_CURRENT_LIST_DIR}/interruption.cpp ${CMAKE_CURRENT_LIST_DIR}/method.cpp
              ${CMAKE_CURRENT_LIST_DIR}/polyhedra.cpp
+             ${CMAKE_CURRENT_LIST_DIR}/render.cpp
              ${CMAKE_CURRENT_LIST_DIR}/slice.cpp)
   add_dependencies(test_command clsdf_command)
   target_compile_definitions(test_command PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>")
