@@ -34,19 +34,13 @@ Error with_remedy(const Error& error) {
     return {error.code(), fmt::format("{}; choose a lower --resolution or a larger --spacing", error.what())};
 }
 
-clsdf::Field empty_field(const ComputeLayout& layout) {
-    clsdf::Field field;
+clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
+    clsdf::FieldDescription field;
     field.grid = layout.grid;
     field.band = layout.band;
     field.sign = layout.sign;
     // Where the file lay concerns nobody else who gets the field.
     field.mesh_name = std::filesystem::path(layout.mesh_file).filename().string();
-    try {
-        field.distance.resize(layout.grid.sample_count());
-        if (layout.outputs.triangle) field.triangle.resize(layout.grid.sample_count());
-    } catch (const std::exception&) {
-        throw too_large(layout.grid);
-    }
     return field;
 }
 
@@ -69,6 +63,8 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
         options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
+    transform_options.polyhedra = request.polyhedra;
+    transform_options.scan = request.scan;
     transform_options.count = options.json;
     transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
@@ -77,18 +73,26 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     result.device_platform = device.platform();
     result.setup_seconds = setup.seconds();
 
+    // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
     const Stopwatch compute;
-    clsdf::Field field = empty_field(layout);
-    transform.compute(layout.grid, layout.band, {field.distance, field.triangle});
-    result.compute_seconds = compute.seconds();
+    const clsdf::FieldDescription field = describe_field(layout);
+    clsdf::FieldWriter writer(options.output, field, layout.outputs);
+    transform.compute_slabs(layout.grid, layout.band, layout.outputs,
+                            [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
+                                result.compute_seconds = compute.seconds();
+                                const Stopwatch write;
+                                result.band_samples += count_band_samples(field, slab);
+                                writer.append(slab);
+                                result.write_seconds += write.seconds();
+                            });
     result.statistics = transform.statistics();
-    result.band_samples = count_band_samples(field);
     progress.clear();
 
     if (stop.stop_requested()) throw cancellation();
-    const Stopwatch write;
-    field.write(options.output);
-    result.write_seconds = write.seconds();
+    const Stopwatch finish;
+    writer.finish();
+    result.write_seconds += finish.seconds();
+    result.field_seconds = compute.seconds();
     result.output = options.output;
     return result;
 }
@@ -126,8 +130,10 @@ ExitStatus run(const ComputeOptions& options) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    ComputeLayout layout{mesh, options.mesh, topology, grid, band, sign.rule, request.outputs, {}};
+    ComputeLayout layout{mesh,      options.mesh,    topology,          grid,         band,
+                         sign.rule, request.outputs, request.polyhedra, request.scan, {}};
     warn(layout, sign.warning);
+    warn(layout, warning_of_polyhedra(layout));
     if (!options.quiet) print_layout(layout);
     if (options.dry_run) {
         if (!options.quiet) print_memory(layout);

@@ -18,9 +18,24 @@ std::uint64_t field_bytes(const ComputeLayout& layout) {
     return std::uint64_t{layout.grid.sample_count()} * (layout.outputs.triangle ? 8 : 4);
 }
 
-// About what a computation uses beside the field: polyhedra, lists and the program's compiler.
+/// What is in memory of the field at once.
+struct SlabMemory {
+    std::size_t slabs;
+    std::uint64_t bytes;
+};
+
+SlabMemory slab_memory(const ComputeLayout& layout) {
+    const std::vector<clsdf::Grid> slabs = clsdf::DistanceTransform::slabs_of(layout.grid);
+    std::uint64_t largest = 0;
+    for (const clsdf::Grid& slab : slabs) largest = std::max<std::uint64_t>(largest, slab.sample_count());
+    return {slabs.size(), largest * (layout.outputs.triangle ? 8 : 4) * std::min<std::size_t>(slabs.size(), 2)};
+}
+
+// About what a computation uses beside the field: polyhedra, for slices also their pieces, lists and the program's
+// compiler.
 std::uint64_t working_bytes(const ComputeLayout& layout) {
-    return std::uint64_t{1024} * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
+    const std::uint64_t bytes_per_triangle = layout.scan == clsdf::Scan::slices ? 2048 : 1024;
+    return bytes_per_triangle * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
 }
 
 std::uint64_t physical_memory() {
@@ -73,7 +88,13 @@ ordered_json describe_layout(const ComputeLayout& layout) {
             {"grid", describe(layout.grid)},
             {"band", describe(layout.band)},
             {"sign", name_of(layout.sign)},
+            {"polyhedra", name_of(layout.polyhedra)},
+            {"scan", name_of(layout.scan)},
             {"warnings", layout.warnings}};
+}
+
+std::string human_slabs(std::size_t count) {
+    return count == 1 ? "the whole field" : fmt::format("two of {} slabs", count);
 }
 
 ordered_json ratio(std::size_t part, std::size_t whole) {
@@ -82,19 +103,26 @@ ordered_json ratio(std::size_t part, std::size_t whole) {
 
 }  // namespace
 
-std::size_t count_band_samples(const clsdf::Field& field) {
+std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::FieldSlab& slab) {
     const auto outside = static_cast<float>(field.band.outside);
     const auto inside = -static_cast<float>(field.band.inside);
-    return static_cast<std::size_t>(std::count_if(field.distance.begin(), field.distance.end(), [&](float distance) {
+    return static_cast<std::size_t>(std::count_if(slab.distance.begin(), slab.distance.end(), [&](float distance) {
         return distance < outside && (field.sign == clsdf::SignRule::none || distance > inside);
     }));
 }
 
+std::string warning_of_polyhedra(const ComputeLayout& layout) {
+    if (layout.polyhedra == clsdf::Polyhedra::leaned) return {};
+    return fmt::format("the {} polyhedra are not exact: some samples of the band get too large a distance, or none",
+                       name_of(layout.polyhedra));
+}
+
 std::string warning_of_memory(const ComputeLayout& layout) {
     const std::uint64_t memory = physical_memory();
-    if (memory == 0 || field_bytes(layout) <= memory) return {};
-    return fmt::format("the field exceeds the {} of memory of this machine; choose a lower --resolution",
-                       human_bytes(static_cast<double>(memory)));
+    const std::uint64_t needed = slab_memory(layout).bytes + working_bytes(layout);
+    if (memory == 0 || needed <= memory) return {};
+    return fmt::format("about {} of memory are needed, and this machine has {}; choose a lower --resolution",
+                       human_bytes(static_cast<double>(needed)), human_bytes(static_cast<double>(memory)));
 }
 
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation) {
@@ -119,12 +147,14 @@ void print_layout(const ComputeLayout& layout) {
     fmt::print(stderr, "grid    {}\n", human(layout.grid));
     fmt::print(stderr, "band    {}\n", human(layout.band, layout.grid.voxel()));
     fmt::print(stderr, "sign    {}\n", meaning_of(layout.sign));
+    fmt::print(stderr, "method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
 }
 
 void print_memory(const ComputeLayout& layout) {
-    fmt::print(stderr, "memory  {} for the field, and about {} to compute it\n",
-               human_bytes(static_cast<double>(field_bytes(layout))),
-               human_bytes(static_cast<double>(working_bytes(layout))));
+    const SlabMemory memory = slab_memory(layout);
+    fmt::print(stderr, "memory  {} for {}, and about {} to compute\n", human_bytes(static_cast<double>(memory.bytes)),
+               human_slabs(memory.slabs), human_bytes(static_cast<double>(working_bytes(layout))));
+    fmt::print(stderr, "file    {}\n", human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 void print_outcome(const ComputeLayout& layout, const Computation& computation) {
@@ -134,12 +164,20 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
                computation.compute_seconds, human_count(samples),
                human_count(static_cast<double>(computation.band_samples)),
                human_count(samples / computation.compute_seconds));
+    const clsdf::TransformStatistics& statistics = computation.statistics;
+    fmt::print(stderr, "memory  {} of buffers on the device, {} on the host for {}\n",
+               human_bytes(static_cast<double>(statistics.device_bytes)),
+               human_bytes(static_cast<double>(statistics.host_bytes)), human_slabs(statistics.slabs));
     fmt::print(stderr, "wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 ordered_json describe_dry_run(const ComputeLayout& layout) {
     ordered_json result = describe_layout(layout);
-    result["memory"] = {{"field_bytes", field_bytes(layout)}, {"working_bytes", working_bytes(layout)}};
+    const SlabMemory memory = slab_memory(layout);
+    result["memory"] = {{"field_bytes", field_bytes(layout)},
+                        {"slabs", memory.slabs},
+                        {"slab_bytes", memory.bytes},
+                        {"working_bytes", working_bytes(layout)}};
     return result;
 }
 
@@ -150,7 +188,7 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
     result["seconds"] = {{"read", computation.read_seconds},       {"setup", computation.setup_seconds},
                          {"compute", computation.compute_seconds}, {"polyhedra", statistics.polyhedra_seconds},
                          {"lists", statistics.lists_seconds},      {"field", statistics.field_seconds},
-                         {"write", computation.write_seconds}};
+                         {"write", computation.write_seconds},     {"compute_and_write", computation.field_seconds}};
     result["samples_per_second"] = static_cast<double>(layout.grid.sample_count()) / computation.compute_seconds;
     result["statistics"] = {
         {"samples", layout.grid.sample_count()},
@@ -159,12 +197,18 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"box_polyhedra", statistics.box_polyhedra},
         {"saddle_vertices", statistics.saddle_vertices},
         {"point_sites", statistics.point_sites},
+        {"closed_gaps", statistics.closed_gaps},
         {"coarse_pairs", statistics.coarse_pairs},
         {"coarse_bricks", statistics.coarse_bricks},
         {"brick_pairs", statistics.brick_pairs},
+        {"active_pieces", statistics.active_pieces},
+        {"slice_intersections", statistics.slice_intersections},
+        {"empty_intersections", statistics.empty_intersections},
         {"samples_covered", statistics.samples_covered},
         {"lanes_evaluated", statistics.lanes_evaluated},
+        {"slabs", statistics.slabs},
         {"device_bytes", statistics.device_bytes},
+        {"host_bytes", statistics.host_bytes},
         {"samples_covered_per_band_sample", ratio(statistics.samples_covered, computation.band_samples)},
         {"lanes_evaluated_per_band_sample", ratio(statistics.lanes_evaluated, computation.band_samples)},
         {"box_polyhedra_per_triangle", ratio(statistics.box_polyhedra, statistics.triangles)}};

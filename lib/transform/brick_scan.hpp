@@ -1,0 +1,18 @@
+#pragma once
+
+#include "transform/field_scan.hpp"
+#include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
+#include "transform/short_launches.hpp"
+
+#include <memory>
+
+namespace clsdf::transform {
+
+/// The scan by bricks; the mesh and the sign bits must outlive it.
+std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
+                                           const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                                           const PreparedMesh& mesh, const cl::Buffer& sign_bits,
+                                           const BrickVariant& variant, const ShortLaunches& launches);
+
+}  // namespace clsdf::transform
