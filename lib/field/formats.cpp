@@ -12,8 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array formats{
-    Format{".nrrd", nrrd_writer, read_nrrd},
-    Format{".npy", npy_writer, read_npy},
+    Format{".nrrd", nrrd_writer, read_nrrd},     Format{".npy", npy_writer, read_npy},
+    Format{".vti", vti_writer, read_vti},        Format{".h5", h5_writer, read_h5},
+    Format{".sdf", sdf_writer, read_sdf, false},
 };
 
 std::string endings() {

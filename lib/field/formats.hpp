@@ -49,6 +49,17 @@ std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDes
                                          const Outputs& outputs);
 Field read_npy(const std::string& path);
 
+std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field,
+                                         const Outputs& outputs);
+Field read_vti(const std::string& path);
+
+std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, const Outputs& outputs);
+Field read_h5(const std::string& path);
+
+std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field,
+                                         const Outputs& outputs);
+Field read_sdf(const std::string& path);
+
 /// The grid that a file states by its first sample, as the part of the lattice that the file says it is. Programs that
 /// crop a field may keep what they do not understand but move the first sample, so the lattice counts only where it has
 /// that very sample.
