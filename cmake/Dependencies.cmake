@@ -47,6 +47,25 @@ target_link_libraries(clsdf_hdf5 INTERFACE ${CLSDF_HDF5_LIBRARY})
 get_filename_component(CLSDF_HDF5_NAME ${CLSDF_HDF5_LIBRARY} NAME_WE)
 string(REGEX REPLACE "^lib" "" CLSDF_HDF5_NAME ${CLSDF_HDF5_NAME})
 
+# Nor OpenVDB's own module, which wants the development files of everything that OpenVDB itself is built with.
+set(CLSDF_HAS_VDB FALSE)
+if(CLSDF_BUILD_VDB)
+  find_path(CLSDF_OPENVDB_INCLUDE openvdb/openvdb.h)
+  find_library(CLSDF_OPENVDB_LIBRARY openvdb)
+  find_library(CLSDF_IMATH_LIBRARY Imath) # halves, in OpenVDB's headers
+  mark_as_advanced(CLSDF_OPENVDB_INCLUDE CLSDF_OPENVDB_LIBRARY CLSDF_IMATH_LIBRARY)
+  if(CLSDF_OPENVDB_INCLUDE AND CLSDF_OPENVDB_LIBRARY AND CLSDF_IMATH_LIBRARY)
+    set(CLSDF_HAS_VDB TRUE)
+    add_library(clsdf_openvdb INTERFACE)
+    target_include_directories(clsdf_openvdb SYSTEM INTERFACE ${CLSDF_OPENVDB_INCLUDE})
+    target_link_libraries(clsdf_openvdb INTERFACE ${CLSDF_OPENVDB_LIBRARY} ${CLSDF_IMATH_LIBRARY} TBB::tbb)
+  elseif(NOT CLSDF_BUILD_VDB STREQUAL "AUTO")
+    message(FATAL_ERROR "CLSDF_BUILD_VDB is ON, and CMake did not find OpenVDB.\n"
+                        "On Debian and its kin: apt-get install libopenvdb-dev "
+                        "(-DCLSDF_BUILD_VDB=OFF does without .vdb files).")
+  endif()
+endif()
+
 if(CLSDF_BUILD_PICTURE)
   clsdf_require(PkgConfig pkg-config)
   pkg_check_modules(cairo QUIET IMPORTED_TARGET GLOBAL cairo-pdf)

@@ -1,12 +1,11 @@
 #include "field/description.hpp"
 #include "field/formats.hpp"
-#include "field/hdf5.hpp"
+#include "field/hdf5_layout.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
-#include <array>
 #include <filesystem>
 
 namespace clsdf {
@@ -31,15 +30,26 @@ class H5Layout {
 public:
     explicit H5Layout(const std::string& path) : path_(path) {}
 
-    /// The offset of each output's values.
-    std::vector<std::uint64_t> write(const std::string& file_name, const FieldDescription& field,
-                                     const std::vector<OutputKind>& kinds) {
+    /// Writes all but the values and returns the offset of each output's.
+    std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
+                                     const std::vector<OutputKind>& kinds) const {
         const hdf5::Session session;
+        hdf5::Layout layout;
+        if (!layout.is_valid()) fail();
+        std::vector<std::uint64_t> offsets = lay_out(layout, field, kinds);
+        layout.write_to(target);
+        return offsets;
+    }
+
+private:
+    std::vector<std::uint64_t> lay_out(hdf5::Layout& layout, const FieldDescription& field,
+                                       const std::vector<OutputKind>& kinds) const {
         const Handle access = checked(hdf5::access());
+        layout.use(access);
         check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_LATEST));
         const Handle creation = checked({H5Pcreate(H5P_FILE_CREATE), H5Pclose});
         check(H5Pset_obj_track_times(creation.get(), false));
-        Handle file = checked({H5Fcreate(file_name.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
+        Handle file = checked({H5Fcreate("layout", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
         write_text(file.get(), "clsdf", description_text(field));
         std::vector<std::uint64_t> offsets;
         for (const OutputKind& kind : kinds) offsets.push_back(write_array(file.get(), kind, field.grid));
@@ -47,7 +57,6 @@ public:
         return offsets;
     }
 
-private:
     std::uint64_t write_array(hid_t file, const OutputKind& kind, const Grid& grid) const {
         const std::vector<hsize_t> shape = shape_of(grid, kind);
         const Handle space =
@@ -162,7 +171,7 @@ public:
           xdmf_(xdmf_path(path)),
           file_(path) {
         xdmf_.write(xdmf_text(path, field.grid, kinds_));
-        offsets_ = H5Layout(path).write(file_.temporary(), field, kinds_);
+        offsets_ = H5Layout(path).write(file_, field, kinds_);
     }
 
     void append(const FieldSlab& slab, std::int64_t first_slice) override {

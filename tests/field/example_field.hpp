@@ -26,12 +26,13 @@ struct Format {
 };
 
 inline const std::vector<Format>& all_formats() {
-    static const std::vector<Format> formats{
-        {.ending = ".nrrd", .extras_beside = true},
-        {.ending = ".npy", .extras_beside = true},
-        {.ending = ".vti"},
-        {.ending = ".h5"},
-        {.ending = ".sdf", .is_described = false, .has_extras = false, .any_spacing = false},
+    static const std::vector<Format> formats {
+        {.ending = ".nrrd", .extras_beside = true}, {.ending = ".npy", .extras_beside = true}, {.ending = ".vti"},
+            {.ending = ".h5"},
+#if CLSDF_HAS_VDB
+            {.ending = ".vdb", .any_spacing = false},
+#endif
+            {.ending = ".sdf", .is_described = false, .has_extras = false, .any_spacing = false},
     };
     return formats;
 }

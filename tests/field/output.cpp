@@ -70,10 +70,13 @@ BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
 }
 
 BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
-    const TemporaryFolder folder;
-    std::filesystem::create_symlink("/dev/full", folder.file("full.nrrd"));
-    check_throws(ErrorCode::output_failure, {"full.nrrd", "No space left"},
-                 [&] { example_field().write(folder.file("full.nrrd")); });
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const std::string name = "full" + format.ending;
+        std::filesystem::create_symlink("/dev/full", folder.file(name));
+        const std::string reason = format.ending == ".vdb" ? "regular file" : "No space left";
+        check_throws(ErrorCode::output_failure, {name, reason},
+                     [&] { example_field(format).write(folder.file(name)); });
+    });
 }
 
 BOOST_AUTO_TEST_CASE(refuses_arrays_that_do_not_fit_the_grid_and_unknown_endings) {

@@ -21,10 +21,11 @@ using clsdf::test::TemporaryFolder;
 namespace {
 
 // A narrow band around a plane, with unequal spacing unless `spacing` says so: values that every program has.
-Field plain_field(const Vec3& spacing) {
+Field plain_field(const Vec3& spacing, const clsdf::Band& band = {0.2, 0.25}) {
     Field field;
     field.grid = {{-1.1, 0.3, 1.0 / 3}, spacing, {21, 13, 9}};
-    field.band = {0.2, 0.25};
+    field.band = band;
+    const auto inside = static_cast<float>(-band.inside), outside = static_cast<float>(band.outside);
     field.sign = clsdf::SignRule::parity;
     field.mesh_name = "a \"mesh\" & <more>";
     for (std::int64_t k = 0; k < 9; ++k)
@@ -32,8 +33,8 @@ Field plain_field(const Vec3& spacing) {
             for (std::int64_t i = 0; i < 21; ++i) {
                 const auto distance =
                     static_cast<float>(0.1 * static_cast<double>(k + j / 2) - 0.9 + 0.01 * static_cast<double>(i % 3));
-                const bool is_in_band = distance > -0.2F && distance < 0.25F;
-                field.distance.push_back(std::clamp(distance, -0.2F, 0.25F));
+                const bool is_in_band = distance > inside && distance < outside;
+                field.distance.push_back(std::clamp(distance, inside, outside));
                 field.triangle.push_back(is_in_band ? static_cast<std::uint32_t>(7 * i + j + (k << 28))
                                                     : clsdf::no_triangle);
             }
@@ -114,5 +115,33 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
         refused("compressed", "compress");
     }
 }
+
+#if CLSDF_HAS_VDB
+
+BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_and_its_band_in_openvdb) {
+    check_with_reader(TemporaryFolder(), "vdb", "vdb", plain_field(equal));
+    // Not a level set to OpenVDB's tools, which take voxels for cubes.
+    check_with_reader(TemporaryFolder(), "vdb_unequal", "vdb", plain_field(unequal));
+}
+
+BOOST_AUTO_TEST_CASE(is_read_back_from_openvdb_as_its_active_voxels_with_the_background_as_band) {
+    const TemporaryFolder folder;
+    const Field field = plain_field(equal, clsdf::Band::symmetric(0.25));
+    check_with_reader(folder, "vdb_rewritten", "vdb", field);
+    const Field read = Field::read(folder.file("field_rewritten.vdb"));
+    BOOST_TEST(read.grid.size == (clsdf::Index3{21, 13, 8}), boost::test_tools::per_element());
+    BOOST_CHECK(read.sign == clsdf::SignRule::automatic);
+    BOOST_TEST(read.band.inside == 0.25);
+    BOOST_TEST(read.band.outside == 0.25);
+    for (std::int64_t k = 0; k < read.grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < read.grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < read.grid.size[0]; ++i) {
+                const std::int64_t z = read.grid.first[2] + k;
+                BOOST_REQUIRE(read.distance[read.grid.offset(i, j, k)] == field.distance[field.grid.offset(i, j, z)]);
+                BOOST_REQUIRE(read.grid.position(i, j, k) == field.grid.position(i, j, z));
+            }
+}
+
+#endif
 
 BOOST_AUTO_TEST_SUITE_END()

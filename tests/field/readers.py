@@ -14,7 +14,8 @@ import tempfile
 import xml.etree.ElementTree
 
 PACKAGES = {"vti": "python3-vtk9", "vti_rewritten": "python3-vtk9", "h5": "python3-h5py", "nrrd": "teem-apps",
-            "npy": "python3-numpy", "sdf": "python3-numpy", "vdb": "python3-openvdb", "vdb_rewritten": "python3-openvdb"}
+            "npy": "python3-numpy", "sdf": "python3-numpy", "vdb": "python3-openvdb", "vdb_unequal": "python3-openvdb",
+            "vdb_rewritten": "python3-openvdb"}
 
 
 def check(statement, what):
@@ -161,18 +162,17 @@ def sdf(path, expected, distance, triangle):
     check_values("distance", numpy.array(lines[3:-1]).astype(numpy.float32).reshape(distance.shape), distance)
 
 
-def open_grids(path):
-    import pyopenvdb
-    grids, about = pyopenvdb.readAll(path)
-    return {grid.name: grid for grid in grids}, about
+def vdb_unequal(path, expected, distance, triangle):
+    vdb(path, expected, distance, triangle, "unknown")
 
 
-def vdb(path, expected, distance, triangle):
+def vdb(path, expected, distance, triangle, grid_class="level set"):
     import numpy
-    grids, about = open_grids(path)
-    check_description(about["clsdf"], expected)
-    grid = grids["distance"]
-    check(grid.gridClass == "level set", f"class {grid.gridClass}")
+    import pyopenvdb
+    # Debian's module has no grids of integers, so the triangles are left to clsdf's own reader.
+    grid = pyopenvdb.read(path, "distance")
+    check_description(grid["clsdf"], expected)
+    check(grid.gridClass == grid_class, f"class {grid.gridClass}")
     outside, inside = (numpy.float32(expected["band"][side]) for side in ("outside", "inside"))
     check(numpy.float32(grid.background) == outside, f"background {grid.background}")
     for corner in ((0, 0, 0), (3, 2, 1)):
@@ -185,16 +185,13 @@ def vdb(path, expected, distance, triangle):
     check_values("distance", numpy.ascontiguousarray(values.transpose(2, 1, 0)), distance)
     in_band = numpy.count_nonzero((distance != outside) & (distance != -inside))
     check(grid.activeVoxelCount() == in_band, f"{grid.activeVoxelCount()} active voxels, not {in_band}")
-    numbers = numpy.zeros((nx, ny, nz), numpy.int32)
-    grids["triangle"].copyToArray(numbers)
-    check_values("triangle", numpy.ascontiguousarray(numbers.transpose(2, 1, 0)).view(numpy.uint32), triangle)
 
 
 def vdb_rewritten(path, expected, distance, triangle):
     """The distance alone, as another program would write it, for clsdf to read."""
     import pyopenvdb
-    grids, _ = open_grids(path)
-    grid = grids["distance"]
+    grid = pyopenvdb.read(path, "distance")
+    del grid["clsdf"]
     grid.name = "surface"
     pyopenvdb.write(path[:-4] + "_rewritten.vdb", grid)
 

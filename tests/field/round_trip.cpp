@@ -52,8 +52,9 @@ BOOST_AUTO_TEST_CASE(has_every_number_of_its_grid_and_band_bit_by_bit) {
             BOOST_TEST_CONTEXT("seed " << seed << ", round " << round) {
                 Field written;
                 for (std::size_t axis = 0; axis < 3; ++axis) {
-                    written.grid.origin[axis] = any_double(random);
-                    written.grid.spacing[axis] = format.any_spacing ? std::abs(any_double(random)) : 0.1 + round;
+                    const double origin = any_double(random), spacing = std::abs(any_double(random));
+                    written.grid.origin[axis] = format.any_spacing ? origin : 1e6 * std::remainder(origin, 1);
+                    written.grid.spacing[axis] = format.any_spacing ? spacing : 0.1 + round;
                     written.grid.first[axis] = static_cast<std::int64_t>(random() % 1000) - 500;
                 }
                 written.grid.size = {1, 2, 1};
