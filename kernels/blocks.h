@@ -2,8 +2,8 @@
 //
 // A block is represented by its centre and by its reach (half its width) along each of the polyhedron's normals; the
 // test is conservative. Each block has a cap of its own, an upper bound of the distance of its samples to the mesh: a
-// triangle farther away than that is nearest to none of them. The slack grows with the cap, as the rounding of what is
-// compared does.
+// triangle farther away than that is nearest to none of them. The slack exceeds the rounding of what is compared, which
+// grows with the cap.
 #ifndef CLSDF_BLOCKS_H
 #define CLSDF_BLOCKS_H
 
@@ -24,53 +24,122 @@ inline Reach reach_of(__global const float* reach, float scale) {
     return r;
 }
 
-// Bit b: the block whose centre lies (i[b], j[b], k[b]) samples from the point of the offsets.
-INLINE uint touched_blocks(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, Reach reach,
-                           floatL cap, floatL slack) {
-    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT],
-                across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
-    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT],
-                across_left = p->normal_across_high[CLSDF_HALF_LEFT];
-    const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
-    const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
-    const floatL s = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z));
+// The same, enlarged by the slack of a test.
+inline Reach widened(Reach r, float slack) {
+    const Reach wide = {r.x + slack, r.y + slack, r.z + slack, r.right + slack, r.left + slack};
+    return wide;
+}
 
-    const floatL above = s + (slack + reach.z);
-    const floatL below = (slack + reach.z) - s;
-    floatL base = GREATER(p->slope_above[CLSDF_EDGE_BASE] * above, p->slope_below[CLSDF_EDGE_BASE] * below);
-    floatL right = GREATER(p->slope_above[CLSDF_EDGE_RIGHT] * above, p->slope_below[CLSDF_EDGE_RIGHT] * below);
-    floatL left = GREATER(p->slope_above[CLSDF_EDGE_LEFT] * above, p->slope_below[CLSDF_EDGE_LEFT] * below);
-    intL in = fabs(s) <= cap + (slack + reach.z);
+// The centres of blocks in the polyhedron's frame, from the place: along X and Y; along Z from the face.
+typedef struct Centres {
+    floatL x, y, z;
+} Centres;
+
+INLINE Centres centres_of(__global const Polyhedron* p, Place place, floatL i, floatL j, floatL k) {
+    Centres c;
+    c.x = i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]);
+    c.y = i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]);
+    c.z = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + place.z));
+    return c;
+}
+
+// Bit b: block b, where its lateral planes lie base[b], right[b] and left[b] outward of the edges. `reach` includes the
+// slack of the greatest cap.
+INLINE uint touched_within(__global const Polyhedron* p, Place place, Centres c, floatL base, floatL right, floatL left,
+                           Reach reach, floatL cap) {
+    const float along_right = p->normal_along[CLSDF_HALF_RIGHT], across_right = p->normal_across[CLSDF_HALF_RIGHT];
+    const float along_left = p->normal_along[CLSDF_HALF_LEFT], across_left = p->normal_across[CLSDF_HALF_LEFT];
+    intL in = fabs(c.z) <= cap + reach.z;
     if (!(p->flags & CLSDF_POLYHEDRON_COMPACT)) {
         base = LESSER(base, cap);
         right = LESSER(right, cap);
         left = LESSER(left, cap);
-        in &= (o.beyond_right + dx <= cap + (slack + reach.x)) & (o.beyond_left - dx <= cap + (slack + reach.x));
+        in &= (place.beyond_right + c.x <= cap + reach.x) & (place.beyond_left - c.x <= cap + reach.x);
     }
-    in &= (-o.y - dy <= base + (slack + reach.y)) &
-          (o.outward_right + (along_right * dx + across_right * dy) <= right + (slack + reach.right)) &
-          (o.outward_left + (across_left * dy - along_left * dx) <= left + (slack + reach.left));
+    in &= (-(place.y + reach.y) - c.y <= base) &
+          ((place.outward_right - reach.right) + (along_right * c.x + across_right * c.y) <= right) &
+          ((place.outward_left - reach.left) + (across_left * c.y - along_left * c.x) <= left);
     return lanes_to_bits(in);
 }
 
+// Bit b: block b.
+INLINE uint touched_blocks(__global const Polyhedron* p, Place place, Centres c, Reach reach, floatL cap) {
+    const floatL above = reach.z + c.z, below = reach.z - c.z;
+#define WIDTH(edge) GREATER(p->slope_above[edge] * above, p->slope_below[edge] * below)
+    return touched_within(p, place, c, WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT), WIDTH(CLSDF_EDGE_LEFT), reach,
+                          cap);
+#undef WIDTH
+}
+
+// Slopes of the lateral planes for a group of blocks that is small: of the side of the face on which all its samples
+// lie; where they lie on both, or within the slack of the face, the greater ones, which bound both.
+typedef struct Slopes {
+    float base, right, left;
+} Slopes;
+
+// z: of the group's centre; reach: of the group.
+INLINE Slopes slopes_of(__global const Polyhedron* p, float z, float reach, float slack) {
+    const int above = z - reach > slack, below = -z - reach > slack;
+    Slopes slopes;
+#define SLOPE(edge) \
+    (above ? p->slope_above[edge] : below ? p->slope_below[edge] : GREATER(p->slope_above[edge], p->slope_below[edge]))
+    slopes.base = SLOPE(CLSDF_EDGE_BASE);
+    slopes.right = SLOPE(CLSDF_EDGE_RIGHT);
+    slopes.left = SLOPE(CLSDF_EDGE_LEFT);
+#undef SLOPE
+    return slopes;
+}
+
+// As touched_blocks, in fewer operations.
+INLINE uint touched_near_blocks(__global const Polyhedron* p, Place place, Slopes slopes, Centres c, Reach reach,
+                                floatL cap) {
+    const floatL height = fabs(c.z) + reach.z;
+    return touched_within(p, place, c, slopes.base * height, slopes.right * height, slopes.left * height, reach, cap);
+}
+
 // Bit b of the result: block b of a group of 4 x 4 x 4 (x fastest), each of `side` samples a side, whose first sample
-// is (x, y, z) of the lattice. caps: one a block.
-INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, float side, __private const float* caps,
-                           float level_slack, float slack_rate) {
-    // The frame at the centre of the group; the blocks' centres lie at most 1.5 sides from it.
-    const double centre = 2.0 * side - 0.5;
-    const Offsets o = offsets_at(p, x + centre, y + centre, z + centre);
-    const Reach reach = reach_of(p->reach_cube, 0.5f * (side - 1.0f));
+// is (x, y, z) of the lattice. Only the blocks of `wanted` are looked at. caps: one a block; slack: of the greatest.
+INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, float side, ulong wanted,
+                           __private const float* caps, float slack) {
+    // The blocks' centres lie at most 1.5 sides from the centre of the group.
+    const Place place = place_at(p, x, y, z, 2.0f * side - 0.5f);
+    const Reach reach = widened(reach_of(p->reach_cube, 0.5f * (side - 1.0f)), slack);
+    // A vector's blocks, as the first one's; the vectors differ by a translation.
+    const floatL zero = 0.0f;
+    const Centres lanes = centres_of(p, place, convert_floatL(LANE_NUMBERS & 3u) * side,
+                                     convert_floatL((LANE_NUMBERS >> 2) & 3u) * side, zero);
     ulong touched = 0;
     for (uint first = 0; first < 64; first += LANES) {
-        const uintL block = LANE_NUMBERS + first;
-        const floatL i = (convert_floatL(block & 3u) - 1.5f) * side;
-        const floatL j = (convert_floatL((block >> 2) & 3u) - 1.5f) * side;
-        const floatL k = (convert_floatL(block >> 4) - 1.5f) * side;
-        const floatL cap = load_lanes(0, caps + first);
-        touched |= (ulong)touched_blocks(p, o, i, j, k, reach, cap, cap * slack_rate + level_slack) << first;
+        if (!(wanted >> first & LANE_BITS)) continue;
+        const float i = ((float)(first & 3u) - 1.5f) * side, j = ((float)((first >> 2) & 3u) - 1.5f) * side,
+                    k = ((float)(first >> 4) - 1.5f) * side;
+        Centres c;
+        c.x = lanes.x + (i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]));
+        c.y = lanes.y + (i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]));
+        c.z = lanes.z + (i * p->gradient_x[2] + (j * p->gradient_y[2] + k * p->gradient_z[2]));
+        touched |= (ulong)touched_blocks(p, place, c, reach, load_lanes(0, caps + first)) << first;
     }
-    return touched;
+    return touched & wanted;
 }
+
+// Where the cap of coarse brick (x, y, z) of the lattice is kept: by groups of 4 x 4 x 4 that start at multiples of
+// four.
+inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
+    const int3 first = vload3(0, layout.coarse_first) >> 2,
+               last = (vload3(0, layout.coarse_first) + vload3(0, layout.coarse_bricks) - 1) >> 2;
+    const int3 group = (int3)(x, y, z) >> 2, groups = last - first + 1;
+    const size_t number =
+        ((size_t)(group.z - first.z) * groups.y + (group.y - first.y)) * groups.x + (group.x - first.x);
+    return number * 64 + ((z & 3) * 16 + (y & 3) * 4 + (x & 3));
+}
+
+#ifdef COUNT
+// Bit b: whether the polyhedron itself, with a band's half width and slack, holds sample b.
+INLINE uint covered_samples(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, float half_width,
+                            float slack) {
+    const Reach reach = {slack, slack, slack, slack, slack};
+    return touched_blocks(p, place_of(o), centres_of(p, place_of(o), i, j, k), reach, (floatL)half_width);
+}
+#endif
 
 #endif

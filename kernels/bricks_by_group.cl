@@ -30,14 +30,11 @@ inline int3 sample_of(uint b, uint lane) {
 }
 
 // The sub-blocks that a polyhedron touches, 16 bits.
-inline uint touched_subblocks(__global const Polyhedron* p, Offsets o, float cap, float slack) {
+inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes slopes, float cap, float slack) {
     // Half of a sub-block's width: 1.5, 1.5 and 0.5 samples.
-    const float along_right = p->normal_along_high[CLSDF_HALF_RIGHT],
-                across_right = p->normal_across_high[CLSDF_HALF_RIGHT];
-    const float along_left = p->normal_along_high[CLSDF_HALF_LEFT],
-                across_left = p->normal_across_high[CLSDF_HALF_LEFT];
-    const float3 gx = vload3(0, p->gradient_x_high), gy = vload3(0, p->gradient_y_high),
-                 gz = vload3(0, p->gradient_z_high);
+    const float along_right = p->normal_along[CLSDF_HALF_RIGHT], across_right = p->normal_across[CLSDF_HALF_RIGHT];
+    const float along_left = p->normal_along[CLSDF_HALF_LEFT], across_left = p->normal_across[CLSDF_HALF_LEFT];
+    const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
     const float widen = 1.0f + 1.0e-6f;
     Reach reach;
     reach.x = widen * (1.5f * fabs(gx.x) + 1.5f * fabs(gy.x) + 0.5f * fabs(gz.x));
@@ -53,7 +50,8 @@ inline uint touched_subblocks(__global const Polyhedron* p, Offsets o, float cap
     for (uint b = 0; b < SUBBLOCKS; ++b) {
         const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f,
                     k = (float)((b >> 2) * 2) - 3.0f;
-        touched |= touched_blocks(p, o, i, j, k, reach, cap, slack) << b;
+        touched |= touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), widened(reach, slack), cap)
+                   << b;
     }
     return touched;
 }
@@ -137,10 +135,9 @@ inline void evaluate(uint count, __local const Compacted* compacted, __global co
             least = LESSER(squared, least);
 #endif
 #ifdef COUNT
-            const Reach none = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
             ++counters[CLSDF_COUNT_LANES];
             counters[CLSDF_COUNT_COVERED] +=
-                touched_blocks(p, o, from_centre.x, from_centre.y, from_centre.z, none, half_width, slack);
+                covered_samples(p, o, from_centre.x, from_centre.y, from_centre.z, half_width, slack) & 1u;
 #endif
         }
         minimum->squared[s] = least;
@@ -178,21 +175,21 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     if (any(relative_brick < 0) || any(relative_brick >= bricks)) return;
 
     const uint list_begin = starts[number * parts], list_end = starts[(number + 1) * parts];
+    const int3 first = brick * CLSDF_BRICK;
     const double centre = 0.5 * (CLSDF_BRICK - 1);
-    const double x = (double)brick.x * CLSDF_BRICK + centre, y = (double)brick.y * CLSDF_BRICK + centre,
-                 z = (double)brick.z * CLSDF_BRICK + centre;
+    const double x = first.x + centre, y = first.y + centre, z = first.z + centre;
 
     // The nearest of the surface points that the brick knows: the feet of the altitudes.
     float least_square = INFINITY;
     for (uint e = list_begin + item; e < list_end; e += GROUP) {
-        const double4 frame = frame_at(polyhedra + entries[e], x, y, z);
-        const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
-        const float square = fx * fx + fy * fy + fz * fz;
+        const float3 from_foot =
+            from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
+        const float square = dot(from_foot, from_foot);
         least_square = LESSER(square, least_square);
     }
     const float bound =
         sqrt(group_least(least_square, least_values)) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
-    const float coarse_cap = coarse_caps[number];
+    const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
     const float cap = LESSER(bound, coarse_cap);
     const float slack = cap * layout.slack_rate + layout.brick_slack;
 
@@ -216,9 +213,11 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         if (e + item < list_end) {
             polyhedron = entries[e + item];
             __global const Polyhedron* p = polyhedra + polyhedron;
-            o = offsets_at(p, x, y, z);
-            if (touched_blocks(p, o, 0.0f, 0.0f, 0.0f, reach_of(p->reach_cube, 0.5f * (CLSDF_BRICK - 1)), cap, slack))
-                subblocks = touched_subblocks(p, o, cap, slack);
+            const Place place = place_at(p, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
+            const Reach reach = reach_of(p->reach_cube, 0.5f * (CLSDF_BRICK - 1));
+            if (touched_blocks(p, place, centres_of(p, place, 0.0f, 0.0f, 0.0f), widened(reach, slack), cap))
+                subblocks = touched_subblocks(p, place, slopes_of(p, place.z, reach.z, slack), cap, slack);
+            if (subblocks != 0) o = offsets_at(p, x, y, z);
         }
         const uint slot = count + group_scan(subblocks != 0, sums);
         if (subblocks != 0) {
@@ -243,11 +242,11 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         }
     }
 
-    const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
+    const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size);
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         const uint sample = s * GROUP + item;
         const int3 in_brick = sample_of(sample / SUBBLOCK_SAMPLES, sample % SUBBLOCK_SAMPLES);
-        const int3 at = brick * CLSDF_BRICK + in_brick - first;
+        const int3 at = brick * CLSDF_BRICK + in_brick - part_first;
         if (any(at < 0) || any(at >= size)) continue;
         const size_t bit_row = (size_t)(relative_brick.z * CLSDF_BRICK + in_brick.z) * (bricks.y * CLSDF_BRICK) +
                                (relative_brick.y * CLSDF_BRICK + in_brick.y);

@@ -34,32 +34,43 @@ inline float subblock_z(uint b) {
     return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
 }
 
-// Appends to `chosen` the items whose mask has the bit, in order; returns how many. `chosen` has room for eight more.
-inline uint choose(__global const ulong* masks, __global const uint* items, uint count, uint bit,
-                   __global uint* chosen) {
-    uint n = 0;
-    uint i = 0;
-#if defined(__AVX512DQ__) && defined(__AVX512VL__)
-    for (; i + 8 <= count; i += 8) {
-        const uchar in = __builtin_ia32_cvtq2mask512(as_long8(vload8(0, masks + i) << (ulong8)(63 - bit)));
-        const int8 packed = __builtin_ia32_compresssi256_mask(as_int8(vload8(0, items + i)), (int8)(0), in);
-        vstore8(as_uint8(packed), 0, chosen + n);
-        n += popcount(in);
+// Writes the items whose mask has the bit, in order; returns how many. There are masks and items, and room for what is
+// written, up to the next multiple of 16; the masks beyond `count` are 0. One for each address space.
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+#define DEFINE_CHOOSE(name, masks_space, items_space)                                                                  \
+    inline uint name(masks_space const uint* masks, items_space const uint* items, uint count, uint bit,               \
+                     masks_space uint* chosen) {                                                                       \
+        uint n = 0;                                                                                                    \
+        for (uint i = 0; i < count; i += 16) {                                                                         \
+            const ushort in = __builtin_ia32_cvtd2mask512(as_int16(vload16(0, masks + i) << (uint16)(31 - bit)));      \
+            vstore16(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(vload16(0, items + i)), (int16)(0), in)), 0, \
+                     chosen + n);                                                                                      \
+            n += popcount((uint)in);                                                                                   \
+        }                                                                                                              \
+        return n;                                                                                                      \
+    }
+#else
+#define DEFINE_CHOOSE(name, masks_space, items_space)                                                    \
+    inline uint name(masks_space const uint* masks, items_space const uint* items, uint count, uint bit, \
+                     masks_space uint* chosen) {                                                         \
+        uint n = 0;                                                                                      \
+        for (uint i = 0; i < count; ++i) {                                                               \
+            chosen[n] = items[i];                                                                        \
+            n += (masks[i] >> bit) & 1u;                                                                 \
+        }                                                                                                \
+        return n;                                                                                        \
     }
 #endif
-    for (; i < count; ++i) {
-        chosen[n] = items[i];
-        n += (uint)(masks[i] >> bit) & 1u;
-    }
-    return n;
-}
+DEFINE_CHOOSE(choose, __global, __global)
+DEFINE_CHOOSE(choose_private, __private, __private)
 
-INLINE ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __private const float* caps, float level_slack,
-                               float slack_rate) {
+// The sub-blocks that a polyhedron touches. `place`: at the brick's centre; `slack`: of the greatest cap.
+INLINE ulong touched_subblocks(__global const Polyhedron* p, Place place, __private const float* caps, float slack) {
+    const Slopes slopes = slopes_of(p, place.z, p->reach_cube[2] * (0.5f * (CLSDF_BRICK - 1)), slack);
 #if LANES == 16
-    const Reach reach = reach_of(p->reach_4x2x2, 1.0f);
+    const Reach reach = widened(reach_of(p->reach_4x2x2, 1.0f), slack);
 #else
-    const Reach reach = reach_of(p->reach_cube, 0.5f);
+    const Reach reach = widened(reach_of(p->reach_cube, 0.5f), slack);
 #endif
     ulong touched = 0;
     for (uint first = 0; first < SUBBLOCKS; first += LANES) {
@@ -67,8 +78,9 @@ INLINE ulong touched_subblocks(__global const Polyhedron* p, Offsets o, __privat
         const floatL i = convert_floatL(b & (SUBBLOCKS_X - 1)) * SUBBLOCK_X + (0.5f * (SUBBLOCK_X - 1) - 3.5f);
         const floatL j = convert_floatL((b / SUBBLOCKS_X) & 3u) * 2.0f - 3.0f;
         const floatL k = convert_floatL(b / (SUBBLOCKS_X * 4)) * 2.0f - 3.0f;
-        const floatL cap = load_lanes(0, caps + first);
-        touched |= (ulong)touched_blocks(p, o, i, j, k, reach, cap, cap * slack_rate + level_slack) << first;
+        touched |= (ulong)touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach,
+                                              load_lanes(0, caps + first))
+                   << first;
     }
     return touched;
 }
@@ -82,7 +94,7 @@ typedef struct Minimum {
 } Minimum;
 
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
-inline void evaluate(uint b, uint count, __private const ushort* chosen, __global const uint* list,
+inline void evaluate(uint b, uint count, __private const uint* chosen, __private const uint* kept,
                      __private const Offsets* offsets, __global const Polyhedron* polyhedra, double3 centre,
                      __private Minimum* minimum
 #ifdef COUNT
@@ -101,7 +113,7 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
     for (uint n = 0; n < count; ++n) {
         const uint c = chosen[n];
         const Offsets o = offsets[c];
-        __global const Polyhedron* p = polyhedra + list[c];
+        __global const Polyhedron* p = polyhedra + kept[c];
 #ifdef LONG_BRICKS
         const floatL squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), i, j, k);
 #else
@@ -116,9 +128,7 @@ inline void evaluate(uint b, uint count, __private const ushort* chosen, __globa
         least = squared < least ? squared : least;
 #endif
 #ifdef COUNT
-        Reach none = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
-        counters[CLSDF_COUNT_COVERED] +=
-            popcount(touched_blocks(p, o, i, j, k, none, (floatL)half_width, (floatL)slack));
+        counters[CLSDF_COUNT_COVERED] += popcount(covered_samples(p, o, i, j, k, half_width, slack) & LANE_BITS);
 #endif
     }
     minimum->squared[b] = least;
@@ -226,39 +236,43 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
 #endif
         caps[b] = brick_cap;
     }
+    // Polyhedra of the list that touch a sub-block, CHUNK at a time, and which of them each one touches.
+    uint kept[CHUNK], numbers[CHUNK], chosen[CHUNK];
+    uint masks[SUBBLOCKS / 32][CHUNK + 16];
     Offsets offsets[CHUNK];
-    ushort chosen[SUBBLOCKS][CHUNK];
+    for (uint c = 0; c < CHUNK; ++c) numbers[c] = c;
+    const int3 first = brick * CLSDF_BRICK;
     const double centre = 0.5 * (CLSDF_BRICK - 1);
-    const double x = (double)brick.x * CLSDF_BRICK + centre, y = (double)brick.y * CLSDF_BRICK + centre,
-                 z = (double)brick.z * CLSDF_BRICK + centre;
-    for (uint begin = 0; begin < count; begin += CHUNK) {
-        const uint chunk = min((uint)CHUNK, count - begin);
-        uint lengths[SUBBLOCKS];
-        for (uint b = 0; b < SUBBLOCKS; ++b) lengths[b] = 0;
+    const double x = first.x + centre, y = first.y + centre, z = first.z + centre;
+    const float slack = brick_cap * layout.slack_rate + layout.brick_slack;
+    for (uint e = 0; e < count;) {
+        uint n = 0;
         ulong any = 0;
-        for (uint c = 0; c < chunk; ++c) {
-            __global const Polyhedron* p = polyhedra + list[begin + c];
-            const Offsets o = offsets_at(p, x, y, z);
-            offsets[c] = o;
-            ulong touched = touched_subblocks(p, o, caps, layout.brick_slack, layout.slack_rate);
+        for (; e < count && n < CHUNK; ++e) {
+            __global const Polyhedron* p = polyhedra + list[e];
+            const ulong touched =
+                touched_subblocks(p, place_at(p, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1)), caps, slack);
+            kept[n] = list[e];
+            for (uint word = 0; word < SUBBLOCKS / 32; ++word) masks[word][n] = (uint)(touched >> (32 * word));
+            n += touched != 0;
             any |= touched;
-            while (touched) {
-                const uint b = 63 - (uint)clz(touched & (0 - touched));
-                touched &= touched - 1;
-                chosen[b][lengths[b]++] = (ushort)c;
-            }
         }
+        for (uint word = 0; word < SUBBLOCKS / 32; ++word) vstore16((uint16)(0), 0, masks[word] + n);
+        for (uint c = 0; c < n; ++c) offsets[c] = offsets_at(polyhedra + kept[c], x, y, z);
         while (any) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             any &= any - 1;
-            evaluate(b, lengths[b], chosen[b], list + begin, offsets, polyhedra, (double3)(x, y, z), &minimum
+            const uint length = choose_private(masks[b / 32], numbers, n, b % 32, chosen);
+            evaluate(b, length, chosen, kept, offsets, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
                      ,
                      layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif
             );
-            const float reached = sqrt(greatest_lane(minimum.squared[b]));
-            caps[b] = LESSER(reached, brick_cap);
+            if (e < count) {
+                const float reached = sqrt(greatest_lane(minimum.squared[b]));
+                caps[b] = LESSER(reached, brick_cap);
+            }
         }
     }
     COUNT_ADD(CLSDF_COUNT_BRICK_PAIRS, count);
@@ -280,28 +294,22 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
                        __global const Polyhedron* polyhedra, float coarse_cap, __private float* caps) {
     floatL least[64 / LANES];
     for (uint v = 0; v < 64 / LANES; ++v) least[v] = INFINITY;
-    const double centre = 0.5 * (CLSDF_COARSE - 1);
+    const int3 first = coarse * CLSDF_COARSE;
+    // A vector is one or half a slice of 4 x 4 bricks.
+    const floatL i = convert_floatL(LANE_NUMBERS & 3u) * (CLSDF_BRICK * layout.spacing[0]);
+    const floatL j = convert_floatL(LANE_NUMBERS >> 2) * (CLSDF_BRICK * layout.spacing[1]);
     // Of a long list a part is enough.
-    const uint stride = count > 4096 ? 4 : count > 1024 ? 2 : 1;
+    const uint stride = count > 4096 ? 4 : count > 256 ? 2 : 1;
     for (uint e = 0; e < count; e += stride) {
-        __global const Polyhedron* p = polyhedra + entries[e];
-        const double4 frame =
-            frame_at(p, (double)coarse.x * CLSDF_COARSE + centre, (double)coarse.y * CLSDF_COARSE + centre,
-                     (double)coarse.z * CLSDF_COARSE + centre);
-        const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
+        for (uint ahead = e + 16; ahead < min(count, e + 16 + stride); ++ahead) request(polyhedra + entries[ahead]);
+        const float3 from_foot =
+            from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
+        const floatL x = i + from_foot.x;
         for (uint v = 0; v < 64 / LANES; ++v) {
-            const uintL block = LANE_NUMBERS + v * LANES;
-            const floatL i = (convert_floatL(block & 3u) - 1.5f) * CLSDF_BRICK;
-            const floatL j = (convert_floatL((block >> 2) & 3u) - 1.5f) * CLSDF_BRICK;
-            const floatL k = (convert_floatL(block >> 4) - 1.5f) * CLSDF_BRICK;
-            const floatL dx =
-                i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + (k * p->gradient_z_high[0] + fx));
-            const floatL dy =
-                i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + (k * p->gradient_z_high[1] + fy));
-            const floatL dz =
-                i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + fz));
-            const floatL squared = dx * dx + dy * dy + dz * dz;
-            least[v] = squared < least[v] ? squared : least[v];
+            const floatL y = j + (from_foot.y + (float)(v * LANES / 4 % 4) * (CLSDF_BRICK * layout.spacing[1]));
+            const float z = from_foot.z + (float)(v * LANES / 16) * (CLSDF_BRICK * layout.spacing[2]);
+            const floatL squared = x * x + (y * y + z * z);
+            least[v] = LESSER(squared, least[v]);
         }
     }
     for (uint v = 0; v < 64 / LANES; ++v) {
@@ -315,7 +323,7 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
 __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order,
                                __global const uint* starts, uint parts, __global const uint* entries,
                                __global const float* coarse_caps, __global const Polyhedron* polyhedra,
-                               __global const uint* sign_bits, __global uchar* computed, __global ulong* scratch_masks,
+                               __global const uint* sign_bits, __global uchar* computed, __global uint* scratch_masks,
                                __global uint* scratch_list, uint scratch_length, __global float* distance
 #ifdef NEAREST
                                ,
@@ -327,7 +335,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
 #endif
 ) {
     const size_t item = get_global_id(0);
-    __global ulong* masks = scratch_masks + item * scratch_length;
+    __global uint* masks = scratch_masks + item * 2 * scratch_length;  // of bricks 0 to 31, of 32 to 63
     __global uint* list = scratch_list + item * scratch_length;
 #ifdef COUNT
     ulong counters[CLSDF_COUNTERS] = {0, 0, 0, 0};
@@ -340,25 +348,31 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
         const uint number = order[turn];
         const uint begin = starts[number * parts], count = starts[(number + 1) * parts] - begin;
         const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
+        const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
         float caps[64];
-        brick_caps(layout, coarse, count, entries + begin, polyhedra, coarse_caps[number], caps);
+        brick_caps(layout, coarse, count, entries + begin, polyhedra, coarse_cap, caps);
         ulong wanted = 0;
         for (uint b = 0; b < 64; ++b) {
             const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
             wanted |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
         }
+        const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
         ulong any = 0;
         for (uint e = 0; e < count; ++e) {
-            const ulong touched = wanted & touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE,
-                                                         coarse.y * CLSDF_COARSE, coarse.z * CLSDF_COARSE, CLSDF_BRICK,
-                                                         caps, layout.brick_slack, layout.slack_rate);
-            masks[e] = touched;
+            request(polyhedra + entries[min(begin + e + 4, begin + count - 1)]);
+            const ulong touched =
+                touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE, coarse.y * CLSDF_COARSE,
+                              coarse.z * CLSDF_COARSE, CLSDF_BRICK, wanted, caps, slack);
+            masks[e] = (uint)touched;
+            masks[scratch_length + e] = (uint)(touched >> 32);
             any |= touched;
         }
+        vstore16((uint16)(0), 0, masks + count);
+        vstore16((uint16)(0), 0, masks + scratch_length + count);
         while (any) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             any &= any - 1;
-            const uint length = choose(masks, entries + begin, count, b, list);
+            const uint length = choose(masks + b / 32 * scratch_length, entries + begin, count, b % 32, list);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
             const int3 relative = brick - brick_first;
             computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;

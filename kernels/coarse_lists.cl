@@ -7,25 +7,23 @@
 #include "blocks.h"
 
 // An upper bound of the distance to the mesh for every sample of a coarse brick: the distance of its centre to the
-// nearest of some of the surface's points (the feet of the altitudes; points of the triangles), and the brick's radius.
-// `stride` leaves most of them out; a coarse bound is enough here, the bricks find finer ones.
+// nearest of some of the surface's points (the feet of the altitudes), and the brick's radius. `stride` leaves most of
+// them out; a coarse bound is enough here, the bricks find finer ones.
 __kernel void coarse_caps(Layout layout, uint count, uint stride, __global const Polyhedron* polyhedra,
                           __global float* caps) {
     const int brick = get_global_id(0);
     const int nx = layout.coarse_bricks[0], ny = layout.coarse_bricks[1];
-    const double half_side = 0.5 * (CLSDF_COARSE - 1);
-    const double x = (double)(layout.coarse_first[0] + brick % nx) * CLSDF_COARSE + half_side;
-    const double y = (double)(layout.coarse_first[1] + brick / nx % ny) * CLSDF_COARSE + half_side;
-    const double z = (double)(layout.coarse_first[2] + brick / (nx * ny)) * CLSDF_COARSE + half_side;
+    const int x = layout.coarse_first[0] + brick % nx, y = layout.coarse_first[1] + brick / nx % ny,
+              z = layout.coarse_first[2] + brick / (nx * ny);
     float least = INFINITY;
     for (uint i = 0; i < count; i += stride) {
-        const double4 frame = frame_at(polyhedra + i, x, y, z);
-        const float fx = (float)frame.x, fy = (float)frame.y, fz = (float)frame.z;
-        const float squared = fx * fx + fy * fy + fz * fz;
+        const float3 from_foot = from_foot_to(layout, polyhedra + i, x * CLSDF_COARSE, y * CLSDF_COARSE,
+                                              z * CLSDF_COARSE, 0.5f * (CLSDF_COARSE - 1));
+        const float squared = dot(from_foot, from_foot);
         least = LESSER(least, squared);
     }
-    const float bound = sqrt(least) * (1.0f + 1.0e-6f) + layout.coarse_radius + layout.coarse_slack;
-    caps[brick] = LESSER(bound, layout.half_width);
+    const float bound = sqrt(least) * (1.0f + 1.0e-5f) + layout.coarse_radius + layout.coarse_slack;
+    caps[coarse_cap_place(layout, x, y, z)] = LESSER(bound, layout.half_width);
 }
 
 // origin + offset; far outside, where the sum is no longer an int, a number beyond all of the lattice's indices, which
@@ -42,9 +40,9 @@ inline int2 box_range(__global const Polyhedron* p, __global const float* gradie
     // divided by the spacing, so that (gradient . frame point) / spacing^2 is an index.
     const float gx = gradient[0], gy = gradient[1], gz = gradient[2];
     const float squared = gx * gx + gy * gy + gz * gz;
-    const float foot = -(gx * p->constant_high[0] + gy * p->constant_high[1] + gz * p->constant_high[2]);
-    const float right = gx * p->base_high[CLSDF_HALF_RIGHT], left = -gx * p->base_high[CLSDF_HALF_LEFT],
-                apex = gy * p->altitude_high;
+    const float foot = -(gx * p->constant_at_origin[0] + gy * p->constant_at_origin[1] + gz * p->constant_at_origin[2]);
+    const float right = gx * p->base[CLSDF_HALF_RIGHT], left = -gx * p->base[CLSDF_HALF_LEFT],
+                apex = gy * (float)p->exact_altitude;
     const float margin = reach * sqrt(squared) + 1.0e-5f * (fabs(right) + fabs(left) + fabs(apex) + fabs(foot));
     const float low = (foot + LESSER(LESSER(right, left), apex) - margin) / squared;
     const float high = (foot + GREATER(GREATER(right, left), apex) + margin) / squared;
@@ -80,44 +78,79 @@ inline size_t coarse_brick_of(int x, int y, int z, uint b, int3 first, int3 size
     return ((size_t)relative.z * size.y + relative.y) * size.x + relative.x;
 }
 
-// With `fill` 0 it counts; with 1 it writes the entries, `counts` being where each part's begin. `uniform`: all caps
-// are the half width.
+// The coarse bricks of a group of 4 x 4 x 4, which starts at (x, y, z), that a polyhedron touches. [low, high] are
+// those that its box overlaps.
+inline ulong touched_coarse_bricks(Layout layout, __global const Polyhedron* p, __global const float* caps, int x,
+                                   int y, int z, int3 low, int3 high) {
+    float group_caps[64];
+    floatL greatest_caps = 0.0f;
+    __global const float* own_caps = caps + coarse_cap_place(layout, x, y, z);
+    ulong near = 0;
+    // First by distance alone, which most pairs of a wide band do not pass: no point of the triangle is farther from
+    // the foot of its altitude than `extent`.
+    const float extent = GREATER(GREATER(p->base[0], p->base[1]), (float)p->exact_altitude) * (1.0f + 1.0e-5f);
+    const float3 from_foot =
+        from_foot_to(layout, p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, 0.5f * (CLSDF_COARSE - 1));
+    const float3 side = CLSDF_COARSE * vload3(0, layout.spacing);
+    for (uint v = 0; v < 64 / LANES; ++v) {
+        const floatL cap = load_lanes(v, own_caps);
+        store_lanes(cap, v, group_caps);
+        greatest_caps = GREATER(greatest_caps, cap);
+        const uintL block = LANE_NUMBERS + v * LANES;
+        const floatL i = convert_floatL(block & 3u) * side.x + from_foot.x,
+                     j = convert_floatL((block >> 2) & 3u) * side.y + from_foot.y,
+                     k = convert_floatL(block >> 4) * side.z + from_foot.z;
+        const floatL reach = cap + (extent + layout.coarse_radius + layout.coarse_slack);
+        near |= (ulong)lanes_to_bits((i * i + j * j + k * k) * (1.0f - 1.0e-5f) <= reach * reach) << (v * LANES);
+    }
+    const ulong wanted = near & group_in_range(x, y, z, low, high);
+    if (wanted == 0) return 0;
+    return touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE, wanted, group_caps,
+                         greatest_lane(greatest_caps) * layout.slack_rate + layout.coarse_slack);
+}
+
+// With `fill` 0 it counts the pairs of each part, and keeps the first `capacity` of them: (brick, polyhedron). With 1
+// it writes the entries, `counts` being where each part's begin: from the pairs that were kept, or, where they were too
+// many, from the test again.
 __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps,
-                           int uniform, __global uint* counts, __global uint* entries, int fill) {
+                           __global uint* counts, __global uint* entries, uint capacity, __global uint2* pairs,
+                           __global uint* pair_counts, int fill) {
     const uint part = get_global_id(0), parts = get_global_size(0);
+    __global uint2* own = pairs + (size_t)part * capacity;
+    if (fill && pair_counts[part] <= capacity) {
+        for (uint k = 0; k < pair_counts[part]; ++k) entries[counts[(size_t)own[k].x * parts + part]++] = own[k].y;
+        return;
+    }
     const uint begin = (uint)((ulong)count * part / parts), end = (uint)((ulong)count * (part + 1) / parts);
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
     if (!fill)
         for (size_t brick = 0; brick < (size_t)size.x * size.y * size.z; ++brick) counts[brick * parts + part] = 0;
 
-    float block_caps[64];
-    for (uint b = 0; b < 64; ++b) block_caps[b] = layout.half_width;
+    uint n = 0;
     for (uint i = begin; i < end; ++i) {
         __global const Polyhedron* p = polyhedra + i;
-        const int2 rx = box_range(p, p->gradient_x_high, p->origin_x, reach);
-        const int2 ry = box_range(p, p->gradient_y_high, p->origin_y, reach);
-        const int2 rz = box_range(p, p->gradient_z_high, p->origin_z, reach);
+        const int2 rx = box_range(p, p->gradient_x, p->origin_x, reach);
+        const int2 ry = box_range(p, p->gradient_y, p->origin_y, reach);
+        const int2 rz = box_range(p, p->gradient_z, p->origin_z, reach);
         const int3 low = max((int3)(rx.x, ry.x, rz.x), first);
         const int3 high = min((int3)(rx.y, ry.y, rz.y), first + size - 1);
         // Groups of 4 x 4 x 4 start at multiples of four of the lattice, so that a pair is tested alike in every part.
         for (int z = low.z & ~3; z <= high.z; z += 4)
             for (int y = low.y & ~3; y <= high.y; y += 4)
                 for (int x = low.x & ~3; x <= high.x; x += 4) {
-                    const ulong wanted = group_in_range(x, y, z, low, high);
-                    if (!uniform)
-                        for (ulong rest = wanted; rest;) {
-                            const uint b = pop_bit(&rest);
-                            block_caps[b] = caps[coarse_brick_of(x, y, z, b, first, size)];
-                        }
-                    ulong touched =
-                        wanted & touched_group(p, x * CLSDF_COARSE, y * CLSDF_COARSE, z * CLSDF_COARSE, CLSDF_COARSE,
-                                               block_caps, layout.coarse_slack, layout.slack_rate);
+                    ulong touched = touched_coarse_bricks(layout, p, caps, x, y, z, low, high);
                     while (touched) {
                         const uint b = pop_bit(&touched);
-                        const uint slot = counts[coarse_brick_of(x, y, z, b, first, size) * parts + part]++;
-                        if (fill) entries[slot] = i;
+                        const size_t brick = coarse_brick_of(x, y, z, b, first, size);
+                        const uint slot = counts[brick * parts + part]++;
+                        if (fill)
+                            entries[slot] = i;
+                        else if (n < capacity)
+                            own[n] = (uint2)((uint)brick, i);
+                        ++n;
                     }
                 }
     }
+    if (!fill) pair_counts[part] = n;
 }

@@ -24,18 +24,17 @@ INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, fl
 
 // Squared distance from the samples (i, j, k) away from the point of the offsets, in squared units.
 INLINE floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k) {
-    const floatL dx = i * p->gradient_x_high[0] + (j * p->gradient_y_high[0] + k * p->gradient_z_high[0]);
-    const floatL dy = i * p->gradient_x_high[1] + (j * p->gradient_y_high[1] + k * p->gradient_z_high[1]);
-    const floatL dz = i * p->gradient_x_high[2] + (j * p->gradient_y_high[2] + (k * p->gradient_z_high[2] + o.z_low));
+    const floatL dx = i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]);
+    const floatL dy = i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]);
+    const floatL dz = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + o.z_low));
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
 
     const intL right = o.x + dx >= 0.0f;
     const floatL away = right ? dx : -dx;
-    const floatL along =
-        right ? (floatL)p->normal_along_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_along_high[CLSDF_HALF_LEFT];
+    const floatL along = right ? (floatL)p->normal_along[CLSDF_HALF_RIGHT] : (floatL)p->normal_along[CLSDF_HALF_LEFT];
     const floatL across =
-        right ? (floatL)p->normal_across_high[CLSDF_HALF_RIGHT] : (floatL)p->normal_across_high[CLSDF_HALF_LEFT];
+        right ? (floatL)p->normal_across[CLSDF_HALF_RIGHT] : (floatL)p->normal_across[CLSDF_HALF_LEFT];
     const floatL dr = along * away + across * dy;
     const floatL dt = along * dy - across * away;
     const floatL beyond = (right ? (floatL)o.beyond_right : (floatL)o.beyond_left) + away;
@@ -48,12 +47,10 @@ INLINE floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i
 // The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up
 // to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.
 inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 centre, floatL i, floatL j, floatL k) {
-    const double4 gx = two_floats(p->gradient_x_high, p->gradient_x_low);
-    const double4 gy = two_floats(p->gradient_y_high, p->gradient_y_low);
-    const double4 gz = two_floats(p->gradient_z_high, p->gradient_z_low);
-    const double4 bases = convert_double4(vload4(0, p->base_high));
-    const double4 normals =
-        convert_double4(vload4(0, p->normal_along_high)) + convert_double4(vload4(0, p->normal_along_low));
+    const double4 gx = vload4(0, p->exact_gradient_x), gy = vload4(0, p->exact_gradient_y),
+                  gz = vload4(0, p->exact_gradient_z);
+    const double2 base = vload2(0, p->exact_base);
+    const double4 normals = vload4(0, p->exact_normal_along);  // along right, left, across right, left
     const doubleL di = convert_doubleL(i), dj = convert_doubleL(j), dk = convert_doubleL(k);
     const doubleL x = di * gx.x + (dj * gy.x + (dk * gz.x + centre.x));
     const doubleL y = di * gx.y + (dj * gy.y + (dk * gz.y + centre.y));
@@ -62,8 +59,8 @@ inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 
     const doubleL away = right ? x : -x;
     const doubleL along = right ? (doubleL)normals.x : (doubleL)normals.y;
     const doubleL across = right ? (doubleL)normals.z : (doubleL)normals.w;
-    const doubleL beyond = away - (right ? (doubleL)(bases.x + bases.z) : (doubleL)(bases.y + bases.w));
-    const doubleL above_apex = y - ((double)p->altitude_high + (double)p->altitude_low);
+    const doubleL beyond = away - (right ? (doubleL)base.x : (doubleL)base.y);
+    const doubleL above_apex = y - p->exact_altitude;
     return squared_from_frame(convert_floatL(y), convert_floatL(z), convert_floatL(beyond),
                               convert_floatL(along * beyond + across * y), convert_floatL(along * y - across * beyond),
                               convert_floatL(along * above_apex - across * away));

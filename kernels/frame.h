@@ -1,13 +1,11 @@
 // A polyhedron's frame at a point of the lattice, and the polyhedron's test for blocks of samples.
 //
-// Offsets are formed in double from the two floats of each number and rounded once, so that what follows in float
+// Offsets are formed in double and rounded once, so that what follows in float
 // rounds with the size of the block, not with that of the triangle or the grid.
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
 #include "layout.h"
-
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
 
 // Arguments in memory cost more than these functions' own work.
 #define INLINE inline __attribute__((always_inline))
@@ -15,6 +13,15 @@
 // A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
+
+// Asks for a polyhedron ahead of its use. A list's polyhedra lie scattered over more memory than the inner caches hold:
+// measured, two fifths of the time of what reads them was waiting. (OpenCL's own prefetch does nothing in PoCL.)
+inline void request(__global const Polyhedron* p) {
+#if defined(__x86_64__) || defined(__aarch64__)
+    for (uint line = 0; line < sizeof(Polyhedron); line += 64)
+        __builtin_prefetch((__private const void*)((size_t)p + line), 0, 2);
+#endif
+}
 
 // The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point. "Right" and
 // "left" are the formulas of the two halves; each holds where X lies on its side.
@@ -27,42 +34,76 @@ typedef struct Offsets {
     float past_right, past_left;        // the same from the apex: along minus the edge's length
 } Offsets;
 
-inline double4 two_floats(__global const float* high, __global const float* low) {
-    return convert_double4(vload4(0, high)) + convert_double4(vload4(0, low));
-}
-
 // (X, Y, Z, -) at a point given in samples of the lattice.
 INLINE double4 frame_at(__global const Polyhedron* p, double x, double y, double z) {
-    const double4 gx = two_floats(p->gradient_x_high, p->gradient_x_low);
-    const double4 gy = two_floats(p->gradient_y_high, p->gradient_y_low);
-    const double4 gz = two_floats(p->gradient_z_high, p->gradient_z_low);
-    const double4 at_origin = two_floats(p->constant_high, p->constant_low);
-    return gx * (x - p->origin_x) + (gy * (y - p->origin_y) + (gz * (z - p->origin_z) + at_origin));
+    return vload4(0, p->exact_gradient_x) * (x - p->origin_x) +
+           (vload4(0, p->exact_gradient_y) * (y - p->origin_y) +
+            (vload4(0, p->exact_gradient_z) * (z - p->origin_z) + vload4(0, p->exact_constant_at_origin)));
 }
 
 INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, double z) {
     const double4 frame = frame_at(p, x, y, z);
-    const double4 high = convert_double4(vload4(0, p->base_high));           // base right, left, low parts right, left
-    const double4 along = convert_double4(vload4(0, p->normal_along_high));  // along right, left, across right, left
-    const double4 low = convert_double4(vload4(0, p->normal_along_low));
-    const double beyond_right = frame.x - (high.x + high.z);
-    const double beyond_left = -frame.x - (high.y + high.w);
-    const double4 normal = along + low;
+    const double2 beyond = (double2)(frame.x, -frame.x) - vload2(0, p->exact_base);  // right, left
+    const double2 along = vload2(0, p->exact_normal_along), across = vload2(0, p->exact_normal_across);
+    const double above_apex = frame.y - p->exact_altitude;
+    const float2 beyond_base = convert_float2(beyond);
+    const float2 outward = convert_float2(along * beyond + across * frame.y);
+    const float2 position = convert_float2(along * frame.y - across * beyond);
+    const float2 past = convert_float2(along * above_apex - across * (double2)(frame.x, -frame.x));
     Offsets o;
     o.x = (float)frame.x;
     o.y = (float)frame.y;
     o.z = (float)frame.z;
     o.z_low = (float)(frame.z - (double)o.z);
-    o.beyond_right = (float)beyond_right;
-    o.beyond_left = (float)beyond_left;
-    o.outward_right = (float)(normal.x * beyond_right + normal.z * frame.y);
-    o.outward_left = (float)(normal.y * beyond_left + normal.w * frame.y);
-    o.along_right = (float)(normal.x * frame.y - normal.z * beyond_right);
-    o.along_left = (float)(normal.y * frame.y - normal.w * beyond_left);
-    const double above_apex = frame.y - ((double)p->altitude_high + (double)p->altitude_low);
-    o.past_right = (float)(normal.x * above_apex - normal.z * frame.x);
-    o.past_left = (float)(normal.y * above_apex + normal.w * frame.x);
+    o.beyond_right = beyond_base.x;
+    o.beyond_left = beyond_base.y;
+    o.outward_right = outward.x;
+    o.outward_left = outward.y;
+    o.along_right = position.x;
+    o.along_left = position.y;
+    o.past_right = past.x;
+    o.past_left = past.y;
     return o;
+}
+
+// What a test with slack needs of the frame at a point.
+typedef struct Place {
+    float y, z;
+    float beyond_right, beyond_left;
+    float outward_right, outward_left;
+} Place;
+
+INLINE Place place_of(Offsets o) {
+    const Place place = {o.y, o.z, o.beyond_right, o.beyond_left, o.outward_right, o.outward_left};
+    return place;
+}
+
+// At the point `centre` samples along each axis from sample (x, y, z).
+INLINE Place place_at(__global const Polyhedron* p, int x, int y, int z, float centre) {
+    if (!(p->flags & CLSDF_POLYHEDRON_NEAR))
+        return place_of(offsets_at(p, x + (double)centre, y + (double)centre, z + (double)centre));
+    const float i = (float)(x - p->origin_x) + centre, j = (float)(y - p->origin_y) + centre,
+                k = (float)(z - p->origin_z) + centre;
+    const float4 frame =
+        vload4(0, p->gradient_x) * i +
+        (vload4(0, p->gradient_y) * j + (vload4(0, p->gradient_z) * k + vload4(0, p->constant_at_origin)));
+    const float4 normal = vload4(0, p->normal_along);  // along right, left, across right, left
+    Place place;
+    place.y = frame.y;
+    place.z = frame.z;
+    place.beyond_right = frame.x - p->base[CLSDF_HALF_RIGHT];
+    place.beyond_left = -frame.x - p->base[CLSDF_HALF_LEFT];
+    place.outward_right = normal.x * place.beyond_right + normal.z * frame.y;
+    place.outward_left = normal.y * place.beyond_left + normal.w * frame.y;
+    return place;
+}
+
+// From the foot of the polyhedron's altitude, a point of the surface, to the point `centre` samples along each axis
+// from sample (x, y, z): along the lattice's axes, in units.
+INLINE float3 from_foot_to(Layout layout, __global const Polyhedron* p, int x, int y, int z, float centre) {
+    const float3 samples =
+        (float3)((float)(x - p->origin_x), (float)(y - p->origin_y), (float)(z - p->origin_z)) + centre;
+    return samples * vload3(0, layout.spacing) - vload3(0, p->foot);
 }
 
 #endif

@@ -4,14 +4,13 @@
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
-
 #if LANES == 16
 typedef float16 floatL;
 typedef double16 doubleL;
 typedef long16 longL;
 typedef int16 intL;
 typedef uint16 uintL;
+#define LANE_BITS 0xFFFFu
 #define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define load_lanes vload16
 #define store_lanes vstore16
@@ -24,6 +23,7 @@ typedef double8 doubleL;
 typedef long8 longL;
 typedef int8 intL;
 typedef uint8 uintL;
+#define LANE_BITS 0xFFu
 #define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define load_lanes vload8
 #define store_lanes vstore8
@@ -36,6 +36,7 @@ typedef double doubleL;
 typedef int longL;
 typedef int intL;
 typedef uint uintL;
+#define LANE_BITS 1u
 #define LANE_NUMBERS 0u
 #define load_lanes(offset, p) ((p)[offset])
 #define store_lanes(value, offset, p) ((p)[offset] = (value))

@@ -44,6 +44,7 @@ typedef struct Layout {
     float coarse_slack;
     float brick_radius;  // distance from a brick's centre to its farthest sample
     float coarse_radius;
+    float spacing[3];
 
     // The kernels' unit of length in the mesh's units: the greatest power of two that is not above the voxel, so that
     // results are scaled without rounding.
@@ -53,9 +54,9 @@ typedef struct Layout {
 } Layout;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Layout) == 120);
+static_assert(sizeof(Layout) == 132);
 static_assert(offsetof(Layout, sign_words) == 72);
-static_assert(offsetof(Layout, unit) == 108);
+static_assert(offsetof(Layout, unit) == 120);
 }  // namespace clsdf
 #endif
 

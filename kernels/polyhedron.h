@@ -11,8 +11,9 @@
 //
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
-// where the gradients contain the axis' spacing in units. Each number is the sum of a float `high` and a float `low`
-// (48 bits), so that offsets can be formed in double, or in two-float arithmetic where a device has no double.
+// where the gradients contain the axis' spacing in units. The numbers are there in double, from which offsets are
+// formed
+// ("exact"), and rounded to float, for steps within a brick and for tests that have slack.
 //
 // The polyhedron, both sides of the face at once, with slack eta and height cap (METHOD, section 8.1):
 //   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,
@@ -21,6 +22,7 @@
 #define CLSDF_POLYHEDRON_H
 
 #ifdef __OPENCL_VERSION__
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef int clsdf_int32;
 typedef uint clsdf_uint32;
 #else
@@ -46,32 +48,26 @@ using clsdf_uint32 = std::uint32_t;
 // No slope above 1 and no slanted edge steeper than 0.15 to the base: the lateral planes alone bound the polyhedron
 // well, so the tests of X and of the caps on the lateral distances can be left out.
 #define CLSDF_POLYHEDRON_COMPACT 1u
+// No side longer than CLSDF_NEAR_LENGTH units: tests with slack may be made in float from the integer origin, because
+// their rounding, at most 2^-24 (10 R + 15 L) for side lengths L and blocks at distances R, is below half of it.
+#define CLSDF_POLYHEDRON_NEAR 2u
+#define CLSDF_NEAR_LENGTH 500
 
 typedef struct Polyhedron {
-    // Columns: [0] of X, [1] of Y, [2] of Z. They are read as vectors of four; another member takes the fourth place.
-    float gradient_x_high[3];
-    float altitude_high;
-    float gradient_y_high[3];
-    float altitude_low;
-    float gradient_z_high[3];
-    clsdf_uint32 flags;
-    float constant_high[3];
-    clsdf_uint32 triangle;  // index in the caller's order; of a point site: one of its vertex's triangles
-    float gradient_x_low[3];
-    clsdf_int32 origin_x;  // of the integer origin, in samples of the lattice
-    float gradient_y_low[3];
-    clsdf_int32 origin_y;
-    float gradient_z_low[3];
-    clsdf_int32 origin_z;
-    float constant_low[3];
-    float padding;
+    // Columns: [0] of X, [1] of Y, [2] of Z. Columns are read as vectors of four, the fourth being the next member.
+    float gradient_x[3];
+    float gradient_y[3];
+    float gradient_z[3];
+    float constant_at_origin[3];
+    float base[2];           // by half: distance from the altitude's foot to the end of the base, >= 0
+    float normal_along[2];   // by half: component of the slanted edge's outward normal away from the altitude, >= 0
+    float normal_across[2];  // by half: its component along Y, >= 0
 
-    float base_high[2];  // by half: distance from the altitude's foot to the end of the base, >= 0
-    float base_low[2];
-    float normal_along_high[2];  // by half: component of the slanted edge's outward normal away from the altitude, >= 0
-    float normal_across_high[2];  // by half: its component along Y, >= 0
-    float normal_along_low[2];
-    float normal_across_low[2];
+    clsdf_uint32 flags;
+    clsdf_uint32 triangle;  // index in the caller's order; of a point site: one of its vertex's triangles
+    clsdf_int32 origin_x;   // of the integer origin, in samples of the lattice
+    clsdf_int32 origin_y;
+    clsdf_int32 origin_z;
 
     float slope_above[3];  // by edge, on the side Z > 0; widened by the rounding of a float
     float slope_below[3];  // by edge, on the side Z < 0
@@ -80,17 +76,24 @@ typedef struct Polyhedron {
     // block's width in that direction.
     float reach_cube[5];   // of a cube, per sample of half its side: |g_x| + |g_y| + |g_z|
     float reach_4x2x2[5];  // of 4 x 2 x 2 samples: 1.5 |g_x| + 0.5 |g_y| + 0.5 |g_z|
-    float unused[4];       // a record fills four cache lines
+
+    float foot[3];  // of the altitude, from the integer origin, along the lattice's axes
+
+    double exact_gradient_x[3];
+    double exact_gradient_y[3];
+    double exact_gradient_z[3];
+    double exact_constant_at_origin[3];
+    double exact_base[2];
+    double exact_normal_along[2];
+    double exact_normal_across[2];
+    double exact_altitude;
 } Polyhedron;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Polyhedron) == 256);
-static_assert(offsetof(Polyhedron, constant_high) == 48);
-static_assert(offsetof(Polyhedron, gradient_x_low) == 64);
-static_assert(offsetof(Polyhedron, base_high) == 128);
-static_assert(offsetof(Polyhedron, slope_above) == 176);
-static_assert(offsetof(Polyhedron, reach_cube) == 200);
-static_assert(offsetof(Polyhedron, reach_4x2x2) == 220);
+static_assert(sizeof(Polyhedron) == 320);
+static_assert(offsetof(Polyhedron, flags) == 72);
+static_assert(offsetof(Polyhedron, slope_above) == 92);
+static_assert(offsetof(Polyhedron, exact_gradient_x) == 168);
 }  // namespace clsdf
 #endif
 

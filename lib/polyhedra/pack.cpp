@@ -8,14 +8,9 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// Stores x as the sum of two floats. The high one is cut out of x by Veltkamp's product, because g++ 12 takes the
-/// float rounding out of x - static_cast<double>(static_cast<float>(x)) where it vectorizes two of them, and leaves 0.
-void split(double x, float& high, float& low) {
-    constexpr double shift = (1 << 29) + 1;  // of the 53 bits of a double, a float has 24
-    const double product = shift * x;
-    const double rounded = product - (product - x);
-    high = static_cast<float>(rounded);
-    low = static_cast<float>(x - rounded);
+void store(double x, double& exact, float& rounded) {
+    exact = x;
+    rounded = static_cast<float>(x);
 }
 
 /// The nearest sample along an axis. Beyond the clamp the offset in the constants does the rest.
@@ -36,6 +31,12 @@ bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
            std::all_of(polyhedron.slope_below, polyhedron.slope_below + 3, is_flat);
 }
 
+bool is_near(const TriangleFrame& frame, const Polyhedron& polyhedron) {
+    const auto is_short = [](double length) { return std::abs(length) <= CLSDF_NEAR_LENGTH; };
+    return is_short(frame.base[0]) && is_short(frame.base[1]) && is_short(frame.altitude()) &&
+           std::all_of(polyhedron.foot, polyhedron.foot + 3, is_short);
+}
+
 void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
     const Vector spacing = to_vector(lattice.spacing_in_units);
     const Vector samples = frame.foot.cwiseQuotient(spacing);
@@ -44,21 +45,22 @@ void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhed
     polyhedron.origin_z = nearest_sample(samples.z());
     const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
     const Vector offset = frame.foot - origin.cwiseProduct(spacing);
-    split(-frame.along.dot(offset), polyhedron.constant_high[0], polyhedron.constant_low[0]);
-    split(-frame.across.dot(offset), polyhedron.constant_high[1], polyhedron.constant_low[1]);
-    split(-frame.normal.dot(offset), polyhedron.constant_high[2], polyhedron.constant_low[2]);
+    for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
+    const Vector constant(-frame.along.dot(offset), -frame.across.dot(offset), -frame.normal.dot(offset));
+    for (int i = 0; i < 3; ++i)
+        store(constant[i], polyhedron.exact_constant_at_origin[i], polyhedron.constant_at_origin[i]);
 }
 
 void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
-    const auto pack_axis = [&](int axis, float* high, float* low) {
+    const auto pack_axis = [&](int axis, double* exact, float* rounded) {
         const double spacing = lattice.spacing_in_units[static_cast<std::size_t>(axis)];
-        split(frame.along[axis] * spacing, high[0], low[0]);
-        split(frame.across[axis] * spacing, high[1], low[1]);
-        split(frame.normal[axis] * spacing, high[2], low[2]);
+        store(frame.along[axis] * spacing, exact[0], rounded[0]);
+        store(frame.across[axis] * spacing, exact[1], rounded[1]);
+        store(frame.normal[axis] * spacing, exact[2], rounded[2]);
     };
-    pack_axis(0, polyhedron.gradient_x_high, polyhedron.gradient_x_low);
-    pack_axis(1, polyhedron.gradient_y_high, polyhedron.gradient_y_low);
-    pack_axis(2, polyhedron.gradient_z_high, polyhedron.gradient_z_low);
+    pack_axis(0, polyhedron.exact_gradient_x, polyhedron.gradient_x);
+    pack_axis(1, polyhedron.exact_gradient_y, polyhedron.gradient_y);
+    pack_axis(2, polyhedron.exact_gradient_z, polyhedron.gradient_z);
 }
 
 void pack_reaches(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
@@ -83,18 +85,19 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
     pack_reaches(frame, lattice, polyhedron);
-    split(frame.altitude(), polyhedron.altitude_high, polyhedron.altitude_low);
+    polyhedron.exact_altitude = frame.altitude();
     for (std::size_t half = 0; half < 2; ++half) {
-        split(frame.base[half], polyhedron.base_high[half], polyhedron.base_low[half]);
-        split(frame.normal_along[half], polyhedron.normal_along_high[half], polyhedron.normal_along_low[half]);
-        split(frame.normal_across[half], polyhedron.normal_across_high[half], polyhedron.normal_across_low[half]);
+        store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);
+        store(frame.normal_along[half], polyhedron.exact_normal_along[half], polyhedron.normal_along[half]);
+        store(frame.normal_across[half], polyhedron.exact_normal_across[half], polyhedron.normal_across[half]);
     }
     for (std::uint32_t k = 0; k < 3; ++k) {
         polyhedron.slope_above[frame.polyhedron_edge(k)] = edges.above[k];
         polyhedron.slope_below[frame.polyhedron_edge(k)] = edges.below[k];
     }
     polyhedron.triangle = triangle;
-    polyhedron.flags = is_compact(frame, polyhedron) ? CLSDF_POLYHEDRON_COMPACT : 0;
+    if (is_compact(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_COMPACT;
+    if (is_near(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_NEAR;
     return polyhedron;
 }
 

@@ -21,11 +21,13 @@ public:
           with_triangle_(variant.triangle),
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
-        // The kernel stores whole vectors at a list's end.
-        const std::size_t longest_list = (lists.lengths.empty() ? 0 : lists.lengths.front()) + std::size_t{8};
+        // The kernel reads and stores whole vectors at a list's end.
+        constexpr std::size_t vector = 16;
+        const std::size_t longest_list =
+            (lists.lengths.empty() ? 0 : *std::max_element(lists.lengths.begin(), lists.lengths.end())) + 2 * vector;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
-        masks_ = pool->lease(work_items_ * longest_list * sizeof(cl_ulong), "scratch masks");
+        masks_ = pool->lease(work_items_ * 2 * longest_list * sizeof(cl_uint), "scratch masks");
         list_ = pool->lease(work_items_ * longest_list * sizeof(cl_uint), "scratch lists");
         std::vector<cl_uint> first_turns;
         for (const Launch& launch : launches_) first_turns.push_back(launch.begin);

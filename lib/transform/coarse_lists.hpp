@@ -11,7 +11,8 @@ struct Programs;
 
 /// Which polyhedra touch which coarse bricks, on the device.
 struct CoarseLists {
-    device::BufferPool::Lease caps;     ///< float a coarse brick: an upper bound of its samples' distance
+    device::BufferPool::Lease caps;     ///< float a coarse brick, by groups of 4 x 4 x 4 of the lattice: bound of its
+                                        ///< samples' distance
     device::BufferPool::Lease starts;   ///< `parts` values a coarse brick: where its entries begin
     device::BufferPool::Lease entries;  ///< numbers of polyhedra, ascending in each brick
     std::size_t parts = 1;

@@ -108,6 +108,7 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
     layout.brick_radius = rounded_up(0.5 * (CLSDF_BRICK - 1) * diagonal);
     layout.coarse_radius = rounded_up(0.5 * (CLSDF_COARSE - 1) * diagonal);
 
+    for (std::size_t axis = 0; axis < 3; ++axis) layout.spacing[axis] = static_cast<float>(grid.spacing[axis] / unit);
     layout.unit = static_cast<float>(unit);
     layout.inside_fill = -static_cast<float>(band.inside);
     layout.outside_fill = static_cast<float>(band.outside);

@@ -17,17 +17,17 @@ public:
     PointwisePolyhedron(const Polyhedron& record, double cap, double slack)
         : record_(record), cap_(cap), slack_(slack) {
         for (std::size_t i = 0; i < 3; ++i) {
-            gradients_[0][i] = sum(record.gradient_x_high[i], record.gradient_x_low[i]);
-            gradients_[1][i] = sum(record.gradient_y_high[i], record.gradient_y_low[i]);
-            gradients_[2][i] = sum(record.gradient_z_high[i], record.gradient_z_low[i]);
-            constant_[i] = sum(record.constant_high[i], record.constant_low[i]);
+            gradients_[0][i] = record.exact_gradient_x[i];
+            gradients_[1][i] = record.exact_gradient_y[i];
+            gradients_[2][i] = record.exact_gradient_z[i];
+            constant_[i] = record.exact_constant_at_origin[i];
         }
         for (std::size_t half = 0; half < 2; ++half) {
-            base_[half] = sum(record.base_high[half], record.base_low[half]);
-            along_[half] = sum(record.normal_along_high[half], record.normal_along_low[half]);
-            across_[half] = sum(record.normal_across_high[half], record.normal_across_low[half]);
+            base_[half] = record.exact_base[half];
+            along_[half] = record.exact_normal_along[half];
+            across_[half] = record.exact_normal_across[half];
         }
-        altitude_ = sum(record.altitude_high, record.altitude_low);
+        altitude_ = record.exact_altitude;
     }
 
     /// (X, Y, Z) of the point.
@@ -70,7 +70,6 @@ public:
     double length(std::size_t half) const { return std::hypot(base_[half], altitude_); }
 
 private:
-    static double sum(float high, float low) { return static_cast<double>(high) + static_cast<double>(low); }
     static double norm(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 
     double beyond_slanted(std::size_t half, double away, double y) const {
@@ -109,24 +108,32 @@ private:
     double altitude_ = 0;
 };
 
-/// Membership as a device decides it: offsets at the centre of the sample's brick (8 x 8 x 8 samples) in double, the
-/// rest in float. The sample is an integer point.
+/// Membership as a device decides it: offsets at the centre of the sample's brick (8 x 8 x 8 samples) in double, or of
+/// a small triangle in float from its integer origin; the rest in float. The sample is an integer point.
 inline bool contains_in_float(const Polyhedron& p, const Vec3& sample, float cap, float slack) {
-    const auto sum = [](float high, float low) { return static_cast<double>(high) + static_cast<double>(low); };
-    std::array<double, 3> centre{};
+    std::array<double, 3> centre{};  // from the integer origin
     std::array<float, 3> step{};
+    const std::array<clsdf_int32, 3> origin{p.origin_x, p.origin_y, p.origin_z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        centre[axis] = 8 * std::floor(sample[axis] / 8) + 3.5;
-        step[axis] = static_cast<float>(sample[axis] - centre[axis]);
+        const double brick_centre = 8 * std::floor(sample[axis] / 8) + 3.5;
+        centre[axis] = brick_centre - origin[axis];
+        step[axis] = static_cast<float>(sample[axis] - brick_centre);
     }
+    const bool near = (p.flags & CLSDF_POLYHEDRON_NEAR) != 0;
     std::array<double, 3> at_centre{};
     std::array<float, 3> moved{};
     for (std::size_t i = 0; i < 3; ++i) {
-        at_centre[i] = sum(p.gradient_x_high[i], p.gradient_x_low[i]) * (centre[0] - p.origin_x) +
-                       sum(p.gradient_y_high[i], p.gradient_y_low[i]) * (centre[1] - p.origin_y) +
-                       sum(p.gradient_z_high[i], p.gradient_z_low[i]) * (centre[2] - p.origin_z) +
-                       sum(p.constant_high[i], p.constant_low[i]);
-        moved[i] = step[0] * p.gradient_x_high[i] + (step[1] * p.gradient_y_high[i] + step[2] * p.gradient_z_high[i]);
+        if (near) {
+            const auto x = static_cast<float>(centre[0]), y = static_cast<float>(centre[1]),
+                       z = static_cast<float>(centre[2]);
+            const float rounded =
+                x * p.gradient_x[i] + (y * p.gradient_y[i] + (z * p.gradient_z[i] + p.constant_at_origin[i]));
+            at_centre[i] = static_cast<double>(rounded);
+        } else {
+            at_centre[i] = p.exact_gradient_x[i] * centre[0] + p.exact_gradient_y[i] * centre[1] +
+                           p.exact_gradient_z[i] * centre[2] + p.exact_constant_at_origin[i];
+        }
+        moved[i] = step[0] * p.gradient_x[i] + (step[1] * p.gradient_y[i] + step[2] * p.gradient_z[i]);
     }
     const float z = static_cast<float>(at_centre[2]) + moved[2];
     const auto limit = [&](std::size_t edge) {
@@ -138,14 +145,18 @@ inline bool contains_in_float(const Polyhedron& p, const Vec3& sample, float cap
         std::abs(z) <= cap + slack && -(static_cast<float>(at_centre[1]) + moved[1]) <= limit(CLSDF_EDGE_BASE);
     for (const std::size_t half : std::array<std::size_t, 2>{CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT}) {
         const double side = half == CLSDF_HALF_RIGHT ? 1 : -1;
-        const double beyond = side * at_centre[0] - sum(p.base_high[half], p.base_low[half]);
-        const double outward = sum(p.normal_along_high[half], p.normal_along_low[half]) * beyond +
-                               sum(p.normal_across_high[half], p.normal_across_low[half]) * at_centre[1];
+        double beyond = side * at_centre[0] - p.exact_base[half];
+        double outward = p.exact_normal_along[half] * beyond + p.exact_normal_across[half] * at_centre[1];
+        if (near) {
+            const float rounded = static_cast<float>(side * at_centre[0]) - p.base[half];
+            beyond = static_cast<double>(rounded);
+            outward = static_cast<double>(p.normal_along[half] * rounded +
+                                          p.normal_across[half] * static_cast<float>(at_centre[1]));
+        }
         const float away = static_cast<float>(side) * moved[0];
         const std::size_t edge = half == CLSDF_HALF_RIGHT ? CLSDF_EDGE_RIGHT : CLSDF_EDGE_LEFT;
-        inside &=
-            static_cast<float>(outward) + (p.normal_along_high[half] * away + p.normal_across_high[half] * moved[1]) <=
-            limit(edge);
+        inside &= static_cast<float>(outward) + (p.normal_along[half] * away + p.normal_across[half] * moved[1]) <=
+                  limit(edge);
         if (!(p.flags & CLSDF_POLYHEDRON_COMPACT)) inside &= static_cast<float>(beyond) + away <= cap + slack;
     }
     return inside;

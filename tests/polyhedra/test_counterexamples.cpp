@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(thin_folded_sheets_have_their_gaps_found) {
     BOOST_TEST(std::isinf(coverage_test(example, without_point_sites).found({x, y, z})));
     const CoverageTest test = coverage_test(example);
     const auto at_origin = [](const Polyhedron& record) {
-        return record.origin_x == 0 && record.origin_y == 0 && record.origin_z == 0 && record.altitude_high == 0;
+        return record.origin_x == 0 && record.origin_y == 0 && record.origin_z == 0 && record.exact_altitude == 0;
     };
     BOOST_TEST(std::any_of(test.frusta().polyhedra.begin(), test.frusta().polyhedra.end(), at_origin));
     Random random(1);

@@ -238,11 +238,11 @@ BOOST_AUTO_TEST_CASE(a_point_site_is_an_equilateral_triangle_shrunk_to_its_verte
     BOOST_REQUIRE(frusta.point_sites == 1U);
     const Polyhedron& site = frusta.polyhedra.back();
     for (std::size_t half = 0; half < 2; ++half) {
-        BOOST_TEST(site.base_high[half] == 0);
-        BOOST_TEST(site.normal_along_high[half] == 0.8660254F);
-        BOOST_TEST(site.normal_across_high[half] == 0.5F);
+        BOOST_TEST(site.base[half] == 0);
+        BOOST_TEST(site.normal_along[half] == 0.8660254F);
+        BOOST_TEST(site.normal_across[half] == 0.5F);
     }
-    BOOST_TEST(site.altitude_high == 0);
+    BOOST_TEST(site.exact_altitude == 0);
     BOOST_TEST(site.triangle == 0U);  // vertex 0's lowest
     // Bounded by the extreme rays of the normal cone, which has all of (1, 1, 1) / sqrt(3) around it.
     const PointwisePolyhedron polyhedron(site, half_width, slack);
@@ -257,7 +257,7 @@ BOOST_AUTO_TEST_CASE(slopes_of_a_roof_are_those_of_its_bisector) {
     const LeanedFrusta frusta = leaned_frusta(mesh, {}, half_width, slack);
     for (const Polyhedron& record : frusta.polyhedra) {
         // The base is the edge they share; tan of half of 90 degrees.
-        BOOST_TEST(record.base_high[0] == 5);
+        BOOST_TEST(record.base[0] == 5);
         BOOST_TEST(record.slope_above[CLSDF_EDGE_BASE] == 1, boost::test_tools::tolerance(2e-6F));
         BOOST_TEST(record.slope_above[CLSDF_EDGE_BASE] > 1);
         BOOST_TEST(record.slope_below[CLSDF_EDGE_BASE] == 0);
@@ -277,8 +277,8 @@ BOOST_AUTO_TEST_CASE(compact_polyhedra_are_bounded_by_their_lateral_planes_alone
             BOOST_TEST(record.slope_above[edge] <= 1);
             BOOST_TEST(record.slope_below[edge] <= 1);
         }
-        BOOST_TEST(record.normal_along_high[0] > 0.15F);
-        BOOST_TEST(record.normal_along_high[1] > 0.15F);
+        BOOST_TEST(record.normal_along[0] > 0.15F);
+        BOOST_TEST(record.normal_along[1] > 0.15F);
     }
     BOOST_TEST(compact > frusta.polyhedra.size() / 2);
 }
@@ -290,8 +290,8 @@ BOOST_AUTO_TEST_CASE(reaches_bound_the_frame_over_blocks_of_samples) {
     const auto coordinates = [&](const Vec3& point) {
         const auto [x, y, z] = polyhedron.frame(point);
         const auto high = [&](std::size_t i) {
-            return std::array{static_cast<double>(record.normal_along_high[i]),
-                              static_cast<double>(record.normal_across_high[i])};
+            return std::array{static_cast<double>(record.normal_along[i]),
+                              static_cast<double>(record.normal_across[i])};
         };
         const auto [along_right, across_right] = high(CLSDF_HALF_RIGHT);
         const auto [along_left, across_left] = high(CLSDF_HALF_LEFT);
