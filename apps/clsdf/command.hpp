@@ -16,5 +16,6 @@ Command add_compute(CLI::App& program);
 Command add_check(CLI::App& program);
 Command add_devices(CLI::App& program);
 Command add_info(CLI::App& program);
+Command add_render(CLI::App& program);
 Command add_shape(CLI::App& program);
 Command add_slice(CLI::App& program);

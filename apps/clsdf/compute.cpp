@@ -69,6 +69,8 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
         options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
+    transform_options.polyhedra = request.polyhedra;
+    transform_options.scan = request.scan;
     transform_options.count = options.json;
     transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
@@ -127,8 +129,10 @@ ExitStatus run(const ComputeOptions& options) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    ComputeLayout layout{mesh, options.mesh, topology, grid, band, sign.rule, request.outputs, {}};
+    ComputeLayout layout{mesh,      options.mesh,    topology,          grid,         band,
+                         sign.rule, request.outputs, request.polyhedra, request.scan, {}};
     warn(layout, sign.warning);
+    warn(layout, warning_of_polyhedra(layout));
     if (!options.quiet) print_layout(layout);
     if (options.dry_run) {
         if (!options.quiet) print_memory(layout);

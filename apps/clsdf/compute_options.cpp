@@ -79,6 +79,19 @@ clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     return outputs;
 }
 
+// The library's message lists the names; the option and the nearest name are added.
+template <class Parse>
+auto parse_name(const std::string& option, const std::string& text, const std::vector<std::string>& names,
+                const Parse& parse) {
+    try {
+        return parse(text);
+    } catch (const Error& error) {
+        const std::string nearest = nearest_word(text, names);
+        throw Error(error.code(), fmt::format("{}: {}{}", option, error.what(),
+                                              nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
+    }
+}
+
 void add_grid_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Grid";
     CLI::Option* resolution =
@@ -131,6 +144,22 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
         ->group(group);
 }
 
+void add_method_options(CLI::App& parser, ComputeOptions& options) {
+    constexpr const char* group = "Method";
+    parser
+        .add_option("--polyhedra", options.polyhedra,
+                    "what bounds the samples of a triangle: leaned, which are exact; or peikert-sigg, the paper's, "
+                    "which are not")
+        ->type_name("KIND")
+        ->capture_default_str()
+        ->group(group);
+    parser
+        .add_option("--scan", options.scan, "how their samples are found: bricks, slices; auto: bricks where they can")
+        ->type_name("SCAN")
+        ->capture_default_str()
+        ->group(group);
+}
+
 }  // namespace
 
 void add_options(CLI::App& parser, ComputeOptions& options) {
@@ -139,6 +168,7 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
         ->type_name("FILE");
     add_grid_options(parser, options);
     add_field_options(parser, options);
+    add_method_options(parser, options);
     parser
         .add_option("--device", options.device,
                     "what computes, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
@@ -162,7 +192,10 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
     : band_inside(parse_length("--band", options.band)),
       band_outside(band_inside),
       sign(clsdf::parse_sign_rule(options.sign)),
-      outputs(parse_outputs(options.with)) {
+      outputs(parse_outputs(options.with)),
+      polyhedra(parse_name("--polyhedra", options.polyhedra, {"leaned", "peikert-sigg"}, clsdf::parse_polyhedra)),
+      scan(resolve_scan(polyhedra,
+                        parse_name("--scan", options.scan, {"auto", "bricks", "slices"}, clsdf::parse_scan))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
     if (!options.size.empty() || !options.origin.empty()) {

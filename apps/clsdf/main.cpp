@@ -68,12 +68,14 @@ ExitStatus run(int argument_count, char** arguments) {
                                "  clsdf compute bunny.off -o bunny.nrrd\n"
                                "  clsdf check bunny.off bunny.nrrd\n"
                                "  clsdf slice bunny.nrrd -o bunny.png\n"
+                               "  clsdf render bunny.nrrd -o surface.png\n"
                                "  clsdf info bunny.off\n"
                                "  clsdf shape sphere6 -o sphere6.off\n"
                                "  clsdf devices\n\n") +
                    exit_status_help());
-    const std::vector<Command> commands{add_compute(program), add_check(program), add_info(program),
-                                        add_slice(program),   add_shape(program), add_devices(program)};
+    const std::vector<Command> commands{add_compute(program), add_check(program),  add_info(program),
+                                        add_slice(program),   add_render(program), add_shape(program),
+                                        add_devices(program)};
     for (const Command& command : commands)
         command.parser->footer(command.parser->get_footer() + "\n\n" + exit_status_help());
 
