@@ -2,7 +2,6 @@
 #include "compute_options.hpp"
 #include "compute_report.hpp"
 #include "interruption.hpp"
-#include "output.hpp"
 #include "progress_bar.hpp"
 
 #include "core/stopwatch.hpp"
@@ -13,16 +12,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace {
 
 using clsdf::Error;
 using clsdf::ErrorCode;
 using clsdf::Stopwatch;
-
-Error cancellation() {
-    return {ErrorCode::cancelled, "cancelled; nothing was written"};
-}
 
 Error too_large(const clsdf::Grid& grid) {
     return {ErrorCode::out_of_memory, fmt::format("a field of {} x {} x {} samples does not fit the memory",
@@ -59,17 +55,34 @@ void check_size(const clsdf::Grid& grid) {
     }
 }
 
-Computation compute_and_write(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout,
-                              const std::stop_token& stop) {
+/// The device that is named, or nothing where none is: it is looked for before a mesh is read in vain.
+std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
+    if (!options.device.empty()) {
+        try {
+            return clsdf::Device::select(options.device);
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("--device {}: {}", options.device, error.what()));
+        }
+    }
+    if (!clsdf::Device::environment_choice().empty()) return clsdf::Device::preferred();
+    return std::nullopt;
+}
+
+struct Computed {
+    clsdf::Field field;
+    Computation computation;
+};
+
+Computed compute(const ComputeRequest& request, const ComputeLayout& layout, const std::optional<clsdf::Device>& named,
+                 const Report& report, const std::stop_token& stop) {
     Computation result;
-    ProgressBar progress(!options.quiet);
+    ProgressBar progress(!report.quiet);
 
     const Stopwatch setup;
-    const clsdf::Device device =
-        options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
+    const clsdf::Device device = named ? *named : clsdf::Device::preferred();
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
-    transform_options.count = options.json;
+    transform_options.count = report.json;
     transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
     clsdf::DistanceTransform transform(device, layout.mesh, transform_options);
@@ -83,39 +96,34 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     result.compute_seconds = compute.seconds();
     result.statistics = transform.statistics();
     result.band_samples = count_band_samples(field);
-    progress.clear();
-
-    if (stop.stop_requested()) throw cancellation();
-    const Stopwatch write;
-    field.write(options.output);
-    result.write_seconds = write.seconds();
-    result.output = options.output;
-    return result;
+    return {std::move(field), std::move(result)};
 }
 
-void warn(ComputeLayout& layout, const std::string& warning) {
-    if (warning.empty()) return;
-    layout.warnings.push_back(warning);
-    fmt::print(stderr, "warning: {}\n", warning);
-}
-
-// The compilers of some devices listen to the same signals and fail then; the user's wish is the reason all the same.
-Computation run_on_device(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout) {
+// The device ends in order. Its compiler may listen to the same signals and fail; the user's wish is the reason all the
+// same.
+Computed compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
+                                    const std::optional<clsdf::Device>& named, const Report& report) {
     const Interruption interruption;
     try {
-        return compute_and_write(options, request, layout, interruption.token());
+        Computed computed = compute(request, layout, named, report, interruption.token());
+        if (!interruption.token().stop_requested()) return computed;
     } catch (const Error&) {
-        if (interruption.token().stop_requested()) throw cancellation();
-        throw;
+        if (!interruption.token().stop_requested()) throw;
     }
+    throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
-ExitStatus run(const ComputeOptions& options) {
+void warn(Report& report, const std::string& warning) {
+    if (!warning.empty()) report.warn(warning);
+}
+
+ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     if (!options.output.empty())
         clsdf::Field::check_output(options.output);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument, "state where the field goes: -o FILE.nrrd or -o FILE.npy");
+    const std::optional<clsdf::Device> device = named_device(options);
 
     const Stopwatch read;
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
@@ -126,22 +134,27 @@ ExitStatus run(const ComputeOptions& options) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    ComputeLayout layout{mesh, options.mesh, topology, grid, band, sign.rule, request.outputs, {}};
-    warn(layout, sign.warning);
-    if (!options.quiet) print_layout(layout);
+    const ComputeLayout layout{mesh, options.mesh, topology, grid, band, sign.rule, request.outputs};
+    warn(report, sign.warning);
+    if (!report.quiet) print_layout(layout);
     if (options.dry_run) {
-        if (!options.quiet) print_memory(layout);
-        warn(layout, warning_of_memory(layout));
-        if (options.json) print_result(describe_dry_run(layout));
+        if (!report.quiet) print_memory(layout);
+        if (device) report.print("device  {} ({})\n", device->name(), device->platform());
+        warn(report, warning_of_memory(layout));
+        report.result = describe_dry_run(layout);
         return ExitStatus::done;
     }
 
-    Computation computation = run_on_device(options, request, layout);
+    auto [field, computation] = compute_unless_interrupted(request, layout, device, report);
+    const Stopwatch write;
+    field.write(options.output);
+    computation.write_seconds = write.seconds();
     computation.read_seconds = read_seconds;
-    if (!options.quiet) print_outcome(layout, computation);
-    warn(layout, warning_of_empty_band(layout, computation));
-    warn(layout, warning_of_stale_triangles(layout, computation));
-    if (options.json) print_result(describe(layout, computation));
+    computation.output = options.output;
+    if (!report.quiet) print_outcome(layout, computation);
+    warn(report, warning_of_empty_band(layout, computation));
+    warn(report, warning_of_stale_triangles(layout, computation));
+    report.result = describe(layout, computation);
     return ExitStatus::done;
 }
 
@@ -151,9 +164,9 @@ Command add_compute(CLI::App& program) {
     const auto options = std::make_shared<ComputeOptions>();
     CLI::App* parser = program.add_subcommand("compute", "Compute the distance field of a mesh");
     add_options(*parser, *options);
-    return {parser, [options] {
+    return {parser, [options](Report& report) {
                 try {
-                    return run(*options);
+                    return run(*options, report);
                 } catch (const Error& error) {
                     throw with_remedy(error);
                 }

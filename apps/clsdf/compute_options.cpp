@@ -1,7 +1,6 @@
 #include "compute_options.hpp"
 
 #include "option_values.hpp"
-#include "suggestion.hpp"
 
 #include <fmt/format.h>
 
@@ -70,11 +69,7 @@ Grid parse_stated_grid(const ComputeOptions& options) {
 clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     clsdf::Outputs outputs;
     for (const std::string& name : names) {
-        if (name != "triangle")
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("--with: the outputs beside the distance are: triangle; not '{}'{}", name,
-                                    nearest_word(name, {"triangle"}).empty() ? "" : "; did you mean triangle?"));
-        outputs.triangle = true;
+        if (name == "triangle") outputs.triangle = true;
     }
     return outputs;
 }
@@ -113,30 +108,29 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
         ->type_name("LENGTH")
         ->capture_default_str()
         ->group(group);
-    parser.add_option("--band-inside", options.band_inside, "half width inside")
+    parser.add_option("--band-inside", options.band_inside, "half width inside [--band]")
         ->check(not_empty())
         ->type_name("LENGTH")
         ->group(group);
-    parser.add_option("--band-outside", options.band_outside, "half width outside")
+    parser.add_option("--band-outside", options.band_outside, "half width outside [--band]")
         ->check(not_empty())
         ->type_name("LENGTH")
         ->group(group);
-    parser.add_option("--sign", options.sign, "what is inside: auto, nonzero, parity; or none: no sign")
-        ->type_name("RULE")
-        ->capture_default_str()
-        ->group(group);
-    parser.add_option("--with", options.with, "beside the distance: triangle (the nearest one's index)")
-        ->type_name("OUTPUT,...")
-        ->delimiter(',')
-        ->group(group);
+    takes_one_of(parser.add_option("--sign", options.sign, "what is inside; none: the distance has no sign")
+                     ->capture_default_str()
+                     ->group(group),
+                 {"auto", "nonzero", "parity", "none"});
+    takes_some_of(parser.add_option("--with", options.with, "also, beside the distance: the nearest triangle's index")
+                      ->group(group),
+                  {"triangle"});
 }
 
 }  // namespace
 
 void add_options(CLI::App& parser, ComputeOptions& options) {
     parser.add_option("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser.add_option("-o,--output", options.output, "the field: .nrrd, or .npy (with a .json beside it)")
-        ->type_name("FILE");
+    parser.add_option("-o,--output", options.output, "the field: .nrrd, or .npy with a description beside it")
+        ->type_name("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
     parser
@@ -145,8 +139,6 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
         ->check(not_empty())
         ->type_name("INDEX|NAME");
     parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
-    parser.add_flag("--json", options.json, "print the result as JSON on standard output");
-    parser.add_flag("--quiet", options.quiet, "print warnings and errors only");
     parser.footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
         "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"

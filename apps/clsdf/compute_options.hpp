@@ -27,8 +27,6 @@ struct ComputeOptions {
     std::vector<std::string> with;
     std::string device;
     bool dry_run = false;
-    bool json = false;
-    bool quiet = false;
 };
 
 void add_options(CLI::App& parser, ComputeOptions& options);

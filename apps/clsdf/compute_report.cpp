@@ -72,8 +72,7 @@ ordered_json describe_layout(const ComputeLayout& layout) {
             {"topology", facts_of(layout.topology)},
             {"grid", describe(layout.grid)},
             {"band", describe(layout.band)},
-            {"sign", name_of(layout.sign)},
-            {"warnings", layout.warnings}};
+            {"sign", name_of(layout.sign)}};
 }
 
 ordered_json ratio(std::size_t part, std::size_t whole) {

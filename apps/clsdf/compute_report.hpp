@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
-#include <vector>
 
 /// What "clsdf compute" is to compute.
 struct ComputeLayout {
@@ -16,7 +15,6 @@ struct ComputeLayout {
     clsdf::Band band;
     clsdf::SignRule sign;
     clsdf::Outputs outputs;
-    std::vector<std::string> warnings;
 };
 
 /// What it did.
