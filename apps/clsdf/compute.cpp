@@ -148,6 +148,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     auto [field, computation] = compute_unless_interrupted(request, layout, device, report);
     const Stopwatch write;
     field.write(options.output);
+    output_is_written();
     computation.write_seconds = write.seconds();
     computation.read_seconds = read_seconds;
     computation.output = options.output;

@@ -20,6 +20,7 @@ namespace {
 std::atomic<int> signal_pipe = -1;
 std::atomic<int> signals = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<bool> is_written = false;
 
 std::mutex mutex;
 std::stop_source* active = nullptr;
@@ -53,7 +54,9 @@ bool stop_what_runs() {
     if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\n");  // the terminal shows ^C, or a progress bar
     Report report;
     report.json = json;
-    ::_exit(static_cast<int>(report.fail(clsdf::ErrorCode::cancelled, "cancelled; nothing was written")));
+    ::_exit(static_cast<int>(
+        report.fail(clsdf::ErrorCode::cancelled,
+                    is_written ? "cancelled; the output had been written already" : "cancelled; nothing was written")));
 }
 
 void listen(int pipe, bool json) {
@@ -84,6 +87,14 @@ void end_when_interrupted(bool json) {
     std::thread([pipe = ends[0], json] { listen(pipe, json); }).detach();
     install_handlers();
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+void output_is_written() {
+    is_written = true;
+}
+
+void ignore_interruptions() {
+    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_IGN);
 }
 
 bool interrupted() {

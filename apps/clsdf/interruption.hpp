@@ -6,6 +6,12 @@
 /// cancellation, and leave no half file; `json`: also with the error as JSON on standard output.
 void end_when_interrupted(bool json);
 
+/// What was asked for has been written: the message of a later cancellation says so.
+void output_is_written();
+
+/// Such signals are ignored: all is done but the end itself.
+void ignore_interruptions();
+
 /// Whether such a signal has arrived. A system call that was waiting may fail for that reason only.
 bool interrupted();
 

@@ -43,5 +43,6 @@ int main(int argument_count, char** arguments) {
     } catch (const std::exception& error) {
         status = report.fail(ErrorCode::device_failure, std::string("internal error: ") + error.what());
     }
+    ignore_interruptions();
     return static_cast<int>(status);
 }

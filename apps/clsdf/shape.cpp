@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "interruption.hpp"
 #include "output.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -34,6 +35,7 @@ ExitStatus run(const ShapeOptions& options, Report& report) {
                            "a shape needs its name and -o FILE; \"clsdf shape --list\" prints the names");
     const clsdf::Mesh mesh = clsdf::make_shape(options.name);
     clsdf::write_mesh(mesh, options.output);
+    output_is_written();
     report.print("mesh    {}: {} vertices, {} triangles\nwrote   {}\n", options.name, mesh.vertices().size(),
                  mesh.triangles().size(), options.output);
     report.result = {{"shape", options.name},

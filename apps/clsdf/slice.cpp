@@ -74,6 +74,7 @@ ExitStatus run(const SliceOptions& options, Report& report) {
         pictures.write_slice({axis, options.index.value_or(pictures.middle(axis).index)}, options.output);
     }
 
+    output_is_written();
     report.print("wrote {}\n", files.size() == 1
                                    ? files.front()
                                    : fmt::format("{} pictures, {} to {}", files.size(), files.front(), files.back()));
