@@ -82,6 +82,8 @@ Computed compute(const ComputeRequest& request, const ComputeLayout& layout, con
     const clsdf::Device device = named ? *named : clsdf::Device::preferred();
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
+    transform_options.polyhedra = request.polyhedra;
+    transform_options.scan = request.scan;
     transform_options.count = report.json;
     transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
@@ -134,8 +136,10 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    const ComputeLayout layout{mesh, options.mesh, topology, grid, band, sign.rule, request.outputs};
+    const ComputeLayout layout{mesh,      options.mesh,    topology,          grid,        band,
+                               sign.rule, request.outputs, request.polyhedra, request.scan};
     warn(report, sign.warning);
+    warn(report, warning_of_polyhedra(layout));
     if (!report.quiet) print_layout(layout);
     if (options.dry_run) {
         if (!report.quiet) print_memory(layout);

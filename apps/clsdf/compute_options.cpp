@@ -125,6 +125,22 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
                   {"triangle"});
 }
 
+void add_method_options(CLI::App& parser, ComputeOptions& options) {
+    constexpr const char* group = "Method";
+    takes_one_of(
+        parser
+            .add_option("--polyhedra", options.polyhedra,
+                        "what bounds the samples of a triangle: leaned, which are exact; or the paper's, which "
+                        "are not")
+            ->capture_default_str()
+            ->group(group),
+        {"leaned", "peikert-sigg"});
+    takes_one_of(parser.add_option("--scan", options.scan, "how their samples are found; auto: bricks where they can")
+                     ->capture_default_str()
+                     ->group(group),
+                 {"auto", "bricks", "slices"});
+}
+
 }  // namespace
 
 void add_options(CLI::App& parser, ComputeOptions& options) {
@@ -133,6 +149,7 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
         ->type_name("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
+    add_method_options(parser, options);
     parser
         .add_option("--device", options.device,
                     "what computes, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
@@ -154,7 +171,9 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
     : band_inside(parse_length("--band", options.band)),
       band_outside(band_inside),
       sign(clsdf::parse_sign_rule(options.sign)),
-      outputs(parse_outputs(options.with)) {
+      outputs(parse_outputs(options.with)),
+      polyhedra(clsdf::parse_polyhedra(options.polyhedra)),
+      scan(resolve_scan(polyhedra, clsdf::parse_scan(options.scan))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
     if (!options.size.empty() || !options.origin.empty()) {

@@ -25,6 +25,8 @@ struct ComputeOptions {
     std::string band_outside;
     std::string sign = "auto";
     std::vector<std::string> with;
+    std::string polyhedra = "leaned";
+    std::string scan = "auto";
     std::string device;
     bool dry_run = false;
 };
@@ -40,6 +42,8 @@ struct ComputeRequest {
     clsdf::Length band_outside;
     clsdf::SignRule sign = clsdf::SignRule::automatic;
     clsdf::Outputs outputs;
+    clsdf::Polyhedra polyhedra = clsdf::Polyhedra::leaned;
+    clsdf::Scan scan = clsdf::Scan::bricks;  ///< not automatic
 
     /// Throws clsdf::Error(invalid_argument) that names the option.
     explicit ComputeRequest(const ComputeOptions& options);

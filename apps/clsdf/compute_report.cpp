@@ -18,9 +18,11 @@ std::uint64_t field_bytes(const ComputeLayout& layout) {
     return std::uint64_t{layout.grid.sample_count()} * (layout.outputs.triangle ? 8 : 4);
 }
 
-// About what a computation uses beside the field: polyhedra, lists and the program's compiler.
+// About what a computation uses beside the field: polyhedra, for slices also their pieces, lists and the program's
+// compiler.
 std::uint64_t working_bytes(const ComputeLayout& layout) {
-    return std::uint64_t{1024} * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
+    const std::uint64_t bytes_per_triangle = layout.scan == clsdf::Scan::slices ? 2048 : 1024;
+    return bytes_per_triangle * layout.mesh.triangles().size() + std::uint64_t{256} * 1024 * 1024;
 }
 
 std::uint64_t physical_memory() {
@@ -72,7 +74,9 @@ ordered_json describe_layout(const ComputeLayout& layout) {
             {"topology", facts_of(layout.topology)},
             {"grid", describe(layout.grid)},
             {"band", describe(layout.band)},
-            {"sign", name_of(layout.sign)}};
+            {"sign", name_of(layout.sign)},
+            {"polyhedra", name_of(layout.polyhedra)},
+            {"scan", name_of(layout.scan)}};
 }
 
 ordered_json ratio(std::size_t part, std::size_t whole) {
@@ -87,6 +91,12 @@ std::size_t count_band_samples(const clsdf::Field& field) {
     return static_cast<std::size_t>(std::count_if(field.distance.begin(), field.distance.end(), [&](float distance) {
         return distance < outside && (field.sign == clsdf::SignRule::none || distance > inside);
     }));
+}
+
+std::string warning_of_polyhedra(const ComputeLayout& layout) {
+    if (layout.polyhedra == clsdf::Polyhedra::leaned) return {};
+    return fmt::format("the {} polyhedra are not exact: some samples of the band get too large a distance, or none",
+                       name_of(layout.polyhedra));
 }
 
 std::string warning_of_memory(const ComputeLayout& layout) {
@@ -118,6 +128,7 @@ void print_layout(const ComputeLayout& layout) {
     fmt::print(stderr, "grid    {}\n", human(layout.grid));
     fmt::print(stderr, "band    {}\n", human(layout.band, layout.grid.voxel()));
     fmt::print(stderr, "sign    {}\n", meaning_of(layout.sign));
+    fmt::print(stderr, "method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
 }
 
 void print_memory(const ComputeLayout& layout) {
@@ -158,9 +169,13 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"box_polyhedra", statistics.box_polyhedra},
         {"saddle_vertices", statistics.saddle_vertices},
         {"point_sites", statistics.point_sites},
+        {"closed_gaps", statistics.closed_gaps},
         {"coarse_pairs", statistics.coarse_pairs},
         {"coarse_bricks", statistics.coarse_bricks},
         {"brick_pairs", statistics.brick_pairs},
+        {"active_pieces", statistics.active_pieces},
+        {"slice_intersections", statistics.slice_intersections},
+        {"empty_intersections", statistics.empty_intersections},
         {"samples_covered", statistics.samples_covered},
         {"lanes_evaluated", statistics.lanes_evaluated},
         {"device_bytes", statistics.device_bytes},

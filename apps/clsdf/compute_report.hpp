@@ -15,6 +15,8 @@ struct ComputeLayout {
     clsdf::Band band;
     clsdf::SignRule sign;
     clsdf::Outputs outputs;
+    clsdf::Polyhedra polyhedra;
+    clsdf::Scan scan;
 };
 
 /// What it did.
@@ -34,6 +36,7 @@ struct Computation {
 std::size_t count_band_samples(const clsdf::Field& field);
 
 /// What the user should be told; empty where nothing.
+std::string warning_of_polyhedra(const ComputeLayout& layout);
 std::string warning_of_memory(const ComputeLayout& layout);
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);
 /// Triangles of an earlier field, which now lie beside this one.

@@ -1,6 +1,6 @@
 target_sources(
   clsdf
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/cone_search.cpp ${CMAKE_CURRENT_LIST_DIR}/dihedral.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/cone_search.cpp ${CMAKE_CURRENT_LIST_DIR}/convex_polyhedron.cpp ${CMAKE_CURRENT_LIST_DIR}/dihedral.cpp
           ${CMAKE_CURRENT_LIST_DIR}/edge_slopes.cpp ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp
           ${CMAKE_CURRENT_LIST_DIR}/leaned_frusta.cpp ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp
           ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp ${CMAKE_CURRENT_LIST_DIR}/pack.cpp

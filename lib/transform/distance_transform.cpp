@@ -18,6 +18,7 @@ struct DistanceTransform::State {
     TransformOptions options;
     Topology topology;
     SignRule sign = SignRule::none;
+    Scan scan = Scan::bricks;
     transform::Programs programs;
     std::shared_ptr<device::BufferPool> pool;
     TransformStatistics statistics;
@@ -27,6 +28,7 @@ struct DistanceTransform::State {
           mesh(std::move(mesh_in)),
           options(std::move(options_in)),
           topology(describe_topology(mesh)),
+          scan(resolve_scan(options.polyhedra, options.scan)),
           programs(device::guarded([&] { return transform::Programs(device.internal(), options.body); })),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
         // Edges between vertices that are equal but not one would be open ones: exact, but slow.
@@ -38,13 +40,13 @@ struct DistanceTransform::State {
 
     std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
         return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
-            device.internal(), pool, mesh, transform::lattice_of(grid), transform::layout_of(grid, band, sign)));
+            device.internal(), pool, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
     }
 
     std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,
                                            const Band& band, const Outputs& outputs) {
         auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), mesh, grid, band, sign,
-                                                  outputs, options.count);
+                                                  outputs, options);
         pool->trim();
         return plan;
     }
@@ -123,10 +125,14 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.box_polyhedra = slab.box_polyhedra;
     total.saddle_vertices = slab.saddle_vertices;
     total.point_sites = slab.point_sites;
+    total.closed_gaps = slab.closed_gaps;
     total.coarse_pairs += slab.coarse_pairs;
     total.coarse_bricks += slab.coarse_bricks;
     total.device_bytes = std::max(total.device_bytes, slab.device_bytes);
     total.brick_pairs += slab.brick_pairs;
+    total.active_pieces += slab.active_pieces;
+    total.slice_intersections += slab.slice_intersections;
+    total.empty_intersections += slab.empty_intersections;
     total.lanes_evaluated += slab.lanes_evaluated;
     total.samples_covered += slab.samples_covered;
     total.band_samples += slab.band_samples;

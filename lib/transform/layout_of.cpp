@@ -121,7 +121,10 @@ polyhedra::LatticeView lattice_of(const Grid& grid) {
 }
 
 PolyhedronWidths polyhedron_widths(const Layout& layout) {
-    const double half_width = std::min(static_cast<double>(layout.half_width), unbounded_polyhedron_half_width);
+    return polyhedron_widths(std::min(static_cast<double>(layout.half_width), unbounded_polyhedron_half_width));
+}
+
+PolyhedronWidths polyhedron_widths(double half_width) {
     return {half_width, base_slack + slack_rate * half_width};
 }
 

@@ -26,6 +26,7 @@ struct PolyhedronWidths {
     double slack;
 };
 PolyhedronWidths polyhedron_widths(const Layout& layout);
+PolyhedronWidths polyhedron_widths(double half_width);
 
 /// Whether the spacing is so unequal that float offsets within a brick are too coarse for the accuracy.
 bool has_long_bricks(const Grid& grid);

@@ -1,43 +1,36 @@
 #include "transform/plan_state.hpp"
 
 #include "core/stopwatch.hpp"
+#include "transform/brick_scan.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
 #include "transform/sign_sweep.hpp"
+#include "transform/slice_scan.hpp"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 namespace clsdf {
 
 Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
                    std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count)
+                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
       prepared(std::move(prepared_in)),
       grid(grid_in),
       band(band_in),
       sign(sign_in),
-      outputs(outputs_in),
-      layout_(transform::layout_of(grid, band, sign)) {
+      outputs(outputs_in) {
     const Stopwatch watch;
     device::Context& context = device.internal();
-    lists_ = transform::make_coarse_lists(context, programs, pool, layout_, *prepared->polyhedra,
-                                          prepared->polyhedron_count);
-    sign_bits_ = transform::sweep_signs(context, programs, pool, layout_, grid, mesh, sign, *prepared->triangles);
-
-    computed_ = pool->lease(transform::brick_count(layout_), "marks of the computed bricks");
+    const Layout layout = transform::layout_of(grid, band, sign);
+    sign_bits_ = transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, *prepared->triangles);
     device::guarded([&] {
-        const transform::BrickInputs inputs{layout_, *prepared, lists_, *sign_bits_, *computed_};
-        const auto make =
-            programs.body == KernelBody::by_group ? transform::make_bricks_by_group : transform::make_bricks_by_vector;
-        bricks_ = make(context, programs, pool, inputs, {outputs.triangle, count, transform::has_long_bricks(grid)});
-        fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
-        fill_kernel_.setArg(0, layout_);
-        fill_kernel_.setArg(1, *computed_);
-        fill_kernel_.setArg(2, *sign_bits_);
+        const transform::BrickVariant variant{outputs.triangle, options.count, transform::has_long_bricks(grid)};
+        scan_ = prepared->pieces
+                    ? transform::make_slice_scan(context, programs, pool, layout, *prepared, *sign_bits_, variant,
+                                                 options.slice_minimum)
+                    : transform::make_brick_scan(context, programs, pool, layout, *prepared, *sign_bits_, variant);
         context.queue().finish();  // computations may run on another queue
     });
 
@@ -45,15 +38,11 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     statistics.box_polyhedra = prepared->boxes;
     statistics.saddle_vertices = prepared->saddle_vertices;
     statistics.point_sites = prepared->point_sites;
-    statistics.coarse_pairs = lists_.pairs;
-    statistics.coarse_bricks = lists_.order.size();
+    statistics.closed_gaps = prepared->closed_gaps;
     statistics.polyhedra_seconds = prepared->seconds;
     statistics.lists_seconds = watch.seconds();
-    statistics.device_bytes = bricks_->device_bytes();
-    for (const device::BufferPool::Lease* lease : std::initializer_list<const device::BufferPool::Lease*>{
-             &prepared->polyhedra, &prepared->triangles, &lists_.caps, &lists_.starts, &lists_.entries, &sign_bits_,
-             &computed_})
-        statistics.device_bytes += lease->bytes();
+    statistics.device_bytes = prepared->device_bytes() + sign_bits_.bytes();
+    scan_->describe(statistics);
 }
 
 Plan::State::~State() {
@@ -64,34 +53,22 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
                                const std::vector<cl::Event>& wait_list,
                                const std::function<void(double)>& between_launches) {
     transform::CommandChain chain(queue, wait_list);
-    chain.then_fill(*computed_, transform::brick_count(layout_));
-    bricks_->enqueue_reset(chain, distance, triangle);
-    for (std::size_t launch = 0; launch < bricks_->launch_count(); ++launch) {
+    scan_->enqueue_begin(chain, distance, triangle);
+    for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
         if (between_launches) {
             chain.wait();
-            between_launches(bricks_->fraction_before(launch));
+            between_launches(scan_->fraction_before(launch));
         }
-        bricks_->enqueue_launch(chain, launch);
+        scan_->enqueue_launch(chain, launch);
     }
-    fill_kernel_.setArg(3, distance);
-    fill_kernel_.setArg(4, outputs.triangle ? triangle : distance);
-    fill_kernel_.setArg(5, cl_int{outputs.triangle ? 1 : 0});
-    const cl::NDRange rows(static_cast<std::size_t>(layout_.size[1]), static_cast<std::size_t>(layout_.size[2]));
-    chain.then([&](auto& target, auto* wait, auto* event) {
-        target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, rows, cl::NullRange, wait, event);
-    });
+    scan_->enqueue_end(chain);
     last_ = chain.last();
     queue.flush();
     return last_;
 }
 
 void Plan::State::read_counters() {
-    const std::vector<std::size_t> counters = bricks_->read_counters(device.internal().queue());
-    if (counters.empty()) return;
-    statistics.brick_pairs = counters[CLSDF_COUNT_BRICK_PAIRS];
-    statistics.lanes_evaluated = counters[CLSDF_COUNT_LANES];
-    statistics.samples_covered = counters[CLSDF_COUNT_COVERED];
-    statistics.band_samples = counters[CLSDF_COUNT_BAND];
+    scan_->read_counters(device.internal().queue(), statistics);
 }
 
 namespace {

@@ -2,8 +2,9 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "transform/brick_kernel.hpp"
+#include "transform/field_scan.hpp"
 #include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
 
 #include <functional>
 #include <memory>
@@ -15,7 +16,7 @@ namespace clsdf {
 struct Plan::State {
     State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
           std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, bool count);
+          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options);
 
     /// Waits for what is under way: its buffers go back to the pool.
     ~State();
@@ -39,12 +40,8 @@ struct Plan::State {
     TransformStatistics statistics;
 
 private:
-    Layout layout_;
-    transform::CoarseLists lists_;
     device::BufferPool::Lease sign_bits_;
-    device::BufferPool::Lease computed_;
-    std::unique_ptr<transform::BrickKernel> bricks_;
-    cl::Kernel fill_kernel_;
+    std::unique_ptr<transform::FieldScan> scan_;
     cl::Event last_;  ///< of the latest computation
 };
 

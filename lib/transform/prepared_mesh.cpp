@@ -1,11 +1,16 @@
 #include "transform/prepared_mesh.hpp"
 
 #include "core/stopwatch.hpp"
+#include "polyhedra/leaned_frusta.hpp"
+#include "slices/leaned_pieces.hpp"
+#include "slices/peikert_sigg_pieces.hpp"
 #include "transform/layout_of.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace clsdf::transform {
 
@@ -26,29 +31,81 @@ void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     }
 }
 
+/// No sample is farther from the mesh than from its box's farthest point.
+double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = grid.origin[axis] + static_cast<double>(grid.first[axis]) * grid.spacing[axis];
+        const double high = low + static_cast<double>(grid.size[axis] - 1) * grid.spacing[axis];
+        const double side = std::max(mesh.box().upper[axis] - low, high - mesh.box().lower[axis]) / unit;
+        squared += side * side;
+    }
+    return std::sqrt(squared);
+}
+
+/// A slice has no bounds of its own for the distance as bricks have, so that an infinite band ends where the grid does.
+PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
+    PolyhedronWidths widths = polyhedron_widths(layout);
+    if (std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared)) return widths;
+    return polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
+}
+
+device::BufferPool::Lease upload(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                 const void* values, std::size_t bytes, const char* purpose) {
+    auto lease = pool->lease(bytes, purpose);
+    if (bytes > 0) device::guarded([&] { context.queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
+    return lease;
+}
+
+PreparedPieces prepare_pieces(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                              const slices::ConvexPieces& pieces) {
+    PreparedPieces prepared;
+    prepared.pieces = upload(context, pool, pieces.pieces.data(), pieces.pieces.size() * sizeof(Piece), "pieces");
+    prepared.planes =
+        upload(context, pool, pieces.planes.data(), pieces.planes.size() * sizeof(PiecePlane), "planes of the pieces");
+    prepared.slices.reserve(pieces.pieces.size());
+    for (std::size_t i = 0; i < pieces.pieces.size(); ++i)
+        prepared.slices.push_back({pieces.pieces[i].slice_begin, pieces.pieces[i].slice_end, pieces.costs[i]});
+    return prepared;
+}
+
 }  // namespace
 
+std::size_t PreparedMesh::device_bytes() const {
+    return polyhedra.bytes() + triangles.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
+}
+
 PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          const polyhedra::LatticeView& lattice, const Layout& layout) {
+                          const Grid& grid, const Layout& layout, const TransformOptions& options, Scan scan) {
     const Stopwatch watch;
+    const polyhedra::LatticeView lattice = lattice_of(grid);
     check_distance(mesh, lattice);
-    const PolyhedronWidths widths = polyhedron_widths(layout);
-    const polyhedra::LeanedFrusta frusta = polyhedra::leaned_frusta(mesh, lattice, widths.half_width, widths.slack);
+    const PolyhedronWidths widths =
+        scan == Scan::slices ? widths_for_slices(mesh, grid, layout) : polyhedron_widths(layout);
 
     PreparedMesh prepared;
-    prepared.polyhedron_count = frusta.polyhedra.size();
-    prepared.saddle_vertices = frusta.saddle_vertices;
-    prepared.point_sites = frusta.point_sites;
-    prepared.boxes = frusta.boxes;
-    const std::size_t polyhedron_bytes = frusta.polyhedra.size() * sizeof(Polyhedron);
-    const std::size_t triangle_bytes = mesh.triangles().size() * sizeof(Triangle);
-    prepared.polyhedra = pool->lease(polyhedron_bytes, "polyhedra");
-    prepared.triangles = pool->lease(triangle_bytes, "triangles");
-    device::guarded([&] {
-        const cl::CommandQueue& queue = context.queue();
-        queue.enqueueWriteBuffer(*prepared.polyhedra, CL_TRUE, 0, polyhedron_bytes, frusta.polyhedra.data());
-        queue.enqueueWriteBuffer(*prepared.triangles, CL_TRUE, 0, triangle_bytes, mesh.triangles().data());
-    });
+    const auto upload_polyhedra = [&](std::span<const Polyhedron> records) {
+        prepared.polyhedron_count = records.size();
+        prepared.polyhedra = upload(context, pool, records.data(), records.size_bytes(), "polyhedra");
+    };
+    if (options.polyhedra == Polyhedra::peikert_sigg) {
+        const slices::PeikertSiggPieces paper =
+            slices::peikert_sigg_pieces(mesh, lattice, widths.half_width, options.close_gaps, layout);
+        prepared.closed_gaps = paper.closed_gaps;
+        upload_polyhedra(paper.polyhedra);
+        prepared.pieces = prepare_pieces(context, pool, paper.pieces);
+    } else {
+        const polyhedra::LeanedFrusta frusta = polyhedra::leaned_frusta(mesh, lattice, widths.half_width, widths.slack);
+        prepared.saddle_vertices = frusta.saddle_vertices;
+        prepared.point_sites = frusta.point_sites;
+        prepared.boxes = frusta.boxes;
+        upload_polyhedra(frusta.polyhedra);
+        if (scan == Scan::slices)
+            prepared.pieces = prepare_pieces(
+                context, pool, slices::leaned_pieces(frusta.polyhedra, widths.half_width, widths.slack, layout));
+    }
+    prepared.triangles =
+        upload(context, pool, mesh.triangles().data(), mesh.triangles().size() * sizeof(Triangle), "triangles");
     prepared.seconds = watch.seconds();
     return prepared;
 }

@@ -1,5 +1,7 @@
 #include "transform/programs.hpp"
 
+#include "layout.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,10 +16,10 @@ int lanes_of(const device::Context& context, KernelBody body) {
     return context.capabilities().float_width >= 16 ? 16 : 8;
 }
 
-std::string build_options(const device::Context& context, KernelBody body) {
+std::string build_options(const device::Context& context, int lanes) {
     const bool rounds_roots =
         (context.device().getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-    return fmt::format("-cl-std=CL1.2 -DLANES={}{}", lanes_of(context, body),
+    return fmt::format("-cl-std=CL1.2 -DLANES={}{}", lanes,
                        rounds_roots ? " -cl-fp32-correctly-rounded-divide-sqrt" : "");
 }
 
@@ -35,7 +37,7 @@ Programs::Programs(device::Context& context, KernelBody asked)
     : body(asked != KernelBody::automatic        ? asked
            : context.capabilities().is_processor ? KernelBody::by_vector
                                                  : KernelBody::by_group) {
-    const std::string options = build_options(context, body);
+    const std::string options = build_options(context, lanes_of(context, body));
     scan = context.program("scan.cl", options);
     coarse_lists = context.program("coarse_lists.cl", options);
     sign_sweep = context.program("sign_sweep.cl", options);
@@ -51,12 +53,26 @@ Programs::Programs(device::Context& context, KernelBody asked)
 }
 
 cl::Program Programs::bricks_by_vector(device::Context& context, const BrickVariant& variant) const {
-    return context.program("bricks_by_vector.cl", build_options(context, body) + options_of(variant));
+    return context.program("bricks_by_vector.cl",
+                           build_options(context, lanes_of(context, body)) + options_of(variant));
 }
 
 cl::Program Programs::bricks_by_group(device::Context& context, const BrickVariant& variant) const {
-    return context.program("bricks_by_group.cl", fmt::format("{} -DGROUP={}{}", build_options(context, body),
-                                                             group_size, options_of(variant)));
+    return context.program("bricks_by_group.cl",
+                           fmt::format("{} -DGROUP={}{}", build_options(context, lanes_of(context, body)), group_size,
+                                       options_of(variant)));
+}
+
+SliceShape Programs::slice_shape() const {
+    return body == KernelBody::by_vector ? SliceShape{1, 8} : SliceShape{64, 64};
+}
+
+cl::Program Programs::slices(device::Context& context, const char* kernel_file, const SliceVariant& variant) const {
+    // Rows of a piece are short: a vector is one brick's at most.
+    const int lanes = std::min(lanes_of(context, body), CLSDF_BRICK);
+    return context.program(
+        kernel_file, fmt::format("{} -DGROUP={} -DBATCH={}{}{}", build_options(context, lanes), slice_shape().group,
+                                 slice_shape().batch, options_of(variant.brick), variant.key_64 ? " -DKEY_64" : ""));
 }
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {

@@ -13,6 +13,18 @@ struct BrickVariant {
     bool long_bricks = false;  ///< spacing so unequal that distances take double
 };
 
+/// What the kernels of the scan by slices are compiled for.
+struct SliceVariant {
+    BrickVariant brick;   ///< the same options as there
+    bool key_64 = false;  ///< distance and triangle in one 64-bit number
+};
+
+/// A group of `group` work-items takes `batch` intersections of a piece and a slice.
+struct SliceShape {
+    std::size_t group;
+    std::size_t batch;
+};
+
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
 /// are not shared between threads.
 struct Programs {
@@ -27,6 +39,9 @@ struct Programs {
 
     cl::Program bricks_by_vector(device::Context& context, const BrickVariant& variant) const;
     cl::Program bricks_by_group(device::Context& context, const BrickVariant& variant) const;
+
+    cl::Program slices(device::Context& context, const char* kernel_file, const SliceVariant& variant) const;
+    SliceShape slice_shape() const;
 
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;

@@ -1,6 +1,7 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/brick_kernel.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/brick_scan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_group.cpp
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
@@ -10,4 +11,6 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/scan.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slice_launches.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slice_scan.cpp)

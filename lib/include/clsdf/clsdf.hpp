@@ -12,6 +12,7 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/length.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/method.hpp>
 #include <clsdf/shapes.hpp>
 #include <clsdf/sign.hpp>
 #include <clsdf/topology.hpp>

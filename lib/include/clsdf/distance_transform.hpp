@@ -3,6 +3,7 @@
 #include <clsdf/device.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/method.hpp>
 #include <clsdf/topology.hpp>
 
 #include <functional>
@@ -27,10 +28,14 @@ enum class KernelBody {
     by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
 };
 
-/// Callbacks, and how the sign is decided.
+/// The method, how the sign is decided, and callbacks.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
+    Polyhedra polyhedra = Polyhedra::leaned;
+    Scan scan = Scan::automatic;
+    bool close_gaps = true;  ///< of Peikert & Sigg's polyhedra, as they do; else as they are before that
     KernelBody body = KernelBody::automatic;
+    SliceMinimum slice_minimum = SliceMinimum::automatic;
     std::function<void(double fraction)> progress{};        ///< called between launches, from the calling thread
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
     std::stop_token stop{};                                 ///< looked at between launches; Error(cancelled)
@@ -43,15 +48,19 @@ struct TransformStatistics {
     std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
     std::size_t saddle_vertices = 0;  ///< vertices with convex and concave edges
     std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
+    std::size_t closed_gaps = 0;      ///< vertices whose gap was closed as in the paper
     std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
+    std::size_t active_pieces = 0;    ///< (piece of a polyhedron, slice), in the scan by slices
     std::size_t device_bytes = 0;     ///< buffers on the device, the field excluded
 
     // Counted on the device with TransformOptions::count.
-    std::size_t brick_pairs = 0;      ///< (polyhedron, brick)
-    std::size_t lanes_evaluated = 0;  ///< seven-site distances computed
-    std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
-    std::size_t band_samples = 0;     ///< samples that carry their exact distance
+    std::size_t brick_pairs = 0;          ///< (polyhedron, brick)
+    std::size_t slice_intersections = 0;  ///< intersections of a piece and a slice that were visited
+    std::size_t empty_intersections = 0;  ///< of these, empty ones: none
+    std::size_t lanes_evaluated = 0;      ///< seven-site distances computed
+    std::size_t samples_covered = 0;      ///< of these, with the sample inside the polyhedron
+    std::size_t band_samples = 0;         ///< samples that carry their distance, exact with leaned polyhedra
 
     double polyhedra_seconds = 0;
     double lists_seconds = 0;
@@ -100,7 +109,7 @@ private:
 class DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the device's program.
-    /// Throws Error(invalid_mesh, no_device or device_failure).
+    /// Throws Error(invalid_mesh, no_device or device_failure; unsupported for a scan that the polyhedra do not have).
     DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {});
     DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {});
     DistanceTransform(DistanceTransform&&) noexcept;

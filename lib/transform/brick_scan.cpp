@@ -1,0 +1,82 @@
+#include "transform/brick_scan.hpp"
+
+#include "transform/brick_kernel.hpp"
+#include "transform/coarse_lists.hpp"
+#include "transform/layout_of.hpp"
+
+namespace clsdf::transform {
+
+namespace {
+
+class BrickScan final : public FieldScan {
+public:
+    BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+              const Layout& layout, const PreparedMesh& mesh, const cl::Buffer& sign_bits, const BrickVariant& variant)
+        : layout_(layout),
+          with_triangle_(variant.triangle),
+          lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.polyhedron_count)),
+          computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
+        const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
+        const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
+        bricks_ = make(context, programs, pool, inputs, variant);
+        fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
+        fill_kernel_.setArg(0, layout);
+        fill_kernel_.setArg(1, *computed_);
+        fill_kernel_.setArg(2, sign_bits);
+    }
+
+    std::size_t launch_count() const override { return bricks_->launch_count(); }
+    double fraction_before(std::size_t launch) const override { return bricks_->fraction_before(launch); }
+
+    void enqueue_begin(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
+        chain.then_fill(*computed_, brick_count(layout_));
+        bricks_->enqueue_reset(chain, distance, triangle);
+        fill_kernel_.setArg(3, distance);
+        fill_kernel_.setArg(4, with_triangle_ ? triangle : distance);
+        fill_kernel_.setArg(5, cl_int{with_triangle_ ? 1 : 0});
+    }
+
+    void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
+
+    void enqueue_end(CommandChain& chain) override {
+        const cl::NDRange rows(static_cast<std::size_t>(layout_.size[1]), static_cast<std::size_t>(layout_.size[2]));
+        chain.then([&](auto& target, auto* wait, auto* event) {
+            target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, rows, cl::NullRange, wait, event);
+        });
+    }
+
+    void describe(TransformStatistics& statistics) const override {
+        statistics.coarse_pairs = lists_.pairs;
+        statistics.coarse_bricks = lists_.order.size();
+        statistics.device_bytes += bricks_->device_bytes() + lists_.caps.bytes() + lists_.starts.bytes() +
+                                   lists_.entries.bytes() + computed_.bytes();
+    }
+
+    void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {
+        const std::vector<std::size_t> counters = bricks_->read_counters(queue);
+        if (counters.empty()) return;
+        statistics.brick_pairs = counters[CLSDF_COUNT_BRICK_PAIRS];
+        statistics.lanes_evaluated = counters[CLSDF_COUNT_LANES];
+        statistics.samples_covered = counters[CLSDF_COUNT_COVERED];
+        statistics.band_samples = counters[CLSDF_COUNT_BAND];
+    }
+
+private:
+    Layout layout_;
+    bool with_triangle_;
+    CoarseLists lists_;
+    device::BufferPool::Lease computed_;
+    std::unique_ptr<BrickKernel> bricks_;
+    cl::Kernel fill_kernel_;
+};
+
+}  // namespace
+
+std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
+                                           const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                                           const PreparedMesh& mesh, const cl::Buffer& sign_bits,
+                                           const BrickVariant& variant) {
+    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, sign_bits, variant);
+}
+
+}  // namespace clsdf::transform

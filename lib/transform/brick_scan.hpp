@@ -1,0 +1,17 @@
+#pragma once
+
+#include "transform/field_scan.hpp"
+#include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
+
+#include <memory>
+
+namespace clsdf::transform {
+
+/// The scan by bricks; the mesh and the sign bits must outlive it.
+std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
+                                           const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                                           const PreparedMesh& mesh, const cl::Buffer& sign_bits,
+                                           const BrickVariant& variant);
+
+}  // namespace clsdf::transform

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "support/exact_field.hpp"
+
+#include <array>
+
+namespace clsdf::test {
+
+inline constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+inline constexpr std::array both_minima{SliceMinimum::one_pass, SliceMinimum::two_passes};
+
+struct Scanned {
+    Field field;
+    TransformStatistics statistics;
+};
+
+/// By slices, counted.
+inline Scanned scan_slices(const Mesh& mesh, const Grid& grid, const Band& band, TransformOptions options = {}) {
+    options.scan = Scan::slices;
+    options.count = true;
+    DistanceTransform transform(test_device(), mesh, std::move(options));
+    Scanned result;
+    result.field = transform(grid, band, {.triangle = true});
+    result.statistics = transform.statistics();
+    return result;
+}
+
+/// No slice is looked at where a piece does not cut it, and none is left out.
+inline void check_intersections(const TransformStatistics& statistics, std::size_t passes = 1) {
+    BOOST_TEST(statistics.slice_intersections == passes * statistics.active_pieces);
+    BOOST_TEST(statistics.empty_intersections == 0U);
+}
+
+}  // namespace clsdf::test
