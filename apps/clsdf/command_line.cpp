@@ -98,6 +98,7 @@ CommandLine::CommandLine(Report& report)
                                 "  clsdf compute knot.off -o knot.nrrd\n"
                                 "  clsdf check knot.off knot.nrrd\n"
                                 "  clsdf slice knot.nrrd -o knot.png\n"
+                                "  clsdf render knot.nrrd -o surface.png\n"
                                 "  clsdf info knot.off\n"
                                 "  clsdf devices\n\n") +
                     exit_status_help());

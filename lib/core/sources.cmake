@@ -1,6 +1,13 @@
-target_sources(clsdf PRIVATE ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp ${CMAKE_CURRENT_LIST_DIR}/band.cpp ${CMAKE_CURRENT_LIST_DIR}/grid.cpp
-                             ${CMAKE_CURRENT_LIST_DIR}/grid_around.cpp ${CMAKE_CURRENT_LIST_DIR}/length.cpp
-                             ${CMAKE_CURRENT_LIST_DIR}/method.cpp ${CMAKE_CURRENT_LIST_DIR}/unfinished_files.cpp
-                             ${CMAKE_CURRENT_LIST_DIR}/version.cpp)
+target_sources(
+  clsdf
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/band.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/grid.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/grid_around.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/large_memory.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/length.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/method.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/unfinished_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/version.cpp)
 set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/version.cpp
                             PROPERTIES COMPILE_DEFINITIONS CLSDF_VERSION="${PROJECT_VERSION}")

@@ -50,6 +50,25 @@ void Canvas::Release::operator()(cairo_t* context) const {
     cairo_destroy(context);
 }
 
+Canvas::Surface Canvas::image_of(const Raster& raster, cairo_format_t format) {
+    Surface image(cairo_image_surface_create(format, raster.width, raster.height));
+    check(cairo_surface_status(image.get()));
+    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(image.get()));
+    unsigned char* bytes = cairo_image_surface_get_data(image.get());
+    const auto width = static_cast<std::size_t>(raster.width);
+    for (std::size_t row = 0; row < static_cast<std::size_t>(raster.height); ++row)
+        std::memcpy(bytes + row * stride, raster.pixels.data() + row * width, width * sizeof(std::uint32_t));
+    cairo_surface_mark_dirty(image.get());
+    return image;
+}
+
+std::string Canvas::png_of(const Raster& raster) {
+    const Surface image = image_of(raster, CAIRO_FORMAT_ARGB32);
+    std::string bytes;
+    check(cairo_surface_write_to_png_stream(image.get(), append, &bytes));
+    return bytes;
+}
+
 Canvas::Canvas()
     : recording_(cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, nullptr)),
       context_(cairo_create(recording_.get())) {
@@ -91,14 +110,7 @@ void Canvas::fill(const Rectangle& area, const Colour& colour) {
 }
 
 void Canvas::place(const Raster& raster, int left, int top) {
-    const Surface image(cairo_image_surface_create(CAIRO_FORMAT_RGB24, raster.width, raster.height));
-    check(cairo_surface_status(image.get()));
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(image.get()));
-    unsigned char* bytes = cairo_image_surface_get_data(image.get());
-    const auto width = static_cast<std::size_t>(raster.width);
-    for (std::size_t row = 0; row < static_cast<std::size_t>(raster.height); ++row)
-        std::memcpy(bytes + row * stride, raster.pixels.data() + row * width, width * sizeof(std::uint32_t));
-    cairo_surface_mark_dirty(image.get());
+    const Surface image = image_of(raster, CAIRO_FORMAT_RGB24);
 
     cairo_t* context = context_.get();
     cairo_set_source_surface(context, image.get(), left, top);

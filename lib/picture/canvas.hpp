@@ -84,6 +84,9 @@ public:
     /// The same, `points_per_pixel` points (1/72 inch) large per pixel.
     std::string pdf(double margin, double points_per_pixel) const;
 
+    /// A file of just these pixels, without paper: each 0xAARRGGBB, the colours multiplied by the alpha.
+    static std::string png_of(const Raster& raster);
+
 private:
     struct Release {
         void operator()(cairo_surface_t* surface) const;
@@ -92,6 +95,7 @@ private:
     using Surface = std::unique_ptr<cairo_surface_t, Release>;
     using Context = std::unique_ptr<cairo_t, Release>;
 
+    static Surface image_of(const Raster& raster, cairo_format_t format);
     Rectangle sheet(double margin) const;
     void replay(cairo_surface_t* target, const Rectangle& sheet, double scale) const;
     /// The text as the font that it chooses can show it.

@@ -36,7 +36,10 @@ public:
         : inside_(-static_cast<double>(static_cast<float>(band.inside))),
           outside_(static_cast<double>(static_cast<float>(band.outside))) {}
 
-    bool within(double value) const { return value > inside_ && value < outside_; }
+    // A zero with a plus sign is exact also where the band has no inside, and minus zero what is beyond.
+    bool within(double value) const {
+        return (value > inside_ || (value == 0 && !std::signbit(value))) && value < outside_;
+    }
 
     /// What the value may not fall short of: it is beyond the band, whatever its neighbours suggest.
     double beyond(double value, double continued) const {

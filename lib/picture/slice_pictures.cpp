@@ -1,5 +1,5 @@
-#include "core/atomic_file.hpp"
 #include "picture/colour_bar.hpp"
+#include "picture/picture_file.hpp"
 #include "picture/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -25,21 +25,11 @@ constexpr double line_gap = 6;       // at least between iso-lines; no distance 
 constexpr double print_width = 468;  // points on the longer side of what is drawn: 6.5 inches
 
 bool is_pdf(const std::string& path) {
-    std::string ending = fs::path(path).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](char letter) {
-        return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter;
-    });
-    if (ending == ".png" || ending == ".pdf") return ending == ".pdf";
-    throw Error(ErrorCode::unsupported,
-                fmt::format("{}: no picture format ends in \"{}\"; choose .png or .pdf", path, ending));
+    return ending_of(path, {".png", ".pdf"}) == ".pdf";
 }
 
 void write_picture(const Canvas& canvas, double unit, const std::string& path) {
-    const std::string bytes =
-        is_pdf(path) ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit);
-    AtomicFile file(path);
-    file.write(bytes);
-    file.commit();
+    write_file(path, is_pdf(path) ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit));
 }
 
 // The picture of one field: what its slices and mosaics have in common.
@@ -149,12 +139,17 @@ private:
             fmt::format("{} × {} × {} samples, {} apart", nx, ny, nz,
                         hx == hy && hy == hz ? number(hx, 4)
                                              : fmt::format("{}, {}, {}", number(hx, 4), number(hy, 4), number(hz, 4)));
-        if (bar_.beyond_inside || bar_.beyond_outside)
-            text += fmt::format("; band {} … {}", bar_.lower < 0 ? number(-field_.band.inside, 4) : "0",
-                                number(field_.band.outside, 4));
+        if (bar_.beyond_inside || bar_.beyond_outside) text += "; band " + band_text();
         const std::vector<double>& values = manner_.levels.values;
         if (values.size() > 1) text += fmt::format("; iso-lines every {}", number(values[1] - values[0], 4));
         return text;
+    }
+
+    std::string band_text() const {
+        const auto& [inside, outside] = field_.band;
+        if (std::isinf(inside) && bar_.lower < 0) return fmt::format("everything inside … {}", number(outside, 4));
+        return fmt::format("{} … {}", bar_.lower < 0 ? number(-inside, 4) : "0",
+                           std::isinf(outside) ? "everything outside" : number(outside, 4));
     }
 
     void panel(const Plane& plane, const Slice& slice, const Rectangle& area, bool bare_below, bool bare_left) {
@@ -230,10 +225,7 @@ void SlicePictures::write_mosaic(const Index3& at, const std::string& path) cons
 
 void SlicePictures::check_output(const std::string& path) {
     is_pdf(path);
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status))
-        AtomicFile(std::string(path));  // without commit() it leaves nothing
+    check_writable(path);
 }
 
 }  // namespace clsdf::picture

@@ -4,19 +4,27 @@ add_library(clsdf::picture ALIAS clsdf_picture)
 set_target_properties(clsdf_picture PROPERTIES EXPORT_NAME picture)
 target_sources(
   clsdf_picture
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/canvas.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/camera.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/canvas.cpp
           ${CMAKE_CURRENT_LIST_DIR}/colour_bar.cpp
           ${CMAKE_CURRENT_LIST_DIR}/colours.cpp
           ${CMAKE_CURRENT_LIST_DIR}/iso_lines.cpp
           ${CMAKE_CURRENT_LIST_DIR}/panel.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/picture_file.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plane.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/round_values.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/slice_pictures.cpp)
-target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+          ${CMAKE_CURRENT_LIST_DIR}/scene.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slice_pictures.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/surface_pictures.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/surface_shading.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/text.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/traced_samples.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/tracer.cpp)
+# The renderer's kernel is one of the library's; it and the host share kernels/render.h.
+target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/kernels)
 target_compile_options(clsdf_picture PRIVATE -ffp-contract=off)
 target_link_libraries(
   clsdf_picture
   PUBLIC clsdf::clsdf
-  PRIVATE TBB::tbb fmt::fmt $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
+  PRIVATE OpenCL::OpenCL TBB::tbb fmt::fmt $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
           $<INSTALL_INTERFACE:cairo>)

@@ -20,6 +20,7 @@ BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
                                                       {"compute", "--help"},
                                                       {"check", "--help"},
                                                       {"slice", "--help"},
+                                                      {"render", "--help"},
                                                       {"info", "--help"},
                                                       {"shape", "--help"},
                                                       {"help", "--help"},

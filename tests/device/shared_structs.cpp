@@ -3,6 +3,7 @@
 #include "device/context.hpp"
 #include "device/kernel_text.hpp"
 #include "layout.h"
+#include "render.h"
 #include "sweep_vertex.h"
 
 #include <boost/test/unit_test.hpp>
@@ -81,6 +82,20 @@ const std::vector<Agreement> agreements{
     CLSDF_OFFSET(SweepVertex, y),
     CLSDF_OFFSET(SweepVertex, z),
     CLSDF_OFFSET(SweepVertex, x),
+    CLSDF_SIZE(RenderView),
+    CLSDF_OFFSET(RenderView, direction),
+    CLSDF_OFFSET(RenderView, direction_down),
+    CLSDF_OFFSET(RenderView, cut),
+    CLSDF_OFFSET(RenderView, light),
+    CLSDF_OFFSET(RenderView, spacing),
+    CLSDF_OFFSET(RenderView, slope),
+    CLSDF_OFFSET(RenderView, reach),
+    CLSDF_OFFSET(RenderView, cut_side),
+    CLSDF_OFFSET(RenderView, size),
+    CLSDF_OFFSET(RenderView, per_side),
+    CLSDF_SIZE(RenderHit),
+    CLSDF_OFFSET(RenderHit, gradient),
+    CLSDF_OFFSET(RenderHit, light),
 };
 
 #undef CLSDF_SIZE
@@ -89,7 +104,8 @@ const std::vector<Agreement> agreements{
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
-    std::string text = device::kernel_text("layout.h") + device::kernel_text("sweep_vertex.h");
+    std::string text =
+        device::kernel_text("layout.h") + device::kernel_text("sweep_vertex.h") + device::kernel_text("render.h");
     text += "__kernel void measure(__global uint* found) {\n";
     for (std::size_t i = 0; i < agreements.size(); ++i)
         text += "    found[" + std::to_string(i) + "] = (uint)(" + agreements[i].expression + ");\n";

@@ -3,6 +3,7 @@
 #include "picture/canvas.hpp"
 #include "picture/colours.hpp"
 #include "picture/example.hpp"
+#include "picture/rasters.hpp"
 #include "picture/text.hpp"
 #include "support/source_file.hpp"
 #include "support/temporary_folder.hpp"
@@ -10,11 +11,8 @@
 
 #include <boost/test/unit_test.hpp>
 
-#include <cairo.h>
-
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 
 using clsdf::Band;
@@ -28,36 +26,14 @@ using clsdf::picture::Raster;
 using clsdf::picture::SlicePictures;
 using clsdf::test::check_throws;
 using clsdf::test::content_of;
+using clsdf::test::mean_difference;
+using clsdf::test::part;
+using clsdf::test::read_png;
 using clsdf::test::source_file;
 using clsdf::test::TemporaryFolder;
 using clsdf::test::two_balls;
 
 namespace {
-
-Raster read_png(const std::string& path) {
-    cairo_surface_t* image = cairo_image_surface_create_from_png(path.c_str());
-    BOOST_REQUIRE_MESSAGE(cairo_surface_status(image) == CAIRO_STATUS_SUCCESS, "unreadable: " << path);
-    Raster raster{cairo_image_surface_get_width(image), cairo_image_surface_get_height(image), {}};
-    const auto width = static_cast<std::size_t>(raster.width);
-    raster.pixels.resize(width * static_cast<std::size_t>(raster.height));
-    const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(image));
-    for (std::size_t row = 0; row < static_cast<std::size_t>(raster.height); ++row)
-        std::memcpy(raster.pixels.data() + row * width, cairo_image_surface_get_data(image) + row * stride, width * 4);
-    cairo_surface_destroy(image);
-    return raster;
-}
-
-int part(std::uint32_t pixel, int shift) {
-    return static_cast<int>(pixel >> static_cast<unsigned>(shift) & 0xFFU);
-}
-
-// The mean difference of a red, green or blue, 0 ... 255.
-double mean_difference(const Raster& one, const Raster& other) {
-    double sum = 0;
-    for (std::size_t i = 0; i < one.pixels.size(); ++i)
-        for (const int shift : {0, 8, 16}) sum += std::abs(part(one.pixels[i], shift) - part(other.pixels[i], shift));
-    return sum / (3 * static_cast<double>(one.pixels.size()));
-}
 
 // Pixels of a hue: more blue than red by so much, or the other way round.
 std::size_t count_bluish(const Raster& raster, int by) {

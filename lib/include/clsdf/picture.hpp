@@ -2,10 +2,17 @@
 
 /// Pictures of a field. A target of their own, clsdf::picture, because they are drawn with cairo, which the library
 /// proper has no use for.
+#include <clsdf/device.hpp>
 #include <clsdf/field.hpp>
 
+#include <array>
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
+#include <vector>
 
 namespace clsdf::picture {
 
@@ -59,6 +66,94 @@ private:
     double lower_ = 0;  // the least and the greatest distance in the field, with 0 between them
     double upper_ = 0;
     bool has_sign_ = false;
+};
+
+/// Where a surface is seen from.
+struct View {
+    double azimuth = 30;    ///< degrees to the right of the front
+    double elevation = 20;  ///< degrees above the horizon, -90 ... 90
+    /// What points upwards. Seen from the front, x points to the right (y where x is up).
+    Axis up = Axis::z;
+    bool up_is_negative = false;
+    /// Degrees between the directions to the opposite borders of the picture, below 120; 0: a parallel projection.
+    double perspective = 0;
+};
+
+/// "front", "back", "left", "right", "side" (the right one), "top", "bottom", "iso", or "AZIMUTH,ELEVATION" in degrees.
+/// "x", "-x", "y", ... Both change a view's own members, and throw Error(invalid_argument) for anything else.
+void set_direction(View& view, const std::string& text);
+void set_up(View& view, const std::string& text);
+
+/// Takes away what is on the viewer's side of a plane across an axis; with several cuts, what is on that side of all.
+struct Cut {
+    Axis axis = Axis::x;
+    std::optional<double> position;  ///< in the mesh's units; none: through the middle of the solid
+};
+
+struct SurfaceOptions {
+    View view;
+    std::vector<Cut> cuts;  ///< at most one across each axis
+    /// Pixels, 16 ... 10000 each. A height of 0: the width is the longer side, the other one follows from the view.
+    int width = 1200;
+    int height = 0;
+    int rays = 3;  ///< in each direction of a pixel, 1 ... 8
+    /// The surface's red, green and blue, 0 ... 1, sRGB.
+    std::array<double, 3> colour{0.80, 0.77, 0.72};
+    bool transparent = false;  ///< the background, else white
+    bool bare = false;         ///< no title and colour bar beside cuts
+    std::function<void(double fraction)> progress{};
+    std::stop_token stop{};  ///< looked at between launches; Error(cancelled)
+};
+
+/// What the ray through a pixel's middle meets first.
+struct Hit {
+    enum class Kind { nothing, surface, cut, border };
+    Kind kind = Kind::nothing;
+    Vec3 position{};      ///< in the mesh's units
+    Vec3 gradient{};      ///< of the distance there: about a unit vector, outwards
+    double distance = 0;  ///< there: the level at the surface, less in a cut or where the grid ends
+};
+
+/// Rows of pixels from the top.
+struct Hits {
+    int width = 0;
+    int height = 0;
+    std::vector<Hit> pixels;
+};
+
+class Scene;
+
+/// Pictures of the surface where the distance has one value, found by sphere tracing on the device. What is seen is the
+/// zero set of the samples' trilinear interpolant, whatever the spacing and the band; steps are bounded by the slopes
+/// that the samples have, so that nothing is passed over. Where the solid is cut or reaches the end of the grid, it
+/// shows its distances in the colours of SlicePictures, with iso-lines.
+class SurfacePictures {
+public:
+    /// Keeps a reference to the field, and copies its samples to the device. `offset`: the surface's distance in the
+    /// mesh's units; without it 0, for a field without a sign one voxel (the largest spacing), because its distance
+    /// touches zero without crossing it.
+    /// Throws Error(invalid_argument) where the distances do not fit the grid or are not numbers, a side has a single
+    /// sample, the band ends before the offset, or no surface is in the grid; Error(out_of_memory) where the field is
+    /// larger than the device's largest allocation; Error(device_failure).
+    SurfacePictures(const Field& field, const Device& device, std::optional<double> offset = {});
+    SurfacePictures(SurfacePictures&&) noexcept;
+    SurfacePictures& operator=(SurfacePictures&&) noexcept;
+    ~SurfacePictures();
+
+    double offset() const;
+
+    /// Throws Error(invalid_argument) where an option makes no sense, Error(cancelled), Error(device_failure).
+    Hits hits(const SurfaceOptions& options) const;
+
+    /// Writes a .png, complete or not at all. Throws what hits() does, Error(unsupported) for another ending, or
+    /// Error(output_failure).
+    void write(const SurfaceOptions& options, const std::string& path) const;
+
+    /// Throws what write() would throw for the path's ending or folder. Leaves nothing behind.
+    static void check_output(const std::string& path);
+
+private:
+    std::unique_ptr<const Scene> scene_;
 };
 
 }  // namespace clsdf::picture

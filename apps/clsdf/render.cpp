@@ -1,0 +1,191 @@
+#include "command.hpp"
+#include "interruption.hpp"
+#include "option_values.hpp"
+#include "output.hpp"
+#include "progress_bar.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/picture.hpp>
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+namespace {
+
+using clsdf::Error;
+using clsdf::ErrorCode;
+using clsdf::picture::Cut;
+using clsdf::picture::SurfaceOptions;
+using clsdf::picture::SurfacePictures;
+
+struct RenderOptions {
+    std::string field;
+    std::string output;
+    std::string view = "30,20";
+    std::string up = "z";
+    std::string size = "1200";
+    std::string colour = "CCC4B8";
+    std::vector<std::string> cuts;
+    std::string offset;
+    std::string device;
+    SurfaceOptions picture;
+};
+
+template <class Number>
+std::optional<Number> parse(std::string_view text) {
+    Number number{};
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc() || stop != text.data() + text.size()) return std::nullopt;
+    return number;
+}
+
+std::optional<double> parse_length(std::string_view text) {
+    const auto number = parse<double>(text);
+    return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+// "1200" or "1200x900".
+void set_size(SurfaceOptions& picture, const std::string& text) {
+    const std::size_t cross = text.find('x');
+    const auto width = parse<int>(std::string_view(text).substr(0, cross));
+    const auto height = cross == std::string::npos ? 0 : parse<int>(std::string_view(text).substr(cross + 1));
+    const auto fits = [](int pixels) { return pixels >= 16 && pixels <= 10000; };
+    if (!width || !height || !fits(*width) || (cross != std::string::npos && !fits(*height)))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--size: WxH, or N for the longer side, in pixels from 16 to 10000, not '{}'", text));
+    picture.width = *width;
+    picture.height = *height;
+}
+
+// "CC7744" or "#CC7744".
+void set_colour(SurfaceOptions& picture, const std::string& text) {
+    const std::string_view digits = std::string_view(text).substr(text.starts_with('#') ? 1 : 0);
+    unsigned value = 0;
+    const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+    if (error != std::errc() || stop != digits.data() + digits.size() || digits.size() != 6)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--colour: red, green and blue in six hexadecimal digits, as CC7744, not '{}'", text));
+    for (std::size_t i = 0; i < 3; ++i) picture.colour[i] = static_cast<double>(value >> (16 - 8 * i) & 0xFFU) / 255;
+}
+
+// "x=0.3", or "x" for the solid's middle.
+Cut parse_cut(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    Cut cut{clsdf::picture::parse_axis(text.substr(0, equals)), {}};
+    if (equals == std::string::npos) return cut;
+    cut.position = parse_length(std::string_view(text).substr(equals + 1));
+    if (!cut.position)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--cut: an axis and where, as x=0.3, or x for the middle, not '{}'", text));
+    return cut;
+}
+
+// What does not need the field, so that a slip is answered at once.
+std::optional<double> read_options(RenderOptions& options) {
+    set_direction(options.picture.view, options.view);
+    set_up(options.picture.view, options.up);
+    set_size(options.picture, options.size);
+    set_colour(options.picture, options.colour);
+    for (const std::string& cut : options.cuts) options.picture.cuts.push_back(parse_cut(cut));
+    if (options.offset.empty()) return std::nullopt;
+    const auto offset = parse_length(options.offset);
+    if (!offset)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("--offset: a finite distance in the mesh's units, not '{}'", options.offset));
+    return offset;
+}
+
+ExitStatus run(RenderOptions options, Report& report) {
+    const std::optional<double> offset = read_options(options);
+    SurfacePictures::check_output(options.output);
+    const clsdf::Field field = clsdf::Field::read(options.field);
+    const Interruption interruption;
+    ProgressBar progress(!report.quiet);
+    options.picture.stop = interruption.token();
+    options.picture.progress = [&](double fraction) { progress.show(fraction); };
+    double level = 0;
+    std::string device_name;
+    try {
+        const clsdf::Device device =
+            options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
+        const SurfacePictures pictures(field, device, offset);
+        pictures.write(options.picture, options.output);
+        level = pictures.offset();
+        device_name = device.name();
+    } catch (const Error&) {
+        // The compilers of some devices listen to the same signals and fail then; the user's wish is the reason.
+        if (interruption.token().stop_requested())
+            throw Error(ErrorCode::cancelled, "cancelled; no picture was written");
+        throw;
+    }
+    progress.clear();
+    output_is_written();
+    report.print("wrote {}\n", options.output);
+    report.result = {{"field", options.field},
+                     {"grid", describe(field.grid)},
+                     {"offset", level},
+                     {"device", device_name},
+                     {"picture", options.output}};
+    return ExitStatus::done;
+}
+
+}  // namespace
+
+Command add_render(CLI::App& program) {
+    const auto options = std::make_shared<RenderOptions>();
+    CLI::App* parser = program.add_subcommand("render", "Draw a field's surface, shaded, whole or cut open");
+    parser->add_option("FIELD", options->field, "the field: .nrrd or .npy")->required();
+    parser->add_option("-o,--output", options->output, "the picture: .png")->type_name("PICTURE")->required();
+    parser
+        ->add_option("--view", options->view,
+                     "from where: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
+        ->type_name("VIEW")
+        ->capture_default_str();
+    parser->add_option("--up", options->up, "what points upwards: x, y, z, -x, -y or -z")
+        ->type_name("AXIS")
+        ->capture_default_str();
+    parser->add_option("--perspective", options->picture.view.perspective, "angle of view in degrees; 0: parallel rays")
+        ->check(finite_number_of_0_or_more())
+        ->type_name("DEGREES")
+        ->capture_default_str();
+    parser
+        ->add_option("--cut", options->cuts,
+                     "open the solid where an axis has a value, as x=0.3, or in its middle, as x; up to once an axis")
+        ->type_name("AXIS[=X]")
+        ->allow_extra_args(false);
+    parser
+        ->add_option("--offset", options->offset,
+                     "draw the surface at this distance, < 0: inside [0; without a sign, one voxel]")
+        ->type_name("D");
+    parser->add_option("--size", options->size, "pixels: WxH, or N for the longer side")
+        ->type_name("SIZE")
+        ->capture_default_str();
+    parser->add_option("--colour", options->colour, "of the surface: six hexadecimal digits")
+        ->type_name("RRGGBB")
+        ->capture_default_str();
+    parser->add_option("--rays", options->picture.rays, "in each direction of a pixel, 1 to 8")
+        ->check(whole_number(1, 8))
+        ->type_name("N")
+        ->capture_default_str();
+    parser->add_flag("--transparent", options->picture.transparent, "no background; implies --bare");
+    parser->add_flag("--bare", options->picture.bare, "no title and no colour bar beside a cut");
+    parser
+        ->add_option("--device", options->device,
+                     "what traces the rays, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
+        ->check(not_empty())
+        ->type_name("INDEX|NAME");
+    parser->footer(
+        "A cut takes away what is on the viewer's side of a plane, several cuts what is on that side of all; the\n"
+        "opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"
+        "Examples:\n"
+        "  clsdf render part.nrrd -o part.png\n"
+        "  clsdf render bunny.nrrd -o bunny.png --up y --view front --size 1600x1200\n"
+        "  clsdf render bunny.nrrd -o bunny.png --up y --cut z\n"
+        "  clsdf render part.nrrd -o corner.png --view iso --cut x=10 --cut y=10 --cut z\n"
+        "  clsdf render part.nrrd -o grown.png --offset 0.5 --colour 7799BB");
+    return {parser, [options](Report& report) { return run(*options, report); }};
+}

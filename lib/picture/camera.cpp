@@ -1,0 +1,162 @@
+#include "picture/camera.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace clsdf::picture {
+namespace {
+
+constexpr double room = 0.03;  // of the longer side, around what is seen
+constexpr double degree = 0.017453292519943295;
+
+double dot(const Vec3& a, const Vec3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Vec3 sum(double p, const Vec3& a, double q, const Vec3& b) {
+    return {p * a[0] + q * b[0], p * a[1] + q * b[1], p * a[2] + q * b[2]};
+}
+
+struct Window {
+    double left = std::numeric_limits<double>::infinity();
+    double right = -left;
+    double bottom = left;
+    double top = -left;
+
+    void include(double x, double y, double around) {
+        left = std::min(left, x - around);
+        right = std::max(right, x + around);
+        bottom = std::min(bottom, y - around);
+        top = std::max(top, y + around);
+    }
+};
+
+bool parse(const std::string& text, double& number) {
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    return error == std::errc() && stop == text.data() + text.size() && std::isfinite(number);
+}
+
+}  // namespace
+
+void set_direction(View& view, const std::string& text) {
+    struct Named {
+        const char* name;
+        double azimuth;
+        double elevation;
+    };
+    static constexpr Named named[] = {
+        {"front", 0, 0}, {"back", 180, 0}, {"left", -90, 0},   {"right", 90, 0},
+        {"side", 90, 0}, {"top", 0, 90},   {"bottom", 0, -90}, {"iso", 45, 35.264389682754654}};
+    for (const Named& direction : named)
+        if (text == direction.name) {
+            view.azimuth = direction.azimuth;
+            view.elevation = direction.elevation;
+            return;
+        }
+    const std::size_t comma = text.find(',');
+    double azimuth = 0;
+    double elevation = 0;
+    if (comma == std::string::npos || !parse(text.substr(0, comma), azimuth) ||
+        !parse(text.substr(comma + 1), elevation) || std::abs(elevation) > 90)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("there is no view \"{}\"; choose front, back, left, right, side, top, bottom, iso, or "
+                                "AZIMUTH,ELEVATION in degrees, as 30,20, the elevation from -90 to 90",
+                                text));
+    view.azimuth = azimuth;
+    view.elevation = elevation;
+}
+
+void set_up(View& view, const std::string& text) {
+    const bool is_negative = text.starts_with('-');
+    for (const Axis axis : {Axis::x, Axis::y, Axis::z})
+        if (text.substr(is_negative ? 1 : 0) == name_of(axis)) {
+            view.up = axis;
+            view.up_is_negative = is_negative;
+            return;
+        }
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("\"{}\" is no direction upwards; choose x, y, z, -x, -y or -z", text));
+}
+
+ViewFrame frame_of(const View& view) {
+    if (!std::isfinite(view.azimuth) || !(std::abs(view.elevation) <= 90))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("a view from azimuth {} and elevation {}; choose finite degrees, the elevation from "
+                                "-90 to 90",
+                                view.azimuth, view.elevation));
+    Vec3 up{};
+    up[static_cast<std::size_t>(view.up)] = view.up_is_negative ? -1 : 1;
+    const Vec3 right = view.up == Axis::x ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+    const Vec3 front = cross(right, up);
+    const double turn = view.azimuth * degree;
+    const double rise = view.elevation * degree;
+    ViewFrame frame{};
+    frame.right = sum(std::cos(turn), right, -std::sin(turn), front);
+    const Vec3 level = sum(std::cos(turn), front, std::sin(turn), right);
+    frame.back = sum(std::cos(rise), level, std::sin(rise), up);
+    frame.up = cross(frame.back, frame.right);
+    return frame;
+}
+
+Camera::Camera(const View& view, std::span<const Vec3> points, double around, int width, int height)
+    : frame_(frame_of(view)), is_parallel_(view.perspective == 0) {
+    if (!(view.perspective >= 0 && view.perspective < 120))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("a perspective of {} degrees; choose 0 (none) to 119", view.perspective));
+    Vec3 lower = points.front();
+    Vec3 upper = points.front();
+    for (const Vec3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis] = std::min(lower[axis], point[axis]);
+            upper[axis] = std::max(upper[axis], point[axis]);
+        }
+    const Vec3 diagonal = sum(1, upper, -1, lower);
+    const double radius = 0.5 * std::sqrt(dot(diagonal, diagonal)) + around;
+    const double distance = is_parallel_ ? 2 * radius : radius / std::sin(0.5 * view.perspective * degree);
+    eye_ = sum(1, sum(0.5, lower, 0.5, upper), distance, frame_.back);
+
+    Window window;
+    for (const Vec3& point : points) {
+        const Vec3 seen = sum(1, point, -1, eye_);
+        const double scale = is_parallel_ ? 1 : -1 / dot(seen, frame_.back);
+        window.include(scale * dot(seen, frame_.right), scale * dot(seen, frame_.up), scale * around);
+    }
+    const double across = window.right - window.left;
+    const double along = window.top - window.bottom;
+    const double margin = room * std::max(across, along);
+    centre_ = {0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)};
+    const double full[] = {across + 2 * margin, along + 2 * margin};
+    if (height == 0) {
+        pixel_ = std::max(full[0], full[1]) / width;
+        width_ = std::max(16, static_cast<int>(std::lround(full[0] / pixel_)));
+        height_ = std::max(16, static_cast<int>(std::lround(full[1] / pixel_)));
+    } else {
+        width_ = width;
+        height_ = height;
+        pixel_ = std::max(full[0] / width, full[1] / height);
+    }
+}
+
+Camera::Ray Camera::ray(double x, double y) const {
+    const double right = centre_[0] + (x - 0.5 * width_) * pixel_;
+    const double up = centre_[1] + (0.5 * height_ - y) * pixel_;
+    const Vec3 shift = sum(right, frame_.right, up, frame_.up);
+    if (is_parallel_) return {sum(1, eye_, 1, shift), sum(-1, frame_.back, 0, shift)};
+    return {eye_, sum(-1, frame_.back, 1, shift)};
+}
+
+double Camera::pixel_at(const Vec3& point) const {
+    return is_parallel_ ? pixel_ : pixel_ * -dot(sum(1, point, -1, eye_), frame_.back);
+}
+
+}  // namespace clsdf::picture

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <clsdf/picture.hpp>
+
+#include <array>
+#include <span>
+
+namespace clsdf::picture {
+
+/// Where the picture's right, its upper side and the viewer are: unit vectors of a right-handed frame.
+struct ViewFrame {
+    Vec3 right;
+    Vec3 up;
+    Vec3 back;
+};
+
+/// Throws Error(invalid_argument) where an angle is out of range.
+ViewFrame frame_of(const View& view);
+
+/// From pixels to rays. Points are in the mesh's units, from any origin.
+class Camera {
+public:
+    /// So that every one of the points is seen, with what is up to `around` from it and some room, in a picture of
+    /// `width` x `height` pixels; a height of 0 makes the width the longer side and chooses the other one. There is at
+    /// least one point.
+    Camera(const View& view, std::span<const Vec3> points, double around, int width, int height);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    const ViewFrame& frame() const { return frame_; }
+
+    struct Ray {
+        Vec3 origin;
+        Vec3 direction;  ///< not of unit length; the same function of x and y everywhere: linear
+    };
+    /// Through (x, y) pixels right of and below the picture's upper left corner.
+    Ray ray(double x, double y) const;
+
+    /// A pixel's side, seen at a point.
+    double pixel_at(const Vec3& point) const;
+
+private:
+    ViewFrame frame_;
+    bool is_parallel_;
+    Vec3 eye_{};  // of a parallel projection: a point before everything
+    int width_ = 0;
+    int height_ = 0;
+    double pixel_ = 0;                // in the plane of projection, which is at distance 1 from the eye
+    std::array<double, 2> centre_{};  // of the picture in it, right and up
+};
+
+}  // namespace clsdf::picture

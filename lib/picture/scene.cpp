@@ -1,0 +1,195 @@
+#include "picture/scene.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace clsdf::picture {
+namespace {
+
+constexpr double page = 1000;            // units on the picture's longer side
+constexpr double most_levels = 14;       // iso-lines in the solid, about
+constexpr double line_gap = 6;           // units between iso-lines, at least
+constexpr double occlusion_reach = 0.1;  // of the solid's diagonal
+
+double default_offset(const Field& field, bool has_sign) {
+    return has_sign ? 0 : std::max({field.grid.spacing[0], field.grid.spacing[1], field.grid.spacing[2]});
+}
+
+void check_offset(const Field& field, const TracedSamples& samples, double offset) {
+    const bool is_sided = samples.has_sign();
+    if (!std::isfinite(offset) || (!is_sided && offset <= 0))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("render: an offset of {}; choose a finite one{}", offset,
+                                is_sided ? ""
+                                         : " above 0: the field has no sign, so its distance touches 0 without "
+                                           "crossing it"));
+    const double limit = offset < 0 ? field.band.inside : field.band.outside;
+    if (offset != 0 && std::abs(offset) >= limit)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("render: the band ends at distance {:.6g}, before the surface's {:.6g}; compute the "
+                                "field with a wider band, or choose an offset within it",
+                                offset < 0 ? -limit : limit, offset));
+    if (!samples.has_surface(offset))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("render: the grid has no surface at distance {:.6g}: the field's distances are from "
+                                "{:.6g} to {:.6g}; lay the grid around the mesh, or choose another offset",
+                                offset, samples.lower(), samples.upper()));
+}
+
+void check_options(const SurfaceOptions& options) {
+    const auto check = [](const char* what, int value, int least, int most) {
+        if (value < least || value > most)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("render: {} of {}; choose {} to {}", what, value, least, most));
+    };
+    check("a width", options.width, 16, 10000);
+    if (options.height != 0) check("a height", options.height, 16, 10000);
+    check("a number of rays", options.rays, 1, 8);
+    for (const double part : options.colour)
+        if (!(part >= 0 && part <= 1))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("render: a colour with a part of {}; choose parts from 0 to 1", part));
+}
+
+void scale_into(double (&target)[3], const Vec3& from, const Vec3& to, const Vec3& spacing) {
+    for (std::size_t axis = 0; axis < 3; ++axis) target[axis] = (to[axis] - from[axis]) / spacing[axis];
+}
+
+double checked_offset(const Field& field, const TracedSamples& samples, std::optional<double> wanted) {
+    const double offset = wanted.value_or(default_offset(field, samples.has_sign()));
+    check_offset(field, samples, offset);
+    return offset;
+}
+
+}  // namespace
+
+Scene::Scene(const Field& field, const Device& device, std::optional<double> offset)
+    : field_(field),
+      samples_(field),
+      offset_(checked_offset(field, samples_, offset)),
+      tracer_(field, samples_, device),
+      origin_(field.grid.position(0, 0, 0)) {
+    find_solid();
+}
+
+void Scene::find_solid() {
+    const Vec3& spacing = field_.grid.spacing;
+    const auto include = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+        const Vec3 point{static_cast<double>(i) * spacing[0], static_cast<double>(j) * spacing[1],
+                         static_cast<double>(k) * spacing[2]};
+        if (points_.empty()) solid_ = {point, point};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            solid_.lower[axis] = std::min(solid_.lower[axis], point[axis]);
+            solid_.upper[axis] = std::max(solid_.upper[axis], point[axis]);
+        }
+        points_.push_back(point);
+    };
+    for (const auto& [first, last_x] : samples_.rows_below(offset_)) {
+        include(first[0], first[1], first[2]);
+        include(last_x, first[1], first[2]);
+    }
+}
+
+Camera Scene::camera(const SurfaceOptions& options) const {
+    check_options(options);
+    // The surface lies up to a sample beyond those that are inside.
+    const Vec3& spacing = field_.grid.spacing;
+    return {options.view, points_, std::max({spacing[0], spacing[1], spacing[2]}), options.width, options.height};
+}
+
+double Scene::position_of(const Cut& cut) const {
+    const auto axis = static_cast<std::size_t>(cut.axis);
+    if (!cut.position) return 0.5 * (solid_.lower[axis] + solid_.upper[axis]);
+    const double position = *cut.position - origin_[axis];
+    const double length = static_cast<double>(field_.grid.size[axis] - 1) * field_.grid.spacing[axis];
+    if (!(position > 0 && position < length))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("render: a cut at {} = {:.6g}, and the grid reaches from {:.6g} to {:.6g}",
+                                name_of(cut.axis), *cut.position, origin_[axis], origin_[axis] + length));
+    return position;
+}
+
+// Wide differences make smooth shades, where they reach neither what is beyond the band nor, without a sign, beyond the
+// mesh.
+bool Scene::has_room_for_gradients() const {
+    const double reach = 3 * std::max({field_.grid.spacing[0], field_.grid.spacing[1], field_.grid.spacing[2]});
+    const double inner = samples_.has_sign() ? -field_.band.inside : 0;
+    return offset_ - reach >= inner && offset_ + reach <= field_.band.outside;
+}
+
+RenderView Scene::view(const SurfaceOptions& options, const Camera& camera, const SurfaceShading& shading,
+                       int rays) const {
+    const Vec3& spacing = field_.grid.spacing;
+    const double voxel = field_.grid.voxel();
+    RenderView seen = tracer_.view();
+    const double middle = 0.5 / rays;
+    const Camera::Ray first = camera.ray(middle, middle);
+    const Camera::Ray right = camera.ray(middle + 1.0 / rays, middle);
+    const Camera::Ray down = camera.ray(middle, middle + 1.0 / rays);
+    scale_into(seen.origin, {}, first.origin, spacing);
+    scale_into(seen.origin_right, first.origin, right.origin, spacing);
+    scale_into(seen.origin_down, first.origin, down.origin, spacing);
+    scale_into(seen.direction, {}, first.direction, spacing);
+    scale_into(seen.direction_right, first.direction, right.direction, spacing);
+    scale_into(seen.direction_down, first.direction, down.direction, spacing);
+    for (const Cut& cut : options.cuts) {
+        const auto axis = static_cast<std::size_t>(cut.axis);
+        if (seen.cut_side[axis] != 0)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("render: two cuts across {}; at most one across each axis", name_of(cut.axis)));
+        seen.cut[axis] = position_of(cut) / spacing[axis];
+        seen.cut_side[axis] = camera.frame().back[axis] < -1e-9 ? -1 : 1;
+    }
+    double diagonal = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        seen.light[axis] = static_cast<float>(shading.key()[axis]);
+        diagonal = std::hypot(diagonal, solid_.upper[axis] - solid_.lower[axis]);
+    }
+    seen.light_spread = static_cast<float>(SurfaceShading::key_spread);
+    seen.level = static_cast<float>(offset_ / voxel);
+    seen.highest = static_cast<float>(0.999 * std::min(samples_.upper(), field_.band.outside) / voxel);
+    seen.reach = static_cast<float>(
+        std::max(2.0, std::min(occlusion_reach * diagonal / voxel,
+                               static_cast<double>(seen.highest) - static_cast<double>(seen.level))));
+    seen.gradient_step = has_room_for_gradients() ? 1.0F : 0.3F;
+    seen.columns = camera.width() * rays;
+    seen.rows = camera.height() * rays;
+    seen.per_side = rays;
+    return seen;
+}
+
+Manner Scene::manner(const Camera& camera) const {
+    const double unit = std::max(camera.width(), camera.height()) / page;
+    Manner manner(
+        Colours(std::min(0.0, samples_.lower()), std::max(0.0, samples_.upper()), field_.band, samples_.has_sign()),
+        samples_.has_sign(), unit);
+    const double lower = std::min(samples_.lower(), offset_);
+    const double range = offset_ - lower;
+    const Vec3 middle{0.5 * (solid_.lower[0] + solid_.upper[0]), 0.5 * (solid_.lower[1] + solid_.upper[1]),
+                      0.5 * (solid_.lower[2] + solid_.upper[2])};
+    const double least = std::max(range / most_levels, line_gap * unit * camera.pixel_at(middle));
+    manner.levels = scale_with_step(lower + 1e-6 * range, offset_, round_step(least));
+    return manner;
+}
+
+SurfaceShading Scene::shading(const SurfaceOptions& options, const Camera& camera, const Manner& manner) const {
+    SurfaceShading shading(camera.frame(), manner, options.colour, offset_, field_.grid.voxel());
+    for (const Cut& cut : options.cuts) {
+        const double spacing = field_.grid.spacing[static_cast<std::size_t>(cut.axis)];
+        shading.mark_cut(cut.axis, position_of(cut) / spacing, spacing);
+    }
+    return shading;
+}
+
+Vec3 Scene::position_of(const RenderHit& hit) const {
+    Vec3 position{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        position[axis] = static_cast<double>(hit.position[axis]) * field_.grid.spacing[axis];
+    return position;
+}
+
+}  // namespace clsdf::picture

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "picture/traced_samples.hpp"
+
+#include "render.h"
+
+#include <clsdf/picture.hpp>
+
+#include "device/context.hpp"
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+
+namespace clsdf::picture {
+
+/// A field's samples on the device, and the rays that are traced through them.
+class Tracer {
+public:
+    /// Throws Error(out_of_memory) where the samples exceed the device's largest allocation.
+    Tracer(const Field& field, const TracedSamples& samples, const Device& device);
+
+    /// Spacing, size and slopes of a view; the rest is the caller's.
+    RenderView view() const;
+
+    /// Calls `take(first row, hits)` for rows of rays from the first to the last. No launch lasts much longer than a
+    /// tenth of a second. Throws Error(cancelled).
+    void trace(const RenderView& view, const std::stop_token& stop,
+               const std::function<void(int first_row, std::span<const RenderHit> hits)>& take) const;
+
+private:
+    void copy_to_device(const Field& field, const TracedSamples& samples);
+
+    std::shared_ptr<device::Context> context_;
+    cl::Program program_;
+    cl::Buffer samples_;
+    RenderView view_{};
+};
+
+}  // namespace clsdf::picture
