@@ -16,6 +16,7 @@ function(clsdf_test_defaults)
       APPEND
       PROPERTY ENVIRONMENT
                "POCL_CACHE_DIR=${PROJECT_BINARY_DIR}/pocl-cache"
+               "CLSDF_CACHE_DIR=${PROJECT_BINARY_DIR}/program-cache"
                "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt:print_suppressions=0"
                "UBSAN_OPTIONS=print_stacktrace=1")
   endforeach()

@@ -10,8 +10,8 @@
 // nearest of some of the surface's points (the feet of the altitudes), and the brick's radius. `stride` leaves most of
 // them out; a coarse bound is enough here, the bricks find finer ones.
 __kernel void coarse_caps(Layout layout, uint count, uint stride, __global const Polyhedron* polyhedra,
-                          __global float* caps) {
-    const int brick = get_global_id(0);
+                          __global float* caps, uint first) {
+    const int brick = first + get_global_id(0);
     const int nx = layout.coarse_bricks[0], ny = layout.coarse_bricks[1];
     const int x = layout.coarse_first[0] + brick % nx, y = layout.coarse_first[1] + brick / nx % ny,
               z = layout.coarse_first[2] + brick / (nx * ny);
@@ -111,23 +111,26 @@ inline ulong touched_coarse_bricks(Layout layout, __global const Polyhedron* p, 
 
 // With `fill` 0 it counts the pairs of each part, and keeps the first `capacity` of them: (brick, polyhedron). With 1
 // it writes the entries, `counts` being where each part's begin: from the pairs that were kept, or, where they were too
-// many, from the test again.
+// many, from the test again. Launch `step` of `steps` takes its share of each part's polyhedra.
 __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps,
                            __global uint* counts, __global uint* entries, uint capacity, __global uint2* pairs,
-                           __global uint* pair_counts, int fill) {
+                           __global uint* pair_counts, int fill, uint step, uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     __global uint2* own = pairs + (size_t)part * capacity;
     if (fill && pair_counts[part] <= capacity) {
+        if (step > 0) return;
         for (uint k = 0; k < pair_counts[part]; ++k) entries[counts[(size_t)own[k].x * parts + part]++] = own[k].y;
         return;
     }
-    const uint begin = (uint)((ulong)count * part / parts), end = (uint)((ulong)count * (part + 1) / parts);
+    const uint part_begin = (uint)((ulong)count * part / parts), part_end = (uint)((ulong)count * (part + 1) / parts);
+    const uint begin = part_begin + (uint)((ulong)(part_end - part_begin) * step / steps),
+               end = part_begin + (uint)((ulong)(part_end - part_begin) * (step + 1) / steps);
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
-    if (!fill)
+    if (!fill && step == 0)
         for (size_t brick = 0; brick < (size_t)size.x * size.y * size.z; ++brick) counts[brick * parts + part] = 0;
 
-    uint n = 0;
+    uint n = step == 0 ? 0 : pair_counts[part];
     for (uint i = begin; i < end; ++i) {
         __global const Polyhedron* p = polyhedra + i;
         const int2 rx = box_range(p, p->gradient_x, p->origin_x, reach);

@@ -57,21 +57,23 @@ inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
     return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
 }
 
-// One work-item a triangle. With `fill` 0 it counts crossings by row; with 1 it writes their keys, `cursors` being
+// One work-item a triangle of [begin, end) and a strip of the part's slices. With `fill` 0 it counts crossings by row; with 1 it writes their keys, `cursors` being
 // where each row's begin. Key: 2 k + (1 where the surface faces -x there), k the first sample at or after the crossing,
 // counted from the first brick's first sample and clamped to [0, row_length].
-__kernel void sign_crossings(Layout layout, uint triangle_count, __global const uint* triangles,
+__kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* cursors,
                              __global uint* keys, int fill) {
-    const uint t = get_global_id(0);
-    if (t >= triangle_count) return;
+    const uint t = begin + get_global_id(0);
+    const uint strip = get_global_id(1), strips = get_global_size(1);
+    if (t >= end) return;
     SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]], c = vertices[triangles[3 * t + 2]];
     const long low_y = min(a.y, min(b.y, c.y)), high_y = max(a.y, max(b.y, c.y));
     const long low_z = min(a.z, min(b.z, c.z)), high_z = max(a.z, max(b.z, c.z));
     const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
     const long rows_y = (long)layout.bricks[1] * CLSDF_BRICK, rows_z = (long)layout.bricks[2] * CLSDF_BRICK;
     const long begin_y = max(first_y, -((-low_y) >> bits_y)), end_y = min(first_y + rows_y - 1, high_y >> bits_y);
-    const long begin_z = max(first_z, -((-low_z) >> bits_z)), end_z = min(first_z + rows_z - 1, high_z >> bits_z);
+    const long begin_z = max(first_z + rows_z * strip / strips, -((-low_z) >> bits_z)),
+               end_z = min(first_z + rows_z * (strip + 1) / strips - 1, high_z >> bits_z);
     if (begin_y > end_y || begin_z > end_z) return;
 
     const Wide area = twice_area(a, b, c);
@@ -133,11 +135,11 @@ inline void sort_keys(__global uint* keys, uint count) {
     }
 }
 
-// One work-item a row of samples of the part's bricks: its sign bits, 1 inside.
-__kernel void sign_rows(Layout layout, uint rows, int parity, __global const uint* starts, __global uint* keys,
+// One work-item a row, of [begin_row, end_row), of samples of the part's bricks: its sign bits, 1 inside.
+__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, int parity, __global const uint* starts, __global uint* keys,
                         __global uint* sign_bits) {
-    const uint row = get_global_id(0);
-    if (row >= rows) return;
+    const uint row = begin_row + get_global_id(0);
+    if (row >= end_row) return;
     __global uint* bits = sign_bits + (size_t)row * layout.sign_words;
     const uint begin = starts[row], count = starts[row + 1] - begin;
     __global uint* own = keys + begin;

@@ -30,19 +30,13 @@ Error with_remedy(const Error& error) {
     return {error.code(), fmt::format("{}; choose a lower --resolution or a larger --spacing", error.what())};
 }
 
-clsdf::Field empty_field(const ComputeLayout& layout) {
-    clsdf::Field field;
+clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
+    clsdf::FieldDescription field;
     field.grid = layout.grid;
     field.band = layout.band;
     field.sign = layout.sign;
     // Where the file lay concerns nobody else who gets the field.
     field.mesh_name = std::filesystem::path(layout.mesh_file).filename().string();
-    try {
-        field.distance.resize(layout.grid.sample_count());
-        if (layout.outputs.triangle) field.triangle.resize(layout.grid.sample_count());
-    } catch (const std::exception&) {
-        throw too_large(layout.grid);
-    }
     return field;
 }
 
@@ -68,13 +62,9 @@ std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
     return std::nullopt;
 }
 
-struct Computed {
-    clsdf::Field field;
-    Computation computation;
-};
-
-Computed compute(const ComputeRequest& request, const ComputeLayout& layout, const std::optional<clsdf::Device>& named,
-                 const Report& report, const std::stop_token& stop) {
+Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
+                    const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer, const Report& report,
+                    const std::stop_token& stop) {
     Computation result;
     ProgressBar progress(!report.quiet);
 
@@ -92,23 +82,31 @@ Computed compute(const ComputeRequest& request, const ComputeLayout& layout, con
     result.device_platform = device.platform();
     result.setup_seconds = setup.seconds();
 
+    // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
     const Stopwatch compute;
-    clsdf::Field field = empty_field(layout);
-    transform.compute(layout.grid, layout.band, {field.distance, field.triangle});
-    result.compute_seconds = compute.seconds();
+    const clsdf::FieldDescription field = describe_field(layout);
+    transform.compute_slabs(layout.grid, layout.band, layout.outputs,
+                            [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
+                                result.compute_seconds = compute.seconds();
+                                const Stopwatch write;
+                                result.band_samples += count_band_samples(field, slab);
+                                writer.append(slab);
+                                result.write_seconds += write.seconds();
+                            });
     result.statistics = transform.statistics();
-    result.band_samples = count_band_samples(field);
-    return {std::move(field), std::move(result)};
+    result.field_seconds = compute.seconds();
+    return result;
 }
 
 // The device ends in order. Its compiler may listen to the same signals and fail; the user's wish is the reason all the
 // same.
-Computed compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
-                                    const std::optional<clsdf::Device>& named, const Report& report) {
+Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
+                                       const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer,
+                                       const Report& report) {
     const Interruption interruption;
     try {
-        Computed computed = compute(request, layout, named, report, interruption.token());
-        if (!interruption.token().stop_requested()) return computed;
+        Computation computation = compute(request, layout, named, writer, report, interruption.token());
+        if (!interruption.token().stop_requested()) return computation;
     } catch (const Error&) {
         if (!interruption.token().stop_requested()) throw;
     }
@@ -149,11 +147,14 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         return ExitStatus::done;
     }
 
-    auto [field, computation] = compute_unless_interrupted(request, layout, device, report);
-    const Stopwatch write;
-    field.write(options.output);
+    // Opening and finishing may wait, for the reader of a pipe or for a disk: Ctrl-C ends the program at once there.
+    clsdf::FieldWriter writer(options.output, describe_field(layout), layout.outputs);
+    Computation computation = compute_unless_interrupted(request, layout, device, writer, report);
+    const Stopwatch finish;
+    writer.finish();
     output_is_written();
-    computation.write_seconds = write.seconds();
+    computation.write_seconds += finish.seconds();
+    computation.field_seconds += finish.seconds();
     computation.read_seconds = read_seconds;
     computation.output = options.output;
     if (!report.quiet) print_outcome(layout, computation);

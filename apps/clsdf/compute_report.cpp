@@ -18,6 +18,19 @@ std::uint64_t field_bytes(const ComputeLayout& layout) {
     return std::uint64_t{layout.grid.sample_count()} * (layout.outputs.triangle ? 8 : 4);
 }
 
+/// What is in memory of the field at once.
+struct SlabMemory {
+    std::size_t slabs;
+    std::uint64_t bytes;
+};
+
+SlabMemory slab_memory(const ComputeLayout& layout) {
+    const std::vector<clsdf::Grid> slabs = clsdf::DistanceTransform::slabs_of(layout.grid);
+    std::uint64_t largest = 0;
+    for (const clsdf::Grid& slab : slabs) largest = std::max<std::uint64_t>(largest, slab.sample_count());
+    return {slabs.size(), largest * (layout.outputs.triangle ? 8 : 4) * std::min<std::size_t>(slabs.size(), 2)};
+}
+
 // About what a computation uses beside the field: polyhedra, for slices also their pieces, lists and the program's
 // compiler.
 std::uint64_t working_bytes(const ComputeLayout& layout) {
@@ -79,16 +92,20 @@ ordered_json describe_layout(const ComputeLayout& layout) {
             {"scan", name_of(layout.scan)}};
 }
 
+std::string human_slabs(std::size_t count) {
+    return count == 1 ? "the whole field" : fmt::format("two of {} slabs", count);
+}
+
 ordered_json ratio(std::size_t part, std::size_t whole) {
     return whole == 0 ? ordered_json() : ordered_json(static_cast<double>(part) / static_cast<double>(whole));
 }
 
 }  // namespace
 
-std::size_t count_band_samples(const clsdf::Field& field) {
+std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::FieldSlab& slab) {
     const auto outside = static_cast<float>(field.band.outside);
     const auto inside = -static_cast<float>(field.band.inside);
-    return static_cast<std::size_t>(std::count_if(field.distance.begin(), field.distance.end(), [&](float distance) {
+    return static_cast<std::size_t>(std::count_if(slab.distance.begin(), slab.distance.end(), [&](float distance) {
         return distance < outside && (field.sign == clsdf::SignRule::none || distance > inside);
     }));
 }
@@ -101,9 +118,10 @@ std::string warning_of_polyhedra(const ComputeLayout& layout) {
 
 std::string warning_of_memory(const ComputeLayout& layout) {
     const std::uint64_t memory = physical_memory();
-    if (memory == 0 || field_bytes(layout) <= memory) return {};
-    return fmt::format("the field exceeds the {} of memory of this machine; choose a lower --resolution",
-                       human_bytes(static_cast<double>(memory)));
+    const std::uint64_t needed = slab_memory(layout).bytes + working_bytes(layout);
+    if (memory == 0 || needed <= memory) return {};
+    return fmt::format("about {} of memory are needed, and this machine has {}; choose a lower --resolution",
+                       human_bytes(static_cast<double>(needed)), human_bytes(static_cast<double>(memory)));
 }
 
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation) {
@@ -132,9 +150,10 @@ void print_layout(const ComputeLayout& layout) {
 }
 
 void print_memory(const ComputeLayout& layout) {
-    fmt::print(stderr, "memory  {} for the field, and about {} to compute it\n",
-               human_bytes(static_cast<double>(field_bytes(layout))),
-               human_bytes(static_cast<double>(working_bytes(layout))));
+    const SlabMemory memory = slab_memory(layout);
+    fmt::print(stderr, "memory  {} for {}, and about {} to compute\n", human_bytes(static_cast<double>(memory.bytes)),
+               human_slabs(memory.slabs), human_bytes(static_cast<double>(working_bytes(layout))));
+    fmt::print(stderr, "file    {}\n", human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 void print_outcome(const ComputeLayout& layout, const Computation& computation) {
@@ -144,12 +163,20 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
                computation.compute_seconds, human_count(samples),
                human_count(static_cast<double>(computation.band_samples)),
                human_count(samples / computation.compute_seconds));
+    const clsdf::TransformStatistics& statistics = computation.statistics;
+    fmt::print(stderr, "memory  {} of buffers on the device, {} on the host for {}\n",
+               human_bytes(static_cast<double>(statistics.device_bytes)),
+               human_bytes(static_cast<double>(statistics.host_bytes)), human_slabs(statistics.slabs));
     fmt::print(stderr, "wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 ordered_json describe_dry_run(const ComputeLayout& layout) {
     ordered_json result = describe_layout(layout);
-    result["memory"] = {{"field_bytes", field_bytes(layout)}, {"working_bytes", working_bytes(layout)}};
+    const SlabMemory memory = slab_memory(layout);
+    result["memory"] = {{"field_bytes", field_bytes(layout)},
+                        {"slabs", memory.slabs},
+                        {"slab_bytes", memory.bytes},
+                        {"working_bytes", working_bytes(layout)}};
     return result;
 }
 
@@ -160,7 +187,7 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
     result["seconds"] = {{"read", computation.read_seconds},       {"setup", computation.setup_seconds},
                          {"compute", computation.compute_seconds}, {"polyhedra", statistics.polyhedra_seconds},
                          {"lists", statistics.lists_seconds},      {"field", statistics.field_seconds},
-                         {"write", computation.write_seconds}};
+                         {"write", computation.write_seconds},     {"compute_and_write", computation.field_seconds}};
     result["samples_per_second"] = static_cast<double>(layout.grid.sample_count()) / computation.compute_seconds;
     result["statistics"] = {
         {"samples", layout.grid.sample_count()},
@@ -178,7 +205,9 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"empty_intersections", statistics.empty_intersections},
         {"samples_covered", statistics.samples_covered},
         {"lanes_evaluated", statistics.lanes_evaluated},
+        {"slabs", statistics.slabs},
         {"device_bytes", statistics.device_bytes},
+        {"host_bytes", statistics.host_bytes},
         {"samples_covered_per_band_sample", ratio(statistics.samples_covered, computation.band_samples)},
         {"lanes_evaluated_per_band_sample", ratio(statistics.lanes_evaluated, computation.band_samples)},
         {"box_polyhedra_per_triangle", ratio(statistics.box_polyhedra, statistics.triangles)}};

@@ -26,14 +26,15 @@ struct Computation {
     clsdf::TransformStatistics statistics;
     std::size_t band_samples = 0;
     double read_seconds = 0;
-    double setup_seconds = 0;  ///< the device, its context, the program
-    double compute_seconds = 0;
-    double write_seconds = 0;
+    double setup_seconds = 0;    ///< the device, its context, the program
+    double compute_seconds = 0;  ///< until the last slab was computed
+    double write_seconds = 0;    ///< what the file took, beside the computation but for the last slab
+    double field_seconds = 0;    ///< both, from the polyhedra to the complete file
     std::string output;
 };
 
 /// Samples strictly within the band's limits: those that differ from what is beyond them.
-std::size_t count_band_samples(const clsdf::Field& field);
+std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::FieldSlab& slab);
 
 /// What the user should be told; empty where nothing.
 std::string warning_of_polyhedra(const ComputeLayout& layout);

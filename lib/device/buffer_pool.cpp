@@ -20,10 +20,13 @@ void BufferPool::Lease::give_back() noexcept {
     if (!pool_) return;
     try {
         const std::scoped_lock lock(pool_->mutex_);
+        pool_->leased_bytes_ -= bytes_;
         pool_->free_.push_back({std::move(buffer_), bytes_});
     } catch (const std::exception&) {
         // No memory to remember it by: the buffer is released instead.
     }
+    buffer_ = {};
+    bytes_ = 0;
     pool_.reset();
 }
 
@@ -36,6 +39,7 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
             best = it;
     if (best == free_.end()) return std::nullopt;
     std::optional<Lease> lease(std::in_place, shared_from_this(), std::move(best->buffer), best->bytes);
+    leased_bytes_ += best->bytes;
     free_.erase(best);
     return lease;
 }
@@ -43,20 +47,52 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
 BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     const std::size_t wanted = std::max<std::size_t>(bytes, 64);
     if (auto free = take_free(wanted)) return std::move(*free);
-    const std::size_t largest = context_->capabilities().largest_allocation;
-    if (wanted > largest)
+    const Context::Capabilities& device = context_->capabilities();
+    if (wanted > device.largest_allocation)
         throw Error(ErrorCode::out_of_memory, fmt::format("the {} need {} bytes of device memory in one piece, and the "
                                                           "device allocates at most {}; compute a smaller "
                                                           "part of the grid at a time, or a narrower band",
-                                                          purpose, wanted, largest));
-    return guarded(
-        [&] { return Lease(shared_from_this(), cl::Buffer(context_->context(), CL_MEM_READ_WRITE, wanted), wanted); });
+                                                          purpose, wanted, device.largest_allocation));
+    const std::scoped_lock lock(mutex_);
+    if (leased_bytes_ + free_bytes() + wanted > device.memory) free_.clear();
+    if (leased_bytes_ + wanted > device.memory)
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; compute "
+                                "a smaller part of the grid at a time, or a narrower band",
+                                purpose, wanted, leased_bytes_, device.memory));
+    return guarded([&] {
+        Lease lease(shared_from_this(), cl::Buffer(context_->context(), CL_MEM_READ_WRITE, wanted), wanted);
+        leased_bytes_ += wanted;
+        peak_ = std::max(peak_, leased_bytes_ + free_bytes());
+        return lease;
+    });
 }
 
 void BufferPool::trim() {
     const std::scoped_lock lock(mutex_);
     std::erase_if(free_, [](const Free& free) { return !free.used; });
     for (Free& free : free_) free.used = false;
+}
+
+void BufferPool::release() {
+    const std::scoped_lock lock(mutex_);
+    free_.clear();
+}
+
+std::size_t BufferPool::peak() const {
+    const std::scoped_lock lock(mutex_);
+    return peak_;
+}
+
+void BufferPool::restart_peak() {
+    const std::scoped_lock lock(mutex_);
+    peak_ = leased_bytes_ + free_bytes();
+}
+
+std::size_t BufferPool::free_bytes() const {
+    std::size_t bytes = 0;
+    for (const Free& free : free_) bytes += free.bytes;
+    return bytes;
 }
 
 }  // namespace clsdf::device

@@ -36,11 +36,19 @@ public:
         std::size_t bytes_ = 0;
     };
 
-    /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once.
+    /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once, or has not so
+    /// much memory left.
     Lease lease(std::size_t bytes, const char* purpose);
 
     /// Releases the free buffers that were not in use since the last call.
     void trim();
+
+    /// Releases all free buffers.
+    void release();
+
+    /// The most bytes that all buffers, free ones included, took at once since the last restart_peak().
+    std::size_t peak() const;
+    void restart_peak();
 
 private:
     struct Free {
@@ -50,10 +58,13 @@ private:
     };
 
     std::optional<Lease> take_free(std::size_t wanted);
+    std::size_t free_bytes() const;
 
     std::shared_ptr<Context> context_;
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::vector<Free> free_;
+    std::size_t leased_bytes_ = 0;
+    std::size_t peak_ = 0;
 };
 
 }  // namespace clsdf::device

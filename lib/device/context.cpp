@@ -6,8 +6,53 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 
 namespace clsdf::device {
+
+namespace {
+
+/// A smaller device can be tried out on a larger one.
+void limit_by_environment(const char* name, std::size_t& bytes) {
+    if (const char* limit = std::getenv(name))
+        if (const std::size_t most = std::strtoull(limit, nullptr, 10); most > 0) bytes = std::min(bytes, most);
+}
+
+/// All that the compiled program depends on.
+std::string cache_key(const cl::Device& device, const std::string& options, const std::string& source) {
+    const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
+    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", platform.getInfo<CL_PLATFORM_NAME>(),
+                       platform.getInfo<CL_PLATFORM_VERSION>(), device.getInfo<CL_DEVICE_VENDOR>(),
+                       device.getInfo<CL_DEVICE_NAME>(), device.getInfo<CL_DEVICE_VERSION>(),
+                       device.getInfo<CL_DRIVER_VERSION>(), options, source);
+}
+
+/// Nothing where there is no binary, or the driver does not take it.
+std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Device& device,
+                                       std::optional<ProgramCache::Binary> binary, const std::string& options) {
+    if (!binary) return std::nullopt;
+    try {
+        cl::Program program(context, {device}, {std::move(*binary)});
+        program.build(device, options.c_str());
+        return program;
+    } catch (const cl::Error&) {
+        return std::nullopt;
+    }
+}
+
+/// Empty where the driver gives none. A context may have devices beside the one that the program was built for, whose
+/// binaries are empty.
+ProgramCache::Binary binary_of(const cl::Program& program) {
+    try {
+        for (ProgramCache::Binary& binary : program.getInfo<CL_PROGRAM_BINARIES>())
+            if (!binary.empty()) return std::move(binary);
+    } catch (const cl::Error&) {
+        // As good as none.
+    }
+    return {};
+}
+
+}  // namespace
 
 Context::Capabilities capabilities_of(const cl::Device& device) {
     Context::Capabilities capabilities;
@@ -16,11 +61,9 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
     capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
-    // A smaller device can be tried out on a larger one.
-    if (const char* limit = std::getenv("CLSDF_MAX_ALLOCATION"))
-        if (const std::size_t bytes = std::strtoull(limit, nullptr, 10); bytes > 0)
-            capabilities.largest_allocation = std::min(capabilities.largest_allocation, bytes);
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+    limit_by_environment("CLSDF_MAX_ALLOCATION", capabilities.largest_allocation);
+    limit_by_environment("CLSDF_MAX_MEMORY", capabilities.memory);
     return capabilities;
 }
 
@@ -42,12 +85,35 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
                 device_.getInfo<CL_DEVICE_NAME>()));
 }
 
+void Context::set_cache_folder(std::filesystem::path folder) {
+    const std::scoped_lock lock(programs_mutex_);
+    cache_ = ProgramCache(std::move(folder));
+}
+
+std::filesystem::path Context::cache_folder() const {
+    const std::scoped_lock lock(programs_mutex_);
+    return cache_.folder();
+}
+
 cl::Program Context::program(std::string_view kernel_file, const std::string& options) {
     const std::scoped_lock lock(programs_mutex_);
-    const std::string key = fmt::format("{} {}", kernel_file, options);
-    if (const auto found = programs_.find(key); found != programs_.end()) return found->second;
+    const std::string name = fmt::format("{} {}", kernel_file, options);
+    if (const auto found = programs_.find(name); found != programs_.end()) return found->second;
 
-    cl::Program program(context_, kernel_text(kernel_file));
+    const std::string source = kernel_text(kernel_file);
+    const std::string key = cache_key(device_, options, source);
+    std::optional<cl::Program> program = from_binary(context_, device_, cache_.find(key), options);
+    if (!program) {
+        program = compile(kernel_file, source, options);
+        if (!cache_.folder().empty()) cache_.store(key, binary_of(*program));
+    }
+    programs_.emplace(name, *program);
+    return *program;
+}
+
+cl::Program Context::compile(std::string_view kernel_file, const std::string& source,
+                             const std::string& options) const {
+    cl::Program program(context_, source);
     try {
         program.build(device_, options.c_str());
     } catch (const cl::Error& error) {
@@ -57,7 +123,6 @@ cl::Program Context::program(std::string_view kernel_file, const std::string& op
                         error.what(), kernel_file, code_name(error.err()), options, device_.getInfo<CL_DEVICE_NAME>(),
                         program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_)));
     }
-    programs_.emplace(key, program);
     return program;
 }
 

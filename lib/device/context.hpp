@@ -1,6 +1,7 @@
 #pragma once
 
 #include "device/opencl.hpp"
+#include "device/program_cache.hpp"
 
 #include <cstddef>
 #include <map>
@@ -29,20 +30,29 @@ public:
         std::size_t largest_group = 1;  ///< work-items
         std::size_t largest_allocation = 0;
         std::size_t memory = 0;
+        double launch_seconds = 0.1;  ///< how long a launch may last, about: displays and cancellations wait for it
     };
     const Capabilities& capabilities() const { return capabilities_; }
 
-    /// Builds one of the library's kernel files, once per options. Throws Error(device_failure) with the build log.
+    /// Builds one of the library's kernel files, once per options, or takes it from the cache. Throws
+    /// Error(device_failure) with the build log.
     cl::Program program(std::string_view kernel_file, const std::string& options);
 
+    /// Where compiled programs are kept between runs; empty: nowhere.
+    void set_cache_folder(std::filesystem::path folder);
+    std::filesystem::path cache_folder() const;
+
 private:
+    cl::Program compile(std::string_view kernel_file, const std::string& source, const std::string& options) const;
+
     cl::Context context_;
     cl::Device device_;
     cl::CommandQueue callers_queue_;
     cl::CommandQueue queue_;
     Capabilities capabilities_;
-    std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
+    mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, cl::Program> programs_;
+    ProgramCache cache_{default_cache_folder()};
 };
 
 /// Throws cl::Error.

@@ -32,6 +32,14 @@ std::string Device::platform() const {
         [&] { return cl::Platform(context_->device().getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>(); });
 }
 
+std::string Device::program_cache() const {
+    return context_->cache_folder().string();
+}
+
+void Device::set_program_cache(const std::string& folder) const {
+    context_->set_cache_folder(folder);
+}
+
 cl_context Device::context() const {
     return context_->context()();
 }

@@ -1,17 +1,52 @@
 #pragma once
 
-#include <clsdf/field.hpp>
+#include "field/outputs.hpp"
 
+#include <clsdf/error.hpp>
+#include <clsdf/field_writer.hpp>
+
+#include <memory>
 #include <string>
 
 namespace clsdf {
 
-// Each writer writes everything under temporary names before the first file gets its own; each reader throws
-// Error(unreadable_input).
-void write_nrrd(const Field& field, const std::string& path);
+/// A field on its way into files. Everything is written under temporary names, and the files get their own names in
+/// finish(), the distances' last; without it the destructor removes them.
+class FormatWriter {
+public:
+    FormatWriter() = default;
+    FormatWriter(const FormatWriter&) = delete;
+    FormatWriter& operator=(const FormatWriter&) = delete;
+    virtual ~FormatWriter() = default;
+
+    /// Whole slices of every output, the first of them being slice `first_slice` of the field.
+    virtual void append(const FieldSlab& slab, std::int64_t first_slice) = 0;
+    virtual void finish() = 0;
+};
+
+struct Format {
+    const char* ending;  ///< with its dot, in lower case
+    /// Throws Error(unsupported) for what the format has no place for. The grid and the band are valid.
+    std::unique_ptr<FormatWriter> (*writer)(const std::string& path, const FieldDescription& field,
+                                            const Outputs& outputs);
+    /// Throws Error(unreadable_input), or Error(invalid_argument) where a value makes no sense.
+    Field (*read)(const std::string& path);
+    /// Whether it has a place for other outputs than the distance.
+    bool has_extras = true;
+};
+
+/// By the file's ending, in any case of letters. Throws Error(code) that names the endings there are.
+const Format& format_of(const std::string& path, ErrorCode code);
+
+/// Throws Error(unsupported) where the format has no place for one of them.
+void check_place_for(const Outputs& outputs, const std::string& path, const Format& format);
+
+std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
+                                          const Outputs& outputs);
 Field read_nrrd(const std::string& path);
 
-void write_npy(const Field& field, const std::string& path);
+std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field,
+                                         const Outputs& outputs);
 Field read_npy(const std::string& path);
 
 /// The grid that a file states by its first sample, as the part of the lattice that the file says it is. Programs that
@@ -19,8 +54,11 @@ Field read_npy(const std::string& path);
 /// that very sample.
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first);
 
-/// The file of the nearest triangles beside a field: "bunny.nrrd" has "bunny_triangle.nrrd".
-std::string triangle_path(const std::string& path);
+/// The file of another output beside a field: "bunny.nrrd" has "bunny_triangle.nrrd".
+std::string extra_path(const std::string& path, const OutputKind& kind);
+
+/// The last part of a path.
+std::string file_name(const std::string& path);
 
 /// A file that another one in the same folder names. Throws Error(unreadable_input) where `name` is not a plain name.
 std::string path_beside(const std::string& path, const std::string& name);

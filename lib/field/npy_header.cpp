@@ -143,11 +143,8 @@ NpyHeader read_npy_header(InputFile& file) {
 
     NpyHeader header;
     set_type(header, file, *dictionary->type);
-    header.values.offset = begin + length;
+    header.values = values_to_the_end(file, header.values.type, header.values.order, begin + length);
     header.shape = *dictionary->shape;
-    if (header.shape.size() != 3)
-        file.fail(fmt::format("header field 'shape': ({}) has {} dimensions; a distance field has three, (nz, ny, nx)",
-                              fmt::join(header.shape, ", "), header.shape.size()));
     return header;
 }
 

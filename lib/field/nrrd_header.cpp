@@ -106,12 +106,14 @@ const std::string* NrrdHeader::find_pair(const std::string& key) const {
     return found == pairs_.end() ? nullptr : &found->second;
 }
 
-Index3 NrrdHeader::sizes() const {
-    const std::string& dimension = require("dimension", "a field has dimension 3");
-    if (dimension != "3") fail("dimension", dimension, "a distance field has dimension 3");
+std::vector<std::int64_t> NrrdHeader::sizes(std::size_t dimensions) const {
+    const std::string expected = fmt::format("the field has dimension {}", dimensions);
+    const std::string& dimension = require("dimension", expected);
+    if (dimension != fmt::format("{}", dimensions)) fail("dimension", dimension, expected);
     const std::string& text = require("sizes", "state the samples along x, y and z");
-    Index3 sizes{};
-    if (!parse_numbers(text, std::span<std::int64_t>(sizes))) fail("sizes", text, "expected three whole numbers");
+    std::vector<std::int64_t> sizes(dimensions);
+    if (!parse_numbers(text, std::span<std::int64_t>(sizes)))
+        fail("sizes", text, fmt::format("expected {} whole numbers", dimensions));
     return sizes;
 }
 
@@ -123,16 +125,12 @@ RawValues NrrdHeader::values() const {
     if (encoding != "raw")
         fail("encoding", encoding, "only raw is read; save it uncompressed (unu save -f nrrd -e raw)");
 
-    RawValues values;
-    values.offset = data_offset_;
     const std::string& type_text = require("type", "a distance field is of float or double");
     const std::optional<ValueType> type = parse_type(lower_case(type_text));
     if (!type) fail("type", type_text, "a distance field is of float or double");
-    values.type = *type;
     const std::string endian = lower_case(require("endian", "state little or big"));
     if (endian != "little" && endian != "big") fail("endian", endian, "expected little or big");
-    values.order = endian == "little" ? std::endian::little : std::endian::big;
-    return values;
+    return values_to_the_end(file_, *type, endian == "little" ? std::endian::little : std::endian::big, data_offset_);
 }
 
 void NrrdHeader::fail(const std::string& field, const std::string& text, const std::string& what) const {

@@ -23,8 +23,8 @@ public:
     /// The text of a "key:=value" pair, or null.
     const std::string* find_pair(const std::string& key) const;
 
-    /// Three sizes of an array of dimension 3.
-    Index3 sizes() const;
+    /// The sizes of an array of so many dimensions.
+    std::vector<std::int64_t> sizes(std::size_t dimensions) const;
     /// Type, byte order and place of the values, which must be raw and attached.
     RawValues values() const;
 

@@ -99,14 +99,18 @@ double read_half_width(const NrrdHeader& header, const std::string& key) {
     return width;
 }
 
-std::vector<std::uint32_t> read_triangles(const std::string& path, const Index3& size) {
+void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
     InputFile file(path);
     const NrrdHeader header(file);
     const RawValues values = header.values();
-    if (values.type != ValueType::uint32) header.fail("type", *header.find("type"), "triangles are \"unsigned int\"");
-    if (header.sizes() != size)
+    if (values.type != kind.type)
+        header.fail("type", *header.find("type"), fmt::format("{} is of another type", kind.content));
+    std::vector<std::int64_t> expected(field.grid.size.begin(), field.grid.size.end());
+    if (kind.components > 1) expected.insert(expected.begin(), kind.components);
+    if (header.sizes(expected.size()) != expected)
         header.fail("sizes", *header.find("sizes"), "the field has other sizes; compute both again");
-    return read_indices(file, values, checked_count(file, values, size));
+    checked_count(file, values, expected);
+    read_values(file, values, kind.allocate(field, field.grid.sample_count()));
 }
 
 }  // namespace
@@ -117,20 +121,22 @@ Field read_nrrd(const std::string& path) {
     const RawValues values = header.values();
     if (values.type == ValueType::uint32)
         header.fail("type", *header.find("type"), "a distance field is of float or double");
-    const Index3 size = header.sizes();
+    const std::vector<std::int64_t> size = header.sizes(3);
     const std::size_t count = checked_count(file, values, size);
 
     Field field;
-    field.grid = read_grid(header, size);
+    field.grid = read_grid(header, {size[0], size[1], size[2]});
     field.band = {read_half_width(header, "clsdf_band_inside"), read_half_width(header, "clsdf_band_outside")};
     field.band.validate();
     if (const std::string* mesh = header.find_pair("clsdf_mesh")) field.mesh_name = *mesh;
     const std::string* sign = header.find_pair("clsdf_sign");
     field.sign = sign == nullptr ? SignRule::automatic : parse_sign_rule(*sign);
     field.distance = read_floats(file, values, count);
-    if (const std::string* name = header.find_pair("clsdf_triangle_file")) {
+    for (const OutputKind& kind : extra_kinds()) {
+        const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", kind.name));
+        if (name == nullptr) continue;
         const std::string beside = path_beside(path, *name);
-        if (std::filesystem::exists(beside)) field.triangle = read_triangles(beside, size);
+        if (std::filesystem::exists(beside)) read_extra(beside, kind, field);
     }
     return field;
 }

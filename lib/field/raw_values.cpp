@@ -17,37 +17,10 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
 
 constexpr std::size_t chunk = std::size_t{1} << 16;  // values converted at a time
 
-std::uint64_t bytes_of(ValueType type) {
-    return type == ValueType::float64 ? 8 : 4;
-}
-
-template <class Value>
-void swap_bytes(std::span<Value> values) {
-    for (Value& value : values) {
-        const auto bytes = std::as_writable_bytes(std::span(&value, 1));
-        std::reverse(bytes.begin(), bytes.end());
-    }
-}
-
-template <class Value>
-void read_values(InputFile& file, std::uint64_t offset, std::endian order, std::span<Value> values) {
-    file.read(offset, std::as_writable_bytes(values));
-    if (order != std::endian::native) swap_bytes(values);
-}
-
-template <class Value>
-void write_values(AtomicFile& file, std::span<const Value> values) {
-    if constexpr (std::endian::native == std::endian::little) {
-        file.write(std::as_bytes(values));
-    } else {
-        std::vector<Value> swapped;
-        for (std::size_t begin = 0; begin < values.size(); begin += chunk) {
-            const auto part = values.subspan(begin, std::min(chunk, values.size() - begin));
-            swapped.assign(part.begin(), part.end());
-            swap_bytes(std::span(swapped));
-            file.write(std::as_bytes(std::span(swapped)));
-        }
-    }
+void swap_bytes(std::span<std::byte> bytes, std::size_t width) {
+    for (std::size_t begin = 0; begin < bytes.size(); begin += width)
+        std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(begin),
+                     bytes.begin() + static_cast<std::ptrdiff_t>(begin + width));
 }
 
 }  // namespace
@@ -83,57 +56,76 @@ void InputFile::fail(const std::string& what) const {
     throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", path_, what));
 }
 
+std::size_t width_of(ValueType type) {
+    return type == ValueType::float64 ? 8 : 4;
+}
+
+RawValues values_to_the_end(const InputFile& file, ValueType type, std::endian order, std::uint64_t offset) {
+    return {type, order, offset, file.size() - std::min(file.size(), offset)};
+}
+
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes) {
-    const std::uint64_t available = file.size() - std::min(file.size(), values.offset);
-    const std::uint64_t width = bytes_of(values.type);
+    const std::uint64_t width = width_of(values.type);
+    if (values.offset > file.size() || values.bytes > file.size() - values.offset)
+        file.fail(
+            fmt::format("{} bytes of values from byte {} on do not lie in the {} bytes of the file, which is "
+                        "truncated, or its header is wrong",
+                        values.bytes, values.offset, file.size()));
     std::uint64_t count = 1;
     for (const std::int64_t size : sizes) {
         if (size < 1)
             file.fail(fmt::format("sizes: {} is not a number of samples; each axis has at least one",
                                   fmt::join(sizes, " x ")));
         const auto factor = static_cast<std::uint64_t>(size);
-        if (count > available / width / factor)
+        if (count > values.bytes / width / factor)
             file.fail(
                 fmt::format("sizes: {} values of {} bytes do not fit the {} bytes after the header; the file is "
                             "truncated, or its header is wrong",
-                            fmt::join(sizes, " x "), width, available));
+                            fmt::join(sizes, " x "), width, values.bytes));
         count *= factor;
     }
-    if (count * width != available)
+    if (count * width != values.bytes)
         file.fail(
             fmt::format("sizes: {} values of {} bytes leave {} of the {} bytes after the header unused; the "
                         "header is wrong",
-                        fmt::join(sizes, " x "), width, available - count * width, available));
+                        fmt::join(sizes, " x "), width, values.bytes - count * width, values.bytes));
     return static_cast<std::size_t>(count);
+}
+
+void read_values(InputFile& file, const RawValues& values, std::span<std::byte> room) {
+    file.read(values.offset, room);
+    if (values.order != std::endian::native) swap_bytes(room, width_of(values.type));
 }
 
 std::vector<float> read_floats(InputFile& file, const RawValues& values, std::size_t count) {
     std::vector<float> result(count);
     if (values.type == ValueType::float32) {
-        read_values(file, values.offset, values.order, std::span(result));
+        read_values(file, values, std::as_writable_bytes(std::span(result)));
         return result;
     }
     std::vector<double> buffer(std::min(chunk, count));
+    RawValues rest = values;
     for (std::size_t begin = 0; begin < count; begin += chunk) {
         const auto part = std::span(buffer).first(std::min(chunk, count - begin));
-        read_values(file, values.offset + begin * sizeof(double), values.order, part);
+        read_values(file, rest, std::as_writable_bytes(part));
+        rest.offset += part.size_bytes();
         for (std::size_t i = 0; i < part.size(); ++i) result[begin + i] = static_cast<float>(part[i]);
     }
     return result;
 }
 
-std::vector<std::uint32_t> read_indices(InputFile& file, const RawValues& values, std::size_t count) {
-    std::vector<std::uint32_t> result(count);
-    read_values(file, values.offset, values.order, std::span(result));
-    return result;
-}
-
-void write_little_endian(AtomicFile& file, std::span<const float> values) {
-    write_values(file, values);
-}
-
-void write_little_endian(AtomicFile& file, std::span<const std::uint32_t> values) {
-    write_values(file, values);
+void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width) {
+    if constexpr (std::endian::native == std::endian::little) {
+        file.write(bytes);
+    } else {
+        std::vector<std::byte> swapped;
+        for (std::size_t begin = 0; begin < bytes.size(); begin += chunk * width) {
+            const auto part = bytes.subspan(begin, std::min(chunk * width, bytes.size() - begin));
+            swapped.assign(part.begin(), part.end());
+            swap_bytes(swapped, width);
+            file.write(swapped);
+        }
+    }
 }
 
 }  // namespace clsdf

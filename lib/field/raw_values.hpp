@@ -36,22 +36,30 @@ private:
 
 enum class ValueType { float32, float64, uint32 };
 
-/// Where the values of an array lie in a file, and how they are stored: from `offset` to the end of the file.
+/// Bytes of a value.
+std::size_t width_of(ValueType type);
+
+/// Where the values of an array lie in a file, and how they are stored.
 struct RawValues {
     ValueType type = ValueType::float32;
     std::endian order = std::endian::little;
     std::uint64_t offset = 0;
+    std::uint64_t bytes = 0;
 };
 
-/// The number of samples of a block. Throws where the file does not hold just as many values; nothing is allocated
-/// before.
+/// From `offset` to the end of the file.
+RawValues values_to_the_end(const InputFile& file, ValueType type, std::endian order, std::uint64_t offset);
+
+/// The number of values of an array of these sizes. Throws where `values` are not just as many, or do not lie in the
+/// file; nothing is allocated before.
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes);
 
 /// Doubles are rounded to float.
 std::vector<float> read_floats(InputFile& file, const RawValues& values, std::size_t count);
-std::vector<std::uint32_t> read_indices(InputFile& file, const RawValues& values, std::size_t count);
+/// As many bytes as there is room for, in this machine's order.
+void read_values(InputFile& file, const RawValues& values, std::span<std::byte> room);
 
-void write_little_endian(AtomicFile& file, std::span<const float> values);
-void write_little_endian(AtomicFile& file, std::span<const std::uint32_t> values);
+/// Values of `width` bytes each.
+void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width);
 
 }  // namespace clsdf

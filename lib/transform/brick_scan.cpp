@@ -4,17 +4,22 @@
 #include "transform/coarse_lists.hpp"
 #include "transform/layout_of.hpp"
 
+#include <algorithm>
+
 namespace clsdf::transform {
 
 namespace {
 
+constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
+
 class BrickScan final : public FieldScan {
 public:
     BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-              const Layout& layout, const PreparedMesh& mesh, const cl::Buffer& sign_bits, const BrickVariant& variant)
+              const Layout& layout, const PreparedMesh& mesh, const cl::Buffer& sign_bits, const BrickVariant& variant,
+              const ShortLaunches& launches)
         : layout_(layout),
           with_triangle_(variant.triangle),
-          lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.polyhedron_count)),
+          lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.polyhedron_count, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
         const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
@@ -23,6 +28,8 @@ public:
         fill_kernel_.setArg(0, layout);
         fill_kernel_.setArg(1, *computed_);
         fill_kernel_.setArg(2, sign_bits);
+        const double slice = static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]);
+        slices_per_fill_ = launches.most(seconds_per_filled_sample * slice);
     }
 
     std::size_t launch_count() const override { return bricks_->launch_count(); }
@@ -39,10 +46,14 @@ public:
     void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
 
     void enqueue_end(CommandChain& chain) override {
-        const cl::NDRange rows(static_cast<std::size_t>(layout_.size[1]), static_cast<std::size_t>(layout_.size[2]));
-        chain.then([&](auto& target, auto* wait, auto* event) {
-            target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, rows, cl::NullRange, wait, event);
-        });
+        const auto rows = static_cast<std::size_t>(layout_.size[1]), slices = static_cast<std::size_t>(layout_.size[2]);
+        for (std::size_t slice = 0; slice < slices; slice += slices_per_fill_) {
+            fill_kernel_.setArg(6, static_cast<cl_int>(slice));
+            const cl::NDRange range(rows, std::min(slices_per_fill_, slices - slice));
+            chain.then([&](auto& target, auto* wait, auto* event) {
+                target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, cl::NullRange, wait, event);
+            });
+        }
     }
 
     void describe(TransformStatistics& statistics) const override {
@@ -68,6 +79,7 @@ private:
     device::BufferPool::Lease computed_;
     std::unique_ptr<BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
+    std::size_t slices_per_fill_;
 };
 
 }  // namespace
@@ -75,8 +87,8 @@ private:
 std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                                            const PreparedMesh& mesh, const cl::Buffer& sign_bits,
-                                           const BrickVariant& variant) {
-    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, sign_bits, variant);
+                                           const BrickVariant& variant, const ShortLaunches& launches) {
+    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, sign_bits, variant, launches);
 }
 
 }  // namespace clsdf::transform

@@ -3,6 +3,7 @@
 #include "transform/field_scan.hpp"
 #include "transform/prepared_mesh.hpp"
 #include "transform/programs.hpp"
+#include "transform/short_launches.hpp"
 
 #include <memory>
 
@@ -12,6 +13,6 @@ namespace clsdf::transform {
 std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                                            const PreparedMesh& mesh, const cl::Buffer& sign_bits,
-                                           const BrickVariant& variant);
+                                           const BrickVariant& variant, const ShortLaunches& launches);
 
 }  // namespace clsdf::transform

@@ -2,6 +2,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
+#include "transform/short_launches.hpp"
 
 #include <vector>
 
@@ -25,6 +26,6 @@ struct CoarseLists {
 
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const cl::Buffer& polyhedra, std::size_t polyhedron_count);
+                              const cl::Buffer& polyhedra, std::size_t polyhedron_count, const ShortLaunches& launches);
 
 }  // namespace clsdf::transform

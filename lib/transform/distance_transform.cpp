@@ -4,11 +4,13 @@
 #include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
+#include "transform/slab_pipeline.hpp"
+#include "transform/slabs.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
+#include <limits>
 
 namespace clsdf {
 
@@ -46,7 +48,7 @@ struct DistanceTransform::State {
     std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,
                                            const Band& band, const Outputs& outputs) {
         auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), mesh, grid, band, sign,
-                                                  outputs, options);
+                                                  outputs, options, [this] { throw_if_stopped(); });
         pool->trim();
         return plan;
     }
@@ -55,70 +57,15 @@ struct DistanceTransform::State {
         if (options.stop.stop_requested()) throw Error(ErrorCode::cancelled, "the computation was cancelled");
     }
 
-    /// One slab, into the caller's host memory. Its progress runs from `begin` to `end`.
-    void compute(Plan::State& plan, const HostOutputs& host, double begin, double end);
+    /// Slab by slab, into the caller's memory or, where `host` is empty, to the sink.
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const HostOutputs& host,
+                 std::vector<Grid> slabs, transform::SlabPipeline& pipeline);
+
+    /// The samples of one slab. Its progress runs from `begin` to `end`.
+    void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end);
 };
 
 namespace {
-
-/// Slabs of whole coarse bricks, so that nothing is computed twice; `limit` bytes of one output at most.
-std::vector<Grid> slabs_of(const Grid& grid, std::size_t limit) {
-    const std::size_t slice_bytes =
-        static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) * sizeof(float);
-    // Sign bits and their counts take whole bricks; of a grid that is thin along x they outweigh the field.
-    constexpr std::size_t sign_limit = std::size_t{96} << 20;
-    const std::size_t sign_bytes = transform::sign_bytes_of_slice(grid);
-    const auto most = static_cast<std::int64_t>(
-        std::min(limit / slice_bytes, std::max<std::size_t>(sign_limit / sign_bytes, CLSDF_BRICK)));
-    if (most >= grid.size[2]) return {grid};
-    std::vector<Grid> slabs;
-    for (std::int64_t begin = 0; begin < grid.size[2];) {
-        std::int64_t end = std::min(grid.size[2], begin + std::max<std::int64_t>(most, 1));
-        // The last multiple of a coarse brick's side on the lattice; of a brick's; or as many slices as fit.
-        for (const std::int64_t side : {std::int64_t{CLSDF_COARSE}, std::int64_t{CLSDF_BRICK}}) {
-            const std::int64_t over = ((grid.first[2] + end) % side + side) % side;
-            if (end < grid.size[2] && end - over > begin) {
-                end -= over;
-                break;
-            }
-        }
-        slabs.push_back(grid.part({0, 0, begin}, {grid.size[0], grid.size[1], end - begin}));
-        begin = end;
-    }
-    return slabs;
-}
-
-/// Device memory for a host array: the array itself on a processor, whose memory it is.
-class OutputBuffer {
-public:
-    OutputBuffer(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes)
-        : host_(host), bytes_(bytes), in_place_(context.capabilities().is_processor) {
-        if (in_place_)
-            buffer_ = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host);
-        else
-            lease_ = pool.lease(bytes, "samples of the field");
-    }
-
-    const cl::Buffer& operator*() const { return in_place_ ? buffer_ : *lease_; }
-
-    /// Blocks until the host array holds the result.
-    void fetch(const cl::CommandQueue& queue) const {
-        if (in_place_) {
-            void* mapped = queue.enqueueMapBuffer(buffer_, CL_TRUE, CL_MAP_READ, 0, bytes_);
-            queue.enqueueUnmapMemObject(buffer_, mapped);
-            queue.finish();
-        } else {
-            queue.enqueueReadBuffer(*lease_, CL_TRUE, 0, bytes_, host_);
-        }
-    }
-
-private:
-    void* host_;
-    std::size_t bytes_;
-    bool in_place_;
-    cl::Buffer buffer_;
-    device::BufferPool::Lease lease_;
-};
 
 void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.triangles = slab.triangles;
@@ -128,7 +75,7 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.closed_gaps = slab.closed_gaps;
     total.coarse_pairs += slab.coarse_pairs;
     total.coarse_bricks += slab.coarse_bricks;
-    total.device_bytes = std::max(total.device_bytes, slab.device_bytes);
+    ++total.slabs;
     total.brick_pairs += slab.brick_pairs;
     total.active_pieces += slab.active_pieces;
     total.slice_intersections += slab.slice_intersections;
@@ -143,14 +90,11 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
 
 }  // namespace
 
-void DistanceTransform::State::compute(Plan::State& plan, const HostOutputs& host, double begin, double end) {
+void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin,
+                                       double end) {
     const Stopwatch watch;
     const device::Context& context = device.internal();
     device::guarded([&] {
-        const std::size_t bytes = plan.grid.sample_count() * sizeof(float);
-        const OutputBuffer distance(context, *pool, host.distance.data(), bytes);
-        std::optional<OutputBuffer> triangle;
-        if (plan.outputs.triangle) triangle.emplace(context, *pool, host.triangle.data(), bytes);
         std::function<void(double)> between;
         if (options.progress || options.stop.stop_possible())
             between = [&](double fraction) {
@@ -158,9 +102,9 @@ void DistanceTransform::State::compute(Plan::State& plan, const HostOutputs& hos
                 if (options.progress) options.progress(begin + (end - begin) * fraction);
             };
         try {
-            plan.enqueue(context.queue(), *distance, triangle ? **triangle : cl::Buffer(), {}, between);
-            distance.fetch(context.queue());
-            if (triangle) triangle->fetch(context.queue());
+            plan.enqueue(context.queue(), slot.distance.buffer(),
+                         plan.outputs.triangle ? slot.triangle.buffer() : cl::Buffer(), {}, between)
+                .wait();
             plan.read_counters();
         } catch (...) {
             // What is under way still writes to the caller's memory.
@@ -169,6 +113,49 @@ void DistanceTransform::State::compute(Plan::State& plan, const HostOutputs& hos
         }
     });
     plan.statistics.field_seconds = watch.seconds();
+}
+
+void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
+                                       const HostOutputs& host, std::vector<Grid> slabs,
+                                       transform::SlabPipeline& pipeline) {
+    throw_if_stopped();
+    pool->restart_peak();
+    const auto prepared = prepare(grid, band);
+    throw_if_stopped();
+    statistics = {};
+    const auto samples = static_cast<double>(grid.sample_count());
+    std::reverse(slabs.begin(), slabs.end());
+    for (std::size_t done = 0; !slabs.empty();) {
+        const Grid slab = slabs.back();
+        slabs.pop_back();
+        const std::size_t count = slab.sample_count();
+        HostOutputs part;
+        if (!host.distance.empty()) part.distance = host.distance.subspan(done, count);
+        if (!host.triangle.empty()) part.triangle = host.triangle.subspan(done, count);
+        transform::SlabPipeline::Slot& slot = pipeline.next();
+        try {
+            pipeline.place(slot, slab, outputs, part);
+            const auto plan = make_plan(prepared, slab, band, outputs);
+            throw_if_stopped();
+            compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples);
+            add(statistics, plan->statistics);
+        } catch (const Error& error) {
+            // How long a slab's lists are is known when they are made.
+            if (error.code() != ErrorCode::out_of_memory || !transform::is_divisible(slab)) throw;
+            auto [lower, upper] = transform::halves_of(slab);
+            slabs.push_back(std::move(upper));
+            slabs.push_back(std::move(lower));
+            pipeline.take_back(slot);
+            pool->release();
+            continue;
+        }
+        pipeline.deliver(slot, slab);
+        done += count;
+    }
+    pipeline.finish();
+    statistics.device_bytes = pool->peak();
+    statistics.host_bytes = pipeline.host_bytes();
+    if (options.progress) options.progress(1.0);
 }
 
 DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, TransformOptions options)
@@ -206,23 +193,29 @@ void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOu
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the grid has {} samples, and the arrays given hold {} distances and {} triangles",
                                 samples, host.distance.size(), host.triangle.size()));
-    state.throw_if_stopped();
-    const auto prepared = state.prepare(grid, band);
-    state.throw_if_stopped();
-    state.statistics = {};
-    std::size_t done = 0;
-    for (const Grid& slab : slabs_of(grid, state.device.internal().capabilities().largest_allocation)) {
-        const auto plan = state.make_plan(prepared, slab, band, outputs);
-        state.throw_if_stopped();
-        const std::size_t count = slab.sample_count();
-        const HostOutputs part{host.distance.subspan(done, count),
-                               outputs.triangle ? host.triangle.subspan(done, count) : std::span<std::uint32_t>{}};
-        const auto fraction = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(samples); };
-        state.compute(*plan, part, fraction(done), fraction(done + count));
-        add(state.statistics, plan->statistics);
-        done += count;
-    }
-    if (state.options.progress) state.options.progress(1.0);
+    const device::Context& context = state.device.internal();
+    transform::SlabPipeline pipeline(context, state.pool, {}, true);
+    state.compute(grid, band, outputs, host, transform::slabs_of(grid, transform::limits_of(context.capabilities())),
+                  pipeline);
+}
+
+void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
+                                      const SlabOptions& options) {
+    State& state = *state_;
+    grid.validate();
+    grid.sample_count();
+    if (!sink) throw Error(ErrorCode::invalid_argument, "DistanceTransform::compute_slabs needs a sink; it is empty");
+    const device::Context& context = state.device.internal();
+    transform::SlabPipeline pipeline(context, state.pool, sink, options.overlap);
+    state.compute(grid, band, outputs, {},
+                  transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), pipeline);
+}
+
+std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
+    grid.validate();
+    device::Context::Capabilities unlimited;
+    unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
+    return transform::slabs_of(grid, transform::stream_limits_of(unlimited));
 }
 
 Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Outputs& outputs) {

@@ -13,7 +13,8 @@ namespace clsdf {
 
 Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
                    std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options)
+                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options,
+                   const std::function<void()>& between_launches)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
       prepared(std::move(prepared_in)),
@@ -24,13 +25,15 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     const Stopwatch watch;
     device::Context& context = device.internal();
     const Layout layout = transform::layout_of(grid, band, sign);
-    sign_bits_ = transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, *prepared->triangles);
+    const transform::ShortLaunches launches(context, between_launches);
+    sign_bits_ =
+        transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, *prepared->triangles, launches);
     device::guarded([&] {
         const transform::BrickVariant variant{outputs.triangle, options.count, transform::has_long_bricks(grid)};
-        scan_ = prepared->pieces
-                    ? transform::make_slice_scan(context, programs, pool, layout, *prepared, *sign_bits_, variant,
-                                                 options.slice_minimum)
-                    : transform::make_brick_scan(context, programs, pool, layout, *prepared, *sign_bits_, variant);
+        scan_ = prepared->pieces ? transform::make_slice_scan(context, programs, pool, layout, *prepared, *sign_bits_,
+                                                              variant, options.slice_minimum)
+                                 : transform::make_brick_scan(context, programs, pool, layout, *prepared, *sign_bits_,
+                                                              variant, launches);
         context.queue().finish();  // computations may run on another queue
     });
 

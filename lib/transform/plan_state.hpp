@@ -12,11 +12,13 @@
 
 namespace clsdf {
 
-/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs.
+/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs. `between_launches` of the
+/// set-up may throw.
 struct Plan::State {
     State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
           std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options);
+          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options,
+          const std::function<void()>& between_launches);
 
     /// Waits for what is under way: its buffers go back to the pool.
     ~State();

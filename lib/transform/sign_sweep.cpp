@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
@@ -24,6 +25,20 @@ namespace {
 constexpr int snap_bits = 20;
 // Of the snapped coordinates, so that differences fit 63 bits with room for the grid's own.
 constexpr double snapped_limit = 0x1p61;
+
+// Measured on a core, and rounded up: a row that is tested against a triangle, and a word of sign bits.
+constexpr double seconds_per_row = 2e-8;
+constexpr double seconds_per_word = 5e-9;
+constexpr double rows_of_a_triangle = 3;  // what a triangle without rows takes
+// A triangle of many rows is divided among work-items, each of which takes a strip of the slices.
+constexpr std::size_t rows_per_item = std::size_t{1} << 14;
+constexpr std::size_t most_strips = 64;
+
+/// Rows in the boxes of the triangles.
+struct SweepRows {
+    std::size_t largest;
+    double mean;
+};
 
 /// Bits below a sample on an axis whose spacing is `ratio` voxels.
 int bits_of(double ratio) {
@@ -59,11 +74,45 @@ std::vector<SweepVertex> sweep_vertices(const Grid& grid, const Mesh& mesh, int 
     return vertices;
 }
 
+SweepRows rows_of(const std::vector<SweepVertex>& vertices, const Mesh& mesh, const Layout& layout, int bits_y,
+                  int bits_z) {
+    const auto rows_between = [&layout](std::int64_t low, std::int64_t high, int bits, std::size_t axis) {
+        const std::int64_t first = std::int64_t{layout.brick_first[axis]} * CLSDF_BRICK;
+        const std::int64_t end = first + std::int64_t{layout.bricks[axis]} * CLSDF_BRICK;
+        return static_cast<std::size_t>(
+            std::max<std::int64_t>(std::min(high >> bits, end - 1) - std::max(low >> bits, first) + 1, 0));
+    };
+    struct Sums {
+        std::size_t largest = 0;
+        double total = 0;
+    };
+    const std::vector<Triangle>& triangles = mesh.triangles();
+    const Sums sums = tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, triangles.size(), 4096), Sums{},
+        [&](const auto& range, Sums part) {
+            for (std::size_t t = range.begin(); t != range.end(); ++t) {
+                const auto& [a, b, c] = triangles[t];
+                const auto [low_y, high_y] = std::minmax({vertices[a].y, vertices[b].y, vertices[c].y});
+                const auto [low_z, high_z] = std::minmax({vertices[a].z, vertices[b].z, vertices[c].z});
+                const std::size_t rows =
+                    rows_between(low_y, high_y, bits_y, 1) * rows_between(low_z, high_z, bits_z, 2);
+                part.largest = std::max(part.largest, rows);
+                part.total += static_cast<double>(rows);
+            }
+            return part;
+        },
+        [](Sums one, const Sums& other) {
+            return Sums{std::max(one.largest, other.largest), one.total + other.total};
+        });
+    return {sums.largest, sums.total / static_cast<double>(triangles.size())};
+}
+
 }  // namespace
 
 device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& programs,
                                       const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                                      const Grid& grid, const Mesh& mesh, SignRule rule, const cl::Buffer& triangles) {
+                                      const Grid& grid, const Mesh& mesh, SignRule rule, const cl::Buffer& triangles,
+                                      const ShortLaunches& launches) {
     return device::guarded([&] {
         const cl::CommandQueue& queue = context.queue();
         const std::size_t rows = sign_row_count(layout);
@@ -84,35 +133,52 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
         const auto starts = pool->lease((rows + 1) * sizeof(cl_uint), "starts of the sign's crossings");
         queue.enqueueFillBuffer(*cursors, cl_uint{0}, 0, rows * sizeof(cl_uint));
         constexpr std::size_t group = 64;
-        const auto whole_groups = [](std::size_t items) { return cl::NDRange((items + group - 1) / group * group); };
+        const auto whole_groups = [](std::size_t items) { return (items + group - 1) / group * group; };
         cl::Kernel crossings(programs.sign_sweep, "sign_crossings");
         crossings.setArg(0, layout);
-        crossings.setArg(1, static_cast<cl_uint>(mesh.triangles().size()));
-        crossings.setArg(2, triangles);
-        crossings.setArg(3, *vertices);
-        crossings.setArg(4, cl_int{bits_y});
-        crossings.setArg(5, cl_int{bits_z});
-        crossings.setArg(6, *cursors);
-        crossings.setArg(7, *cursors);  // no keys yet
-        crossings.setArg(8, cl_int{0});
-        queue.enqueueNDRangeKernel(crossings, cl::NullRange, whole_groups(mesh.triangles().size()), cl::NDRange(group));
+        crossings.setArg(3, triangles);
+        crossings.setArg(4, *vertices);
+        crossings.setArg(5, cl_int{bits_y});
+        crossings.setArg(6, cl_int{bits_z});
+        crossings.setArg(7, *cursors);
+        crossings.setArg(8, *cursors);  // no keys yet
+        crossings.setArg(9, cl_int{0});
+        const SweepRows sweep_rows = rows_of(host_vertices, mesh, layout, bits_y, bits_z);
+        const std::size_t strips = std::min(sweep_rows.largest / rows_per_item + 1, most_strips);
+        const double seconds_per_triangle =
+            seconds_per_row * (sweep_rows.mean + rows_of_a_triangle * static_cast<double>(strips));
+        const auto launch_crossings = [&] {
+            launches.over(mesh.triangles().size(), seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
+                crossings.setArg(1, static_cast<cl_uint>(begin));
+                crossings.setArg(2, static_cast<cl_uint>(end));
+                queue.enqueueNDRangeKernel(crossings, cl::NullRange, cl::NDRange(whole_groups(end - begin), strips),
+                                           cl::NDRange(group, 1));
+            });
+        };
+        launch_crossings();
         const std::size_t crossing_count =
             scan(context, programs.scan, pool, *cursors, *starts, rows, "crossings of the surface by rows of samples");
 
         const auto keys = pool->lease(crossing_count * sizeof(cl_uint), "crossings of the sign's sweep");
         queue.enqueueCopyBuffer(*starts, *cursors, 0, 0, rows * sizeof(cl_uint));
-        crossings.setArg(7, *keys);
-        crossings.setArg(8, cl_int{1});
-        queue.enqueueNDRangeKernel(crossings, cl::NullRange, whole_groups(mesh.triangles().size()), cl::NDRange(group));
+        crossings.setArg(8, *keys);
+        crossings.setArg(9, cl_int{1});
+        launch_crossings();
 
         cl::Kernel sweep(programs.sign_sweep, "sign_rows");
         sweep.setArg(0, layout);
-        sweep.setArg(1, static_cast<cl_uint>(rows));
-        sweep.setArg(2, cl_int{rule == SignRule::parity ? 1 : 0});
-        sweep.setArg(3, *starts);
-        sweep.setArg(4, *keys);
-        sweep.setArg(5, *bits);
-        queue.enqueueNDRangeKernel(sweep, cl::NullRange, whole_groups(rows), cl::NDRange(group));
+        sweep.setArg(3, cl_int{rule == SignRule::parity ? 1 : 0});
+        sweep.setArg(4, *starts);
+        sweep.setArg(5, *keys);
+        sweep.setArg(6, *bits);
+        const double words_and_keys =
+            layout.sign_words + 8.0 * static_cast<double>(crossing_count) / static_cast<double>(rows);
+        launches.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
+            sweep.setArg(1, static_cast<cl_uint>(begin));
+            sweep.setArg(2, static_cast<cl_uint>(end));
+            queue.enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(whole_groups(end - begin)),
+                                       cl::NDRange(group));
+        });
         queue.finish();  // the transient buffers go back to the pool
         return bits;
     });

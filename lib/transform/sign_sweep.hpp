@@ -6,6 +6,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
+#include "transform/short_launches.hpp"
 
 namespace clsdf::transform {
 
@@ -16,6 +17,7 @@ struct Programs;
 /// mesh reaches farther from the grid than the sweep's integers.
 device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& programs,
                                       const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                                      const Grid& grid, const Mesh& mesh, SignRule rule, const cl::Buffer& triangles);
+                                      const Grid& grid, const Mesh& mesh, SignRule rule, const cl::Buffer& triangles,
+                                      const ShortLaunches& launches);
 
 }  // namespace clsdf::transform

@@ -12,5 +12,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/scan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slab_pipeline.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slabs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_launches.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_scan.cpp)

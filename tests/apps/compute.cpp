@@ -86,6 +86,7 @@ BOOST_AUTO_TEST_CASE(says_what_the_mesh_is_like_and_counts_bytes_in_whole_number
     const json result = dry_run(folder.file("mesh.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 2 1\n3 0 1 2\n"), {});
     BOOST_TEST(result["memory"]["field_bytes"].is_number_integer());
     BOOST_TEST(result["memory"]["working_bytes"].is_number_integer());
+    BOOST_TEST(result["memory"]["slab_bytes"] == result["memory"]["field_bytes"]);
     const json& topology = result["topology"];
     BOOST_TEST(topology["closed"] == false);
     BOOST_TEST(topology["balanced"] == false);
@@ -96,7 +97,15 @@ BOOST_AUTO_TEST_CASE(says_what_the_mesh_is_like_and_counts_bytes_in_whole_number
         BOOST_TEST(topology[count] == 0);
 }
 
-BOOST_AUTO_TEST_CASE(warns_that_a_field_exceeds_the_memory_of_the_machine) {
+BOOST_AUTO_TEST_CASE(says_how_much_of_the_field_is_in_memory_at_once) {
+    const TemporaryFolder folder;
+    const json memory = dry_run(folder.file("mesh.off", tetrahedron), {"--resolution", "1024"})["memory"];
+    BOOST_TEST(memory["field_bytes"] == std::size_t{1} << 32);
+    BOOST_TEST(memory["slabs"] == 32U);
+    BOOST_TEST(memory["slab_bytes"] == std::size_t{1} << 28);
+}
+
+BOOST_AUTO_TEST_CASE(warns_that_a_computation_exceeds_the_memory_of_the_machine) {
     const TemporaryFolder folder;
     const json result = dry_run(folder.file("mesh.off", tetrahedron), {"--resolution", "100000"});
     BOOST_TEST(result["memory"]["field_bytes"] == 4'000'000'000'000'000);

@@ -52,10 +52,10 @@ BOOST_AUTO_TEST_CASE(ends_the_same_way_when_it_is_told_to_terminate) {
 BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_was_writing) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
-    // A pipe without a reader: triangles and description have temporary files, and the distances wait.
-    const std::string field = folder.file("field.npy");
-    BOOST_REQUIRE(::mkfifo(field.c_str(), 0600) == 0);
-    Process process({"compute", mesh, "-o", field, "--resolution", "16", "--with", "triangle", "--json"});
+    // A pipe without a reader: distances and description have temporary files, and the triangles wait.
+    BOOST_REQUIRE(::mkfifo(folder.file("field_triangle.npy").c_str(), 0600) == 0);
+    Process process(
+        {"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle", "--json"});
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
     while (folder.file_count() < 4 && std::chrono::steady_clock::now() < give_up)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));

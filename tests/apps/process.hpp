@@ -5,6 +5,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <cerrno>
@@ -29,6 +30,7 @@ struct Outcome {
     std::string out;
     std::string error;
     double seconds = 0;
+    std::size_t peak_bytes = 0;  ///< of memory that was resident at once
 };
 
 /// The real command in a process of its own.
@@ -50,13 +52,14 @@ public:
 
     Outcome wait() {
         int status = 0;
-        while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
+        struct rusage usage {};
+        while (::wait4(id_, &status, 0, &usage) < 0 && errno == EINTR) {
         }
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
         const bool exited = WIFEXITED(status);
         const bool own_output = out_ == folder_.file("out");
         return {exited ? WEXITSTATUS(status) : -WTERMSIG(status), own_output ? content_of(out_) : std::string(),
-                content_of(error_), elapsed.count()};
+                content_of(error_), elapsed.count(), static_cast<std::size_t>(usage.ru_maxrss) * 1024};
     }
 
 private:

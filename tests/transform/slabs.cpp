@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include "device/context.hpp"
+#include "polyhedron.h"
 
 #include <algorithm>
 #include <array>
@@ -16,11 +17,17 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
+/// The tests' device as if it had less of what the variable limits.
+Device with_limit(const char* variable, std::size_t bytes) {
+    setenv(variable, std::to_string(bytes).c_str(), 1);
+    Device device = Device::best();
+    unsetenv(variable);
+    return device;
+}
+
 /// The tests' device as if it allocated at most so many bytes at once.
 Device with_largest_allocation(std::size_t bytes) {
-    setenv("CLSDF_MAX_ALLOCATION", std::to_string(bytes).c_str(), 1);
-    const Device device = Device::best();
-    unsetenv("CLSDF_MAX_ALLOCATION");
+    Device device = with_limit("CLSDF_MAX_ALLOCATION", bytes);
     BOOST_REQUIRE(device.internal().capabilities().largest_allocation == bytes);
     return device;
 }
@@ -86,6 +93,32 @@ BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
     BOOST_TEST(std::is_sorted(seen.begin(), seen.end()));
     BOOST_TEST(transform.statistics().band_samples == at_once.statistics().band_samples);
     BOOST_TEST(transform.statistics().lanes_evaluated == at_once.statistics().lanes_evaluated);
+}
+
+// What the lists take is known only when they are made: where they do not fit, the slab is divided.
+BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
+    const Mesh fine = make_shape("sphere5");
+    const Grid grid = grid_around(fine, 100, 4);
+    const Band band = Band::symmetric(16 * grid.voxel());
+    const Field whole = compute(fine, grid, band);
+    DistanceTransform unlimited(test_device(), fine);
+    unlimited(grid, band, {.triangle = true});
+    BOOST_REQUIRE(unlimited.statistics().slabs == 1U);
+    // The polyhedra must fit, and with less and less of what else is needed the whole does not.
+    const std::size_t polyhedra = fine.triangles().size() * sizeof(Polyhedron);
+    std::size_t slabs = 1;
+    for (std::size_t percent = 95; slabs == 1; percent -= 5) {
+        BOOST_REQUIRE(percent > 0);
+        const std::size_t memory = polyhedra + (unlimited.statistics().device_bytes - polyhedra) * percent / 100;
+        DistanceTransform transform(with_limit("CLSDF_MAX_MEMORY", memory), fine);
+        BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
+        BOOST_TEST(transform.statistics().device_bytes <= memory);
+        slabs = transform.statistics().slabs;
+    }
+    // Nothing can be divided here.
+    DistanceTransform hopeless(with_limit("CLSDF_MAX_MEMORY", polyhedra / 2), fine);
+    check_throws(ErrorCode::out_of_memory, {"polyhedra", std::to_string(polyhedra), std::to_string(polyhedra / 2)},
+                 [&] { hopeless(grid, band); });
 }
 
 BOOST_AUTO_TEST_CASE(what_does_not_fit_a_device_is_named) {

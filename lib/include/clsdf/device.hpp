@@ -72,6 +72,16 @@ public:
     cl_device_id id() const;
     cl_command_queue queue() const;
 
+    /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
+    /// variable CLSDF_CACHE_DIR where it is set, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty where the
+    /// first is set and empty, or none is known: nothing is kept then.
+    std::string program_cache() const;
+
+    /// Another folder, for programs that are built from now on: call it before the first DistanceTransform is made.
+    /// With an empty one the library reads and writes nothing but the files it is told to. A folder that cannot be
+    /// written, or a damaged file in it, is no error: programs are compiled then.
+    void set_program_cache(const std::string& folder) const;
+
     /// For the library's own stages.
     device::Context& internal() const { return *context_; }
     const std::shared_ptr<device::Context>& shared() const { return context_; }

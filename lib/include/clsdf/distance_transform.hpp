@@ -2,6 +2,7 @@
 
 #include <clsdf/device.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/field_writer.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/method.hpp>
 #include <clsdf/topology.hpp>
@@ -10,16 +11,12 @@
 #include <memory>
 #include <span>
 #include <stop_token>
+#include <vector>
 
 typedef struct _cl_mem* cl_mem;
 typedef struct _cl_event* cl_event;
 
 namespace clsdf {
-
-/// What a field is to hold beside the distance.
-struct Outputs {
-    bool triangle = false;  ///< the nearest triangle of every sample in the band
-};
 
 /// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
 enum class KernelBody {
@@ -52,7 +49,11 @@ struct TransformStatistics {
     std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
     std::size_t active_pieces = 0;    ///< (piece of a polyhedron, slice), in the scan by slices
-    std::size_t device_bytes = 0;     ///< buffers on the device, the field excluded
+    std::size_t slabs = 0;            ///< parts of the grid that were computed one after the other; 1: all at once
+    /// The most that buffers on the device took at once; of a Plan, its own buffers. A field that is computed in place,
+    /// on a processor, is not among them.
+    std::size_t device_bytes = 0;
+    std::size_t host_bytes = 0;  ///< the library's own arrays for slabs on the host
 
     // Counted on the device with TransformOptions::count.
     std::size_t brick_pairs = 0;          ///< (polyhedron, brick)
@@ -77,6 +78,16 @@ struct DeviceOutputs {
 struct HostOutputs {
     std::span<float> distance{};
     std::span<std::uint32_t> triangle{};
+};
+
+/// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
+/// are there until it returns. What it throws ends the computation.
+using SlabSink = std::function<void(const Grid& part, const FieldSlab& values)>;
+
+/// How a field is computed slab by slab.
+struct SlabOptions {
+    /// The sink runs on a thread of its own, while the next slab is computed; else on the caller's, between slabs.
+    bool overlap = true;
 };
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
@@ -126,13 +137,23 @@ public:
     /// The same into the caller's memory.
     void compute(const Grid& grid, const Band& band, const HostOutputs& host);
 
+    /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the
+    /// sink in the order of z; together they are the field, with the same bytes. Two slabs are in memory, one being
+    /// computed and one in the sink's hands until it returns. On an error, also one that the sink throws, or when
+    /// TransformOptions::stop is set, the sink has returned and is not called again.
+    void compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
+                       const SlabOptions& options = {});
+
+    /// The slabs of compute_slabs() on a device that sets no closer limit.
+    static std::vector<Grid> slabs_of(const Grid& grid);
+
     /// Replaces TransformOptions::stop, for the calls that follow.
     void set_stop(std::stop_token stop);
 
     /// Statistics of the last computation.
     const TransformStatistics& statistics() const;
 
-    /// May block; sizes and fills every buffer. Throws Error(invalid_argument or out_of_memory).
+    /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {});
 
 private:

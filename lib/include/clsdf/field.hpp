@@ -13,13 +13,21 @@ namespace clsdf {
 /// Beyond the band.
 inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
 
-/// A computed field on the host. Arrays have grid.sample_count() values, x fastest, and are empty where not asked for.
-struct Field {
+/// What a field is to hold beside the distance.
+struct Outputs {
+    bool triangle = false;  ///< the nearest triangle of every sample in the band
+};
+
+/// What a field is, its values apart.
+struct FieldDescription {
     Grid grid;
     Band band;
     SignRule sign = SignRule::none;  ///< `automatic` where a file of another program does not say
     std::string mesh_name;
+};
 
+/// A computed field on the host. Arrays have grid.sample_count() values, x fastest, and are empty where not asked for.
+struct Field : FieldDescription {
     std::vector<float> distance;          ///< signed distance in the mesh's units
     std::vector<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
 
@@ -31,9 +39,9 @@ struct Field {
     /// arrays do not fit the grid.
     void write(const std::string& path) const;
 
-    /// Throws what write() would throw for the ending or for a folder that is missing or write-protected, so that
-    /// nothing is computed in vain. Leaves nothing behind.
-    static void check_output(const std::string& path);
+    /// Throws what write() would throw for the ending, for outputs that the format has no place for, or for a folder
+    /// that is missing or write-protected, so that nothing is computed in vain. Leaves nothing behind.
+    static void check_output(const std::string& path, const Outputs& outputs = {});
 
     /// Reads what write() wrote, with the very same grid, and such files of other programs where they say enough:
     /// float or double of either byte order, raw, on a grid parallel to the axes. What they do not state is a band

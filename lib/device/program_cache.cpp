@@ -1,0 +1,156 @@
+#include "device/program_cache.hpp"
+
+#include "core/atomic_file.hpp"
+
+#include <fmt/format.h>
+
+#include <sys/stat.h>
+#include <unistd.h>
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+
+namespace clsdf::device {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view ending = ".program";
+
+// A file is: the mark, the sizes and a check sum of what follows, the key, the binary. The key is kept in full, because
+// two keys may have one name.
+constexpr std::string_view mark = "clsdf program 1\n";
+
+struct Header {
+    std::uint64_t key_size;
+    std::uint64_t binary_size;
+    std::uint64_t check_sum;
+};
+
+/// FNV-1a (Fowler, Noll, Vo) of 64 bits.
+std::uint64_t hash_of(std::string_view bytes) {
+    std::uint64_t hash = 0xCBF29CE484222325U;
+    for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3U;
+    return hash;
+}
+
+/// A program of somebody else's would be run by this user.
+bool is_trusted(const fs::path& path) {
+    struct stat status {};
+    return ::lstat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
+           (status.st_uid == ::geteuid() || status.st_uid == 0);
+}
+
+std::optional<ProgramCache::Binary> parse(std::string_view content, std::string_view key) {
+    if (!content.starts_with(mark)) return std::nullopt;
+    content.remove_prefix(mark.size());
+    Header header{};
+    if (content.size() < sizeof header) return std::nullopt;
+    std::memcpy(&header, content.data(), sizeof header);
+    content.remove_prefix(sizeof header);
+    if (header.key_size != key.size() || content.size() < key.size() ||
+        header.binary_size != content.size() - key.size() || header.check_sum != hash_of(content) ||
+        !content.starts_with(key))
+        return std::nullopt;
+    content.remove_prefix(key.size());
+    return ProgramCache::Binary(content.begin(), content.end());
+}
+
+/// The time of the last use is that of the last change; once a day is often enough.
+void note_use(const fs::path& path) {
+    std::error_code ignored;
+    const auto now = fs::file_time_type::clock::now();
+    if (now - fs::last_write_time(path, ignored) > std::chrono::hours(24)) fs::last_write_time(path, now, ignored);
+}
+
+struct StoredFile {
+    fs::path path;
+    std::uintmax_t size;
+    fs::file_time_type used;
+};
+
+}  // namespace
+
+fs::path ProgramCache::path_of(const std::string& key) const {
+    return folder_ / fmt::format("{:016x}{}", hash_of(key), ending);
+}
+
+std::optional<ProgramCache::Binary> ProgramCache::find(const std::string& key) const noexcept {
+    if (folder_.empty()) return std::nullopt;
+    try {
+        const fs::path path = path_of(key);
+        if (!is_trusted(path) || fs::file_size(path) > limit_) return std::nullopt;
+        std::ifstream file(path, std::ios::binary);
+        const std::string content((std::istreambuf_iterator<char>(file)), {});
+        std::optional<Binary> binary = parse(content, key);
+        if (binary) note_use(path);
+        return binary;
+    } catch (const std::exception&) {
+        return std::nullopt;
+    }
+}
+
+void ProgramCache::store(const std::string& key, std::span<const unsigned char> binary) const noexcept {
+    if (folder_.empty() || binary.empty()) return;
+    try {
+        if (fs::create_directories(folder_)) fs::permissions(folder_, fs::perms::owner_all);
+        std::string content = key;
+        content.append(reinterpret_cast<const char*>(binary.data()), binary.size());
+        const Header header{key.size(), binary.size(), hash_of(content)};
+        const fs::path path = path_of(key);
+        AtomicFile file(path.string());
+        file.write(mark);
+        file.write(std::as_bytes(std::span(&header, 1)));
+        file.write(content);
+        file.commit();
+        prune(path);
+    } catch (const std::exception&) {
+        // Write-protected, full or gone: the next run compiles again.
+    }
+}
+
+void ProgramCache::prune(const fs::path& newest) const {
+    std::error_code ignored;
+    std::vector<StoredFile> files;
+    std::uintmax_t total = 0;
+    const auto now = fs::file_time_type::clock::now();
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+        const fs::path& path = entry.path();
+        const fs::file_time_type used = entry.last_write_time(ignored);
+        // What a process that was killed has left.
+        if (path.extension() == ".part" && path.filename().string().starts_with(".clsdf-") &&
+            now - used > std::chrono::hours(1))
+            fs::remove(path, ignored);
+        std::error_code gone;
+        const std::uintmax_t size = entry.file_size(gone);
+        if (gone || path.extension() != ending) continue;
+        files.push_back({path, size, used});
+        total += size;
+    }
+    std::sort(files.begin(), files.end(),
+              [](const StoredFile& one, const StoredFile& other) { return one.used < other.used; });
+    for (const StoredFile& file : files) {
+        if (total <= limit_) break;
+        if (file.path == newest) continue;
+        fs::remove(file.path, ignored);
+        total -= file.size;
+    }
+}
+
+fs::path default_cache_folder() {
+    if (const char* folder = std::getenv("CLSDF_CACHE_DIR")) return folder;
+    // A relative path is to be ignored (XDG Base Directory Specification).
+    if (const char* base = std::getenv("XDG_CACHE_HOME"); base != nullptr && fs::path(base).is_absolute())
+        return fs::path(base) / "clsdf";
+    if (const char* home = std::getenv("HOME"); home != nullptr && fs::path(home).is_absolute())
+        return fs::path(home) / ".cache" / "clsdf";
+    return {};
+}
+
+}  // namespace clsdf::device

@@ -1,0 +1,122 @@
+#include "transform/slab_pipeline.hpp"
+
+#include <fmt/format.h>
+
+namespace clsdf::transform {
+
+namespace {
+
+/// Without what a vector keeps in store when it grows.
+template <class Value>
+void resize(std::vector<Value>& values, std::size_t size) {
+    if (values.capacity() < size) {
+        std::vector<Value>().swap(values);
+        values.reserve(size);
+    }
+    values.resize(size);
+}
+
+}  // namespace
+
+void OutputMemory::place(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes) {
+    host_ = host;
+    bytes_ = bytes;
+    if (context.capabilities().is_processor) {
+        in_place_ = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host);
+    } else if (lease_.bytes() < bytes) {
+        lease_ = {};
+        lease_ = pool.lease(bytes, "samples of the field");
+    }
+}
+
+cl::Event OutputMemory::fetch(const device::Context& context, const cl::CommandQueue& transfers) const {
+    cl::Event event;
+    if (in_place_() != nullptr) {
+        const cl::CommandQueue& queue = context.queue();
+        void* mapped = queue.enqueueMapBuffer(in_place_, CL_TRUE, CL_MAP_READ, 0, bytes_);
+        queue.enqueueUnmapMemObject(in_place_, mapped);
+        queue.finish();
+    } else {
+        transfers.enqueueReadBuffer(*lease_, CL_FALSE, 0, bytes_, host_, nullptr, &event);
+        transfers.flush();
+    }
+    return event;
+}
+
+SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, SlabSink sink,
+                           bool overlap)
+    : context_(context),
+      pool_(std::move(pool)),
+      sink_(std::move(sink)),
+      // A thread where there is one to be had, and where it is of use.
+      policy_(sink_ && overlap ? std::launch::async | std::launch::deferred : std::launch::deferred),
+      transfers_(device::guarded([&] { return cl::CommandQueue(context.context(), context.device()); })) {}
+
+SlabPipeline::~SlabPipeline() {
+    abandoned_ = true;
+    clFinish(transfers_());
+    if (latest_.valid()) latest_.wait();
+}
+
+SlabPipeline::Slot& SlabPipeline::next() {
+    Slot& slot = slots_[turn_++ % slots_.size()];
+    if (slot.delivered.valid()) slot.delivered.get();
+    return slot;
+}
+
+void SlabPipeline::place(Slot& slot, const Grid& slab, const Outputs& outputs, const HostOutputs& callers) {
+    const std::size_t samples = slab.sample_count();
+    slot.host = callers;
+    if (callers.distance.empty()) {
+        try {
+            resize(slot.own_distance, samples);
+            resize(slot.own_triangle, outputs.triangle ? samples : 0);
+        } catch (const std::exception&) {
+            throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
+                                                              slab.size[0], slab.size[1], slab.size[2]));
+        }
+        slot.host = {slot.own_distance, slot.own_triangle};
+    }
+    device::guarded([&] {
+        slot.distance.place(context_, *pool_, slot.host.distance.data(), samples * sizeof(float));
+        if (outputs.triangle)
+            slot.triangle.place(context_, *pool_, slot.host.triangle.data(), samples * sizeof(std::uint32_t));
+    });
+}
+
+void SlabPipeline::take_back(Slot& slot) {
+    slot = {};
+    --turn_;
+}
+
+void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
+    std::vector<cl::Event> read;
+    device::guarded([&] {
+        read.push_back(slot.distance.fetch(context_, transfers_));
+        if (!slot.host.triangle.empty()) read.push_back(slot.triangle.fetch(context_, transfers_));
+    });
+    const FieldSlab values{slot.host.distance, slot.host.triangle};
+    slot.delivered = std::async(policy_, [this, previous = latest_, read, slab, values]() mutable {
+        if (previous.valid()) previous.get();
+        previous = {};  // or the chain of all slabs would stay
+        device::guarded([&] {
+            for (const cl::Event& event : read)
+                if (event() != nullptr) event.wait();
+        });
+        if (sink_ && !abandoned_) sink_(slab, values);
+    });
+    latest_ = slot.delivered;
+    if (sink_ && policy_ == std::launch::deferred) latest_.get();
+}
+
+void SlabPipeline::finish() {
+    if (latest_.valid()) latest_.get();
+}
+
+std::size_t SlabPipeline::host_bytes() const {
+    std::size_t values = 0;
+    for (const Slot& slot : slots_) values += slot.own_distance.capacity() + slot.own_triangle.capacity();
+    return values * sizeof(float);
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,106 @@
+#include "field/example_field.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/field_writer.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+using clsdf::ErrorCode;
+using clsdf::Field;
+using clsdf::FieldSlab;
+using clsdf::FieldWriter;
+using clsdf::test::check_throws;
+using clsdf::test::content_of;
+using clsdf::test::for_each_format;
+using clsdf::test::TemporaryFolder;
+
+namespace {
+
+// Twenty slices, so that slabs of any size cut bricks and leaves of trees.
+Field tall_field(const std::string& ending) {
+    Field field = clsdf::test::example_field(ending);
+    field.grid = field.grid.part({0, 0, 0}, {4, 3, 1});
+    field.grid.size[2] = 20;
+    field.distance.clear();
+    for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i)
+        field.distance.push_back(static_cast<float>(i % 7) - 2.5F);
+    if (!field.triangle.empty()) {
+        field.triangle.resize(field.grid.sample_count());
+        for (std::uint32_t i = 0; i < field.triangle.size(); ++i) field.triangle[i] = 3 * i;
+    }
+    return field;
+}
+
+FieldSlab slices(const Field& field, std::size_t begin, std::size_t count) {
+    FieldSlab slab{.distance = std::span(field.distance).subspan(12 * begin, 12 * count)};
+    if (!field.triangle.empty()) slab.triangle = std::span(field.triangle).subspan(12 * begin, 12 * count);
+    return slab;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(a_field_written_slab_by_slab)
+
+BOOST_AUTO_TEST_CASE(has_the_same_bytes_as_one_written_whole_however_it_is_cut) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        const Field field = tall_field(ending);
+        const std::string path = folder.file("field" + ending);
+        field.write(path);
+        const auto whole = clsdf::test::all_contents(folder);
+        for (const std::size_t step : {1U, 3U, 8U, 19U}) {
+            FieldWriter writer(path, field, {.triangle = !field.triangle.empty()});
+            for (std::size_t begin = 0; begin < 20; begin += step)
+                writer.append(slices(field, begin, std::min<std::size_t>(step, 20 - begin)));
+            writer.finish();
+            BOOST_TEST_CONTEXT("slabs of " << step << " slices") {
+                BOOST_CHECK(clsdf::test::all_contents(folder) == whole);
+            }
+        }
+    });
+}
+
+BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_is_not_finished) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        const Field field = tall_field(ending);
+        {
+            FieldWriter writer(folder.file("field" + ending), field, {.triangle = !field.triangle.empty()});
+            writer.append(slices(field, 0, 9));
+        }
+        BOOST_TEST(folder.file_count() == 0U);
+    });
+}
+
+BOOST_AUTO_TEST_CASE(is_refused_where_slices_are_missing_or_too_many_or_cut_or_of_other_outputs) {
+    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+        const Field field = tall_field(ending);
+        const clsdf::Outputs outputs{.triangle = !field.triangle.empty()};
+        const std::string path = folder.file("field" + ending);
+        const auto refused = [&](const std::vector<std::string>& words, const FieldSlab& slab) {
+            FieldWriter writer(path, field, outputs);
+            writer.append(slices(field, 0, 2));
+            check_throws(ErrorCode::invalid_argument, words, [&] { writer.append(slab); });
+            check_throws(ErrorCode::invalid_argument, {"after a failure"}, [&] { writer.append(slices(field, 2, 1)); });
+            check_throws(ErrorCode::invalid_argument, {"after a failure"}, [&] { writer.finish(); });
+        };
+        refused({"19 slices", "20"}, slices(field, 0, 19));
+        FieldSlab cut = slices(field, 2, 2);
+        cut.distance = cut.distance.first(13);
+        refused({"13 samples"}, cut);
+        refused({"0 samples"}, {});
+        FieldSlab other = slices(field, 2, 2);
+        const std::vector<std::uint32_t> triangles(24);
+        if (other.triangle.empty())
+            other.triangle = triangles;
+        else
+            other.triangle = {};
+        refused({"triangle"}, other);
+
+        FieldWriter writer(path, field, outputs);
+        writer.append(slices(field, 0, 19));
+        check_throws(ErrorCode::invalid_argument, {"19 of 20"}, [&] { writer.finish(); });
+        BOOST_TEST(folder.file_count() == 0U);
+    });
+}
+
+BOOST_AUTO_TEST_SUITE_END()

@@ -1,0 +1,58 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+
+#include <stop_token>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// The tests' device if its launches had to be as short as that.
+Device with_launches_of(double seconds) {
+    const Device device = Device::best();
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): work that takes long would take long to test
+    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).launch_seconds = seconds;
+    return device;
+}
+
+void check_short_launches(const Mesh& mesh, const Grid& grid, const Band& band) {
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        const Field expected = compute(mesh, grid, band, body);
+        DistanceTransform transform(with_launches_of(2e-5), mesh, {.body = body});
+        BOOST_TEST(same_bytes(expected, transform(grid, band, {.triangle = true})));
+    }
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(short_launches_compute_the_bytes_of_long_ones) {
+    const Mesh knot = tilted(make_shape("knot"));
+    const Grid grid = grid_around(knot, 60, 5);
+    check_short_launches(knot, grid, Band::symmetric(4 * grid.voxel()));
+    check_short_launches(knot, grid, Band::full());
+}
+
+// Work-items share triangles that many rows of samples meet.
+BOOST_AUTO_TEST_CASE(a_triangle_of_many_rows_has_the_right_signs) {
+    const Mesh solid = cube(1);
+    const Grid grid = grid_at({0.01, 0.02, 0.03}, 2.2 / 150, 80).part({76, 0, 0}, {9, 161, 161});
+    const Field field = compute(solid, grid, Band::symmetric(grid.voxel()));
+    check_exact(solid, field);
+    check_short_launches(solid, grid, Band::symmetric(grid.voxel()));
+}
+
+BOOST_AUTO_TEST_CASE(the_setting_up_of_a_plan_is_cancelled) {
+    const Mesh solid = cube(1);
+    const Grid grid = grid_at({0, 0, 0}, 0.1, 15);
+    std::stop_source source;
+    DistanceTransform transform(test_device(), solid, {.stop = source.get_token()});
+    transform.plan(grid, Band::full());
+    source.request_stop();
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform.plan(grid, Band::full()); });
+    transform.set_stop({});
+    transform.plan(grid, Band::full());
+}

@@ -1,0 +1,277 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+#include "transform/slabs.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <optional>
+#include <stop_token>
+#include <thread>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+const Mesh& mesh() {
+    static const Mesh shape = [] {
+        Random random(7);
+        return random_sphere(random, "sphere3", 0.2);
+    }();
+    return shape;
+}
+
+/// Long along z: several slabs of a device that allocates little.
+Grid long_grid(std::int64_t first_z = 0) {
+    Grid grid = grid_around(mesh(), 84, 4);
+    grid.size[2] = 150;
+    grid.origin[2] -= grid.spacing[2] * static_cast<double>(40 + first_z);
+    grid.first[2] = first_z;
+    return grid;
+}
+
+Band band_on(const Grid& grid) {
+    return Band::symmetric(3 * grid.voxel());
+}
+
+/// The tests' device as if it allocated at most 40 of the grid's slices at once.
+Device small_device(const Grid& grid) {
+    setenv("CLSDF_MAX_ALLOCATION", std::to_string(40 * grid.size[0] * grid.size[1] * 4).c_str(), 1);
+    const Device device = Device::best();
+    unsetenv("CLSDF_MAX_ALLOCATION");
+    return device;
+}
+
+/// A field that is put together from its slabs, which must be in order.
+struct Collected {
+    Field field;
+    std::size_t slabs = 0;
+
+    void add(const Grid& whole, const Grid& part, const FieldSlab& values) {
+        const std::int64_t slices = static_cast<std::int64_t>(field.distance.size()) / (whole.size[0] * whole.size[1]);
+        BOOST_REQUIRE((part == whole.part({0, 0, slices}, {whole.size[0], whole.size[1], part.size[2]})));
+        BOOST_REQUIRE(values.distance.size() == part.sample_count());
+        field.distance.insert(field.distance.end(), values.distance.begin(), values.distance.end());
+        field.triangle.insert(field.triangle.end(), values.triangle.begin(), values.triangle.end());
+        ++slabs;
+    }
+};
+
+Collected collect(DistanceTransform& transform, const Grid& grid, const Outputs& outputs,
+                  const SlabOptions& options = {}) {
+    Collected collected;
+    transform.compute_slabs(
+        grid, band_on(grid), outputs,
+        [&](const Grid& part, const FieldSlab& values) { collected.add(grid, part, values); }, options);
+    return collected;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(a_field_in_slabs)
+
+BOOST_AUTO_TEST_CASE(has_the_bytes_of_the_whole) {
+    for (const std::int64_t first : {0, -13})
+        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
+            for (const bool overlap : {true, false}) {
+                const Grid grid = long_grid(first);
+                const Field whole = compute(mesh(), grid, band_on(grid), body);
+                DistanceTransform transform(small_device(grid), mesh(), {.body = body});
+                const Collected collected = collect(transform, grid, {.triangle = true}, {.overlap = overlap});
+                BOOST_TEST(same_bytes(whole, collected.field));
+                BOOST_TEST(collected.slabs >= 4U);
+                BOOST_TEST(transform.statistics().slabs == collected.slabs);
+            }
+}
+
+// Samples lie in buffers of the device, and are read by a queue of their own.
+BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
+    const Grid grid = long_grid(-13);
+    const Field whole = compute(mesh(), grid, band_on(grid), KernelBody::by_group);
+    const Device device = small_device(grid);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other device is at hand
+    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).is_processor = false;
+    DistanceTransform transform(device, mesh());
+    BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), {.triangle = true})));
+    BOOST_TEST(transform.statistics().slabs >= 4U);
+    const Collected collected = collect(transform, grid, {.triangle = true});
+    BOOST_TEST(same_bytes(whole, collected.field));
+    BOOST_TEST(collected.slabs >= 4U);
+    // Two slabs of two outputs are on the device.
+    BOOST_TEST(transform.statistics().device_bytes > transform.statistics().host_bytes);
+}
+
+BOOST_AUTO_TEST_CASE(has_no_triangles_unless_asked_for) {
+    const Grid grid = long_grid();
+    DistanceTransform transform(small_device(grid), mesh());
+    BOOST_TEST(collect(transform, grid, {}).field.triangle.empty());
+}
+
+BOOST_AUTO_TEST_CASE(holds_two_slabs_at_a_time) {
+    const Grid grid = long_grid();
+    DistanceTransform transform(small_device(grid), mesh());
+    const Collected collected = collect(transform, grid, {.triangle = true});
+    BOOST_REQUIRE(collected.slabs > 2U);
+    const auto slice = static_cast<std::size_t>(grid.size[0] * grid.size[1] * 4);
+    BOOST_TEST(transform.statistics().host_bytes >= 2 * 2 * 32 * slice);
+    BOOST_TEST(transform.statistics().host_bytes <= 2 * 2 * 40 * slice);
+    transform(grid, band_on(grid));
+    BOOST_TEST(transform.statistics().host_bytes == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(comes_one_slab_at_a_time_while_the_next_is_computed) {
+    const Grid grid = long_grid();
+    for (const bool overlap : {true, false}) {
+        std::atomic<int> inside = 0;
+        std::atomic<bool> computed_meanwhile = false;
+        TransformOptions options;
+        options.progress = [&](double) {
+            if (inside > 0) computed_meanwhile = true;
+        };
+        DistanceTransform transform(small_device(grid), mesh(), options);
+        bool own_thread = false;
+        transform.compute_slabs(grid, band_on(grid), {},
+                                [&, caller = std::this_thread::get_id()](const Grid&, const FieldSlab&) {
+                                    BOOST_TEST(++inside == 1);
+                                    own_thread = std::this_thread::get_id() != caller;
+                                    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+                                    --inside;
+                                },
+                                {.overlap = overlap});
+        BOOST_TEST(computed_meanwhile == overlap);
+        BOOST_TEST(own_thread == overlap);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(ends_with_what_the_sink_throws) {
+    struct Refusal {};
+    const Grid grid = long_grid();
+    for (const bool overlap : {true, false})
+        for (const int refused : {1, 2, 3}) {
+            DistanceTransform transform(small_device(grid), mesh());
+            int calls = 0;
+            const auto refuse = [&](const Grid&, const FieldSlab&) {
+                if (++calls == refused) throw Refusal();
+            };
+            BOOST_CHECK_THROW(transform.compute_slabs(grid, band_on(grid), {}, refuse, {.overlap = overlap}), Refusal);
+            BOOST_TEST(calls == refused);
+            // The transform is as good as new.
+            BOOST_TEST(
+                same_bytes(collect(transform, grid, {.triangle = true}).field, compute(mesh(), grid, band_on(grid))));
+        }
+    // Memory that the sink lacks is no reason to compute smaller slabs.
+    DistanceTransform transform(small_device(grid), mesh());
+    int calls = 0;
+    check_throws(ErrorCode::out_of_memory, {"the sink's"}, [&] {
+        transform.compute_slabs(grid, band_on(grid), {}, [&](const Grid&, const FieldSlab&) {
+            ++calls;
+            throw Error(ErrorCode::out_of_memory, "the sink's");
+        });
+    });
+    BOOST_TEST(calls == 1);
+}
+
+BOOST_AUTO_TEST_CASE(ends_when_it_is_cancelled_and_calls_the_sink_no_more) {
+    const Grid grid = long_grid();
+    std::stop_source source;
+    DistanceTransform transform(small_device(grid), mesh(), {.stop = source.get_token()});
+    int calls = 0;
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] {
+        transform.compute_slabs(grid, band_on(grid), {}, [&](const Grid&, const FieldSlab&) {
+            if (++calls == 2) source.request_stop();
+        });
+    });
+    BOOST_TEST(calls >= 2);
+    BOOST_TEST(calls <= 3);
+    const int before = calls;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    BOOST_TEST(calls == before);
+}
+
+BOOST_AUTO_TEST_CASE(needs_a_sink) {
+    const Grid grid = long_grid();
+    DistanceTransform transform(test_device(), mesh());
+    check_throws(ErrorCode::invalid_argument, {"sink"},
+                 [&] { transform.compute_slabs(grid, band_on(grid), {}, SlabSink()); });
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(the_slabs_of_a_grid)
+
+namespace {
+
+constexpr std::size_t mebibyte = std::size_t{1} << 20;
+
+Grid cube_of(std::int64_t side, std::int64_t first_z = 0) {
+    Grid grid;
+    grid.size = {side, side, side};
+    grid.first[2] = first_z;
+    return grid;
+}
+
+device::Context::Capabilities processor(std::size_t largest_allocation) {
+    device::Context::Capabilities capabilities;
+    capabilities.is_processor = true;
+    capabilities.largest_allocation = largest_allocation;
+    capabilities.memory = std::size_t{1} << 40;
+    return capabilities;
+}
+
+std::vector<std::int64_t> stream_of(const Grid& grid, std::size_t largest_allocation = std::size_t{1} << 40) {
+    std::vector<std::int64_t> slices;
+    for (const Grid& slab : transform::slabs_of(grid, transform::stream_limits_of(processor(largest_allocation))))
+        slices.push_back(slab.size[2]);
+    return slices;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(are_of_64_mebibytes_or_a_coarse_brick_or_a_brick) {
+    BOOST_TEST(stream_of(cube_of(256)).size() == 1U);
+    BOOST_TEST((stream_of(cube_of(512)) == std::vector<std::int64_t>(8, 64)));
+    BOOST_TEST((stream_of(cube_of(1024)) == std::vector<std::int64_t>(32, 32)));
+    BOOST_TEST((stream_of(cube_of(2048)) == std::vector<std::int64_t>(128, 16)));
+    BOOST_TEST((stream_of(cube_of(4096)) == std::vector<std::int64_t>(512, 8)));
+    BOOST_TEST((stream_of(cube_of(1024), 128 * mebibyte) == std::vector<std::int64_t>(32, 32)));
+    BOOST_TEST(stream_of(cube_of(1024), 100 * mebibyte).front() == 24);
+}
+
+BOOST_AUTO_TEST_CASE(end_at_boundaries_of_the_lattice) {
+    for (const std::int64_t first : {-13, 0, 5}) {
+        const Grid grid = cube_of(512, first);
+        std::int64_t at = first;
+        for (const std::int64_t slices : stream_of(grid)) {
+            BOOST_TEST(((at == first) || at % 32 == 0));
+            at += slices;
+        }
+        BOOST_TEST(at == first + 512);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(are_divided_at_boundaries_until_they_are_one_layer_of_bricks) {
+    for (const std::int64_t first : {-13, 0, 5, 7})
+        for (const std::int64_t size : {1, 2, 7, 8, 9, 17, 64, 100}) {
+            Grid grid = cube_of(9, first);
+            grid.size[2] = size;
+            const bool one_layer = (first + 800) / 8 == (first + size - 1 + 800) / 8;
+            BOOST_REQUIRE(transform::is_divisible(grid) == !one_layer);
+            if (one_layer) continue;
+            const auto [lower, upper] = transform::halves_of(grid);
+            BOOST_TEST(lower.size[2] + upper.size[2] == size);
+            BOOST_TEST(lower.first[2] == first);
+            BOOST_TEST(upper.first[2] == first + lower.size[2]);
+            BOOST_TEST(upper.first[2] % 8 == 0);
+            BOOST_TEST(lower.size[2] > 0);
+            BOOST_TEST(upper.size[2] > 0);
+        }
+    Grid grid = cube_of(9);
+    grid.size[2] = 128;
+    BOOST_TEST(transform::halves_of(grid).first.size[2] == 64);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
