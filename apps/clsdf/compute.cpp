@@ -120,9 +120,10 @@ void warn(Report& report, const std::string& warning) {
 ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     if (!options.output.empty())
-        clsdf::Field::check_output(options.output);
+        clsdf::Field::check_output(options.output, request.outputs);
     else if (!options.dry_run)
-        throw Error(ErrorCode::invalid_argument, "state where the field goes: -o FILE.nrrd or -o FILE.npy");
+        throw Error(ErrorCode::invalid_argument,
+                    "state where the field goes: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
 
     const Stopwatch read;

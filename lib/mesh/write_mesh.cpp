@@ -93,32 +93,38 @@ void write_stl(const Mesh& mesh, AtomicFile& file) {
     }
 }
 
-void write_ply(const Mesh& mesh, AtomicFile& file) {
+void write_ply(const Mesh& mesh, AtomicFile& file, std::span<const FaceColour> colours) {
     // Some readers know no unsigned indices.
     const bool fits_int = mesh.vertices().size() <= std::size_t{std::numeric_limits<std::int32_t>::max()};
     file.write(
         fmt::format("ply\nformat binary_little_endian 1.0\ncomment written by clsdf\nelement vertex {}\n"
                     "property double x\nproperty double y\nproperty double z\nelement face {}\n"
-                    "property list uchar {} vertex_indices\nend_header\n",
-                    mesh.vertices().size(), mesh.triangles().size(), fits_int ? "int" : "uint"));
+                    "property list uchar {} vertex_indices\n{}end_header\n",
+                    mesh.vertices().size(), mesh.triangles().size(), fits_int ? "int" : "uint",
+                    colours.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n"));
     for (const Vec3& vertex : mesh.vertices()) {
         std::array<std::byte, 24> record{};
         std::byte* address = record.data();
         for (const double x : vertex) address = store_little_endian(address, x);
         file.write(record);
     }
-    for (const Triangle& triangle : mesh.triangles()) {
-        std::array<std::byte, 13> record{std::byte{3}};
+    for (std::size_t face = 0; face < mesh.triangles().size(); ++face) {
+        std::array<std::byte, 16> record{std::byte{3}};
         std::byte* address = record.data() + 1;
-        for (const std::uint32_t index : triangle) address = store_little_endian(address, index);
-        file.write(record);
+        for (const std::uint32_t index : mesh.triangles()[face]) address = store_little_endian(address, index);
+        if (!colours.empty())
+            for (const std::uint8_t part : colours[face]) address = store_little_endian(address, part);
+        file.write(std::span(record.data(), address));
     }
 }
 
 }  // namespace
 
-void write_mesh(const Mesh& mesh, const std::string& path) {
+void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours) {
     const MeshFormat format = format_of_ending(path);
+    if (!colours.empty() && colours.size() != mesh.triangles().size())
+        throw Error(ErrorCode::invalid_argument, fmt::format("{} colours for {} triangles; give one for each, or none",
+                                                             colours.size(), mesh.triangles().size()));
     AtomicFile file(path);
     switch (format) {
         case MeshFormat::off:
@@ -131,7 +137,7 @@ void write_mesh(const Mesh& mesh, const std::string& path) {
             write_stl(mesh, file);
             break;
         case MeshFormat::ply:
-            write_ply(mesh, file);
+            write_ply(mesh, file, colours);
             break;
     }
     file.commit();

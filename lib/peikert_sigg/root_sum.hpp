@@ -1,10 +1,9 @@
 #pragma once
 
-#include <CGAL/CORE_BigInt.h>
-#include <CGAL/CORE_BigRat.h>
-#include <CGAL/Exact_predicates_exact_constructions_kernel_with_sqrt.h>
+#include <boost/multiprecision/gmp.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,9 +15,8 @@ namespace clsdf::peikert_sigg {
 /// a general expression with k roots 2^k times as many digits, and is common on meshes whose vertices lie on a lattice.
 class RootSum {
 public:
-    using Integer = CORE::BigInt;
-    using Rational = CORE::BigRat;
-    using Real = CGAL::Exact_predicates_exact_constructions_kernel_with_sqrt::FT;
+    using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;
+    using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 
     RootSum() = default;
     explicit RootSum(double value) { add(Integer(1), Rational(value)); }
@@ -28,21 +26,34 @@ public:
         RootSum result;
         if (square.terms_.empty()) return result;
         const Rational& value = square.terms_.front().factor;
-        const Integer denominator = CORE::denominator(value);
+        const Integer denominator = boost::multiprecision::denominator(value);
         // Without the powers of four, which are most of what coordinates in double have.
-        Integer radicand = CORE::numerator(value) * denominator;
-        const unsigned long fours = mpz_scan1(radicand.get_mp(), 0) / 2;
+        Integer radicand = boost::multiprecision::numerator(value) * denominator;
+        const std::size_t fours = boost::multiprecision::lsb(radicand) / 2;
         radicand >>= 2 * fours;
         result.add(radicand, Rational(Integer(1) << fours) / Rational(denominator));
         return result;
     }
 
+    /// 1, 0 or -1. Times a whole number and a power of two, every term is a root of a whole number, which is known up
+    /// to less than one; the power grows until the sum is farther from zero than that.
     int sign() const {
-        if (terms_.empty()) return 0;
-        if (terms_.size() == 1) return sign_of(terms_.front().factor);
-        Real sum(0);
-        for (const Term& term : terms_) sum += Real(term.factor) * CGAL::sqrt(Real(term.radicand));
-        return static_cast<int>(CGAL::sign(sum));
+        const auto negative = static_cast<std::size_t>(
+            std::count_if(terms_.begin(), terms_.end(), [](const Term& term) { return term.factor < 0; }));
+        const std::size_t positive = terms_.size() - negative;
+        if (negative == 0) return positive == 0 ? 0 : 1;
+        if (positive == 0) return -1;
+        const std::vector<Integer> squares = whole_squares();
+        for (std::size_t bits = 0;; bits = bits == 0 ? 64 : 2 * bits) {
+            Integer sum(0);
+            for (std::size_t i = 0; i < terms_.size(); ++i) {
+                const Integer root = boost::multiprecision::sqrt(Integer(squares[i] << (2 * bits)));
+                sum += terms_[i].factor < 0 ? Integer(-root) : root;
+            }
+            // The true sum lies between sum - negative and sum + positive, both excluded.
+            if (sum >= negative) return 1;
+            if (-sum >= positive) return -1;
+        }
     }
 
     friend RootSum operator+(RootSum a, const RootSum& b) {
@@ -63,7 +74,7 @@ public:
     friend RootSum operator/(const RootSum& a, const RootSum& root) {
         const Term& term = root.terms_.front();
         RootSum reciprocal;
-        reciprocal.add(term.radicand, Rational(Integer(1)) / (term.factor * Rational(term.radicand)));
+        reciprocal.add(term.radicand, 1 / (term.factor * Rational(term.radicand)));
         return a * reciprocal;
     }
 
@@ -73,24 +84,33 @@ private:
         Rational factor;  // not zero
     };
 
-    static int sign_of(const Rational& value) { return mpq_sgn(value.get_mp()); }
-
     /// The square root, where that is a whole number.
     static std::optional<Integer> whole_root(const Integer& square) {
-        if (mpz_perfect_square_p(square.get_mp()) == 0) return std::nullopt;
-        Integer root;
-        mpz_sqrt(root.get_mp(), square.get_mp());
-        return root;
+        if (mpz_perfect_square_p(square.backend().data()) == 0) return std::nullopt;
+        return boost::multiprecision::sqrt(square);
+    }
+
+    /// Of the terms times one whole number.
+    std::vector<Integer> whole_squares() const {
+        Integer common(1);
+        for (const Term& term : terms_)
+            common = boost::multiprecision::lcm(common, boost::multiprecision::denominator(term.factor));
+        std::vector<Integer> result;
+        for (const Term& term : terms_) {
+            const Integer factor = boost::multiprecision::numerator(Rational(term.factor * Rational(common)));
+            result.push_back(factor * factor * term.radicand);
+        }
+        return result;
     }
 
     void add(const Integer& radicand, const Rational& factor) {
-        if (sign_of(factor) == 0) return;
+        if (factor == 0) return;
         for (auto term = terms_.begin(); term != terms_.end(); ++term) {
             // sqrt(r) = sqrt(r s) / s sqrt(s).
             const std::optional<Integer> root = whole_root(radicand * term->radicand);
             if (!root) continue;
             term->factor += factor * Rational(*root) / Rational(term->radicand);
-            if (sign_of(term->factor) == 0) terms_.erase(term);
+            if (term->factor == 0) terms_.erase(term);
             return;
         }
         if (const std::optional<Integer> root = whole_root(radicand))

@@ -23,6 +23,7 @@ BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
                                                       {"render", "--help"},
                                                       {"info", "--help"},
                                                       {"shape", "--help"},
+                                                      {"polyhedra", "--help"},
                                                       {"help", "--help"},
                                                       {"devices", "--help"}}) {
         const Outcome outcome = run_command(arguments);
@@ -81,6 +82,7 @@ BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {
     check_refused(run_command({"compute", "a.off", "-o", "a.nrrd", "--resoluton", "9"}), 2,
                   {"--resoluton", "did you mean --resolution?"});
     check_refused(run_command({"device"}), 2, {"did you mean devices?"});
+    check_refused(run_command({"polyhedron", "a.off"}), 2, {"did you mean polyhedra?"});
     check_refused(run_command({"compute", "a.off", "--ouptut=a.nrrd"}), 2, {"--ouptut", "did you mean --output?"});
     check_refused(run_command({"check", "a.off", "a.nrrd", "--compl"}), 2, {"did you mean --complete?"});
     check_refused(run_command({"--versoin"}), 2, {"did you mean --version?"});

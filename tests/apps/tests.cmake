@@ -1,5 +1,5 @@
 if(TARGET clsdf_command)
-  set(sources command compute devices documents exit_status info interruption memory method progress render slice)
+  set(sources command compute devices documents exit_status info interruption memory method polyhedra progress render slice)
   list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
   list(TRANSFORM sources APPEND .cpp)
   clsdf_test(command ${sources})

@@ -2,6 +2,7 @@
 
 /// Everything but the reference (clsdf/reference.hpp) and pictures (clsdf/picture.hpp), which are targets of their own.
 #include <clsdf/band.hpp>
+#include <clsdf/bounding_solids.hpp>
 #include <clsdf/box.hpp>
 #include <clsdf/classification.hpp>
 #include <clsdf/defects.hpp>

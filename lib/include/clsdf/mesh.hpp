@@ -93,8 +93,13 @@ private:
 /// file, the line or element and the value.
 Mesh read_mesh(const std::string& path);
 
+/// Red, green and blue, sRGB.
+using FaceColour = std::array<std::uint8_t, 3>;
+
 /// Writes .off, .obj, .stl (binary) or .ply (binary, little endian) by the file's ending; complete or not at all.
-void write_mesh(const Mesh& mesh, const std::string& path);
+/// `colours`: of each triangle, or none; .ply keeps them, the others have no place for them. Throws
+/// Error(invalid_argument) for another number of them.
+void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
 
 /// The mesh with vertices of equal coordinates made one; triangles keep their order and number.
 Mesh weld(const Mesh& mesh);

@@ -123,9 +123,9 @@ CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& opti
 /// Two triangles, the lower index first.
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// The pairs of triangles that meet in more than the vertices and edges they share, in order; a face without area is
-/// paired with itself. Vertices of equal coordinates count as one. By CGAL's Polygon Mesh Processing, exactly. Throws
-/// Error(unsupported) where the faces are not oriented alike or an edge has more than two.
+/// The pairs of triangles that meet in more than the vertices and edges they share, in order; of any mesh, exactly (by
+/// CGAL's predicates). Vertices of equal coordinates count as one. A face without area is paired with itself and no
+/// other, a face with repeated vertices not at all.
 std::vector<TrianglePair> find_self_intersections(const Mesh& mesh);
 
 }  // namespace clsdf::reference

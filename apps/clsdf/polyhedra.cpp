@@ -1,0 +1,204 @@
+#include "command.hpp"
+#include "interruption.hpp"
+#include "option_values.hpp"
+
+#include <clsdf/clsdf.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+
+namespace {
+
+using clsdf::BoundingSolid;
+using clsdf::Error;
+using clsdf::ErrorCode;
+using clsdf::FaceColour;
+using clsdf::Mesh;
+using clsdf::SolidPart;
+using nlohmann::ordered_json;
+
+struct PolyhedraOptions {
+    std::string mesh;
+    std::string output;
+    std::optional<std::uint32_t> around;
+    std::vector<std::uint32_t> triangles;
+    std::string polyhedra = "leaned";
+    std::string half_width = "10%";
+    bool no_closing = false;
+};
+
+// Okabe and Ito's, which readers with any colour vision tell apart, then lighter ones.
+constexpr std::array<FaceColour, 12> palette{{{230, 159, 0},
+                                              {86, 180, 233},
+                                              {0, 158, 115},
+                                              {240, 228, 66},
+                                              {0, 114, 178},
+                                              {213, 94, 0},
+                                              {204, 121, 167},
+                                              {153, 221, 204},
+                                              {255, 201, 128},
+                                              {170, 170, 221},
+                                              {187, 204, 85},
+                                              {238, 153, 153}}};
+constexpr FaceColour grey{128, 128, 128};
+
+FaceColour colour_of(const BoundingSolid& solid, std::size_t place) {
+    if (solid.part == SolidPart::point_site) return grey;
+    FaceColour colour = palette[place % palette.size()];
+    if (solid.part == SolidPart::back)
+        for (std::uint8_t& part : colour) part = static_cast<std::uint8_t>(part * 3 / 5);
+    return colour;
+}
+
+const char* name_of(SolidPart part) {
+    switch (part) {
+        case SolidPart::both_sides:
+            return "both sides";
+        case SolidPart::front:
+            return "front";
+        case SolidPart::back:
+            return "back";
+        default:
+            return "point site";
+    }
+}
+
+double volume(const Mesh& mesh) {
+    const clsdf::Vec3& origin = mesh.vertices().front();
+    double sum = 0;
+    for (const clsdf::Triangle& triangle : mesh.triangles()) {
+        std::array<clsdf::Vec3, 3> p{};
+        for (std::size_t k = 0; k < 3; ++k)
+            for (std::size_t axis = 0; axis < 3; ++axis) p[k][axis] = mesh.vertices()[triangle[k]][axis] - origin[axis];
+        sum += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+               p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+    }
+    return sum / 6;
+}
+
+/// The first vertex at which the paper's polyhedra leave a gap, else the first saddle, else the first in use.
+std::uint32_t interesting_vertex(const Mesh& mesh) {
+    const std::vector<std::uint32_t> gaps = examine_saddles(mesh).gaps;
+    if (!gaps.empty()) return gaps.front();
+    const std::vector<clsdf::VertexKind> kinds = classify(mesh).vertices;
+    const auto saddle = std::find(kinds.begin(), kinds.end(), clsdf::VertexKind::saddle);
+    if (saddle != kinds.end()) return static_cast<std::uint32_t>(saddle - kinds.begin());
+    return mesh.triangles().front().front();
+}
+
+double half_width_of(const std::string& text, const Mesh& mesh) {
+    const auto wrong = [&](const std::string& what) {
+        return Error(ErrorCode::invalid_argument,
+                     fmt::format("--half-width: {}; give a length in the mesh's units, or in percent of the longest "
+                                 "side of its box",
+                                 what));
+    };
+    clsdf::Length length;
+    try {
+        length = clsdf::Length::parse(text);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("--half-width: {}", error.what()));
+    }
+    if (length.is_infinite()) throw wrong("polyhedra have an end");
+    if (length.unit == clsdf::Length::Unit::voxels) throw wrong("there are no voxels here");
+    const double result = length.resolve(0, mesh.box().longest_side());
+    if (!(result > 0)) throw wrong(fmt::format("'{}' is no positive length", text));
+    return result;
+}
+
+std::vector<BoundingSolid> make_solids(const PolyhedraOptions& options, const Mesh& mesh,
+                                       const std::vector<std::uint32_t>& triangles) {
+    const double half_width = half_width_of(options.half_width, mesh);
+    if (options.polyhedra == "peikert-sigg")
+        return peikert_sigg_solids(mesh, triangles, half_width, !options.no_closing);
+    if (options.no_closing)
+        throw Error(ErrorCode::invalid_argument,
+                    "--no-closing: leaned polyhedra have no gaps to close; it goes with --polyhedra peikert-sigg");
+    return leaned_solids(mesh, triangles, half_width);
+}
+
+struct ColouredMesh {
+    Mesh mesh;
+    std::vector<FaceColour> colours;
+};
+
+ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<std::uint32_t>& triangles) {
+    std::vector<clsdf::Vec3> vertices;
+    std::vector<clsdf::Triangle> faces;
+    std::vector<FaceColour> colours;
+    for (const BoundingSolid& solid : solids) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        vertices.insert(vertices.end(), solid.mesh.vertices().begin(), solid.mesh.vertices().end());
+        for (const auto& [a, b, c] : solid.mesh.triangles()) faces.push_back({a + first, b + first, c + first});
+        const auto place = std::find(triangles.begin(), triangles.end(), solid.triangle) - triangles.begin();
+        colours.resize(faces.size(), colour_of(solid, static_cast<std::size_t>(place)));
+    }
+    return {Mesh(std::move(vertices), std::move(faces), "polyhedra"), std::move(colours)};
+}
+
+ExitStatus run(const PolyhedraOptions& options, Report& report) {
+    const Mesh mesh = clsdf::read_mesh(options.mesh);
+    std::optional<std::uint32_t> vertex = options.around;
+    if (!vertex && options.triangles.empty()) vertex = interesting_vertex(mesh);
+    const std::vector<std::uint32_t> triangles = vertex ? triangles_at(mesh, *vertex) : options.triangles;
+    const std::vector<BoundingSolid> solids = make_solids(options, mesh, triangles);
+    if (solids.empty())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{}: the triangles asked for have no polyhedra with volume", options.mesh));
+    const ColouredMesh joined = join(solids, triangles);
+    write_mesh(joined.mesh, options.output, joined.colours);
+    output_is_written();
+
+    report.print("{}{} polyhedra of {} triangles, {} vertices, {} faces -> {}\n",
+                 vertex ? fmt::format("vertex {}: ", *vertex) : "", solids.size(), triangles.size(),
+                 joined.mesh.vertices().size(), joined.mesh.triangles().size(), options.output);
+    ordered_json list = ordered_json::array();
+    for (const BoundingSolid& solid : solids)
+        list.push_back({{"triangle", solid.triangle},
+                        {"part", name_of(solid.part)},
+                        {"faces", solid.mesh.triangles().size()},
+                        {"volume", volume(solid.mesh)}});
+    report.result = {{"mesh", options.mesh}, {"output", options.output}};
+    if (vertex) report.result["vertex"] = *vertex;
+    report.result["half_width"] = half_width_of(options.half_width, mesh);
+    report.result["polyhedra"] = list;
+    return ExitStatus::done;
+}
+
+}  // namespace
+
+Command add_polyhedra(CLI::App& program) {
+    const auto options = std::make_shared<PolyhedraOptions>();
+    CLI::App* parser = program.add_subcommand("polyhedra", "Write the bounding polyhedra of some triangles as a mesh");
+    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
+    parser->add_option("-o,--output", options->output, "the polyhedra: .ply, which has colours, .off, .obj or .stl")
+        ->type_name("FILE")
+        ->required();
+    CLI::Option* const around =
+        parser->add_option("--around", options->around, "the triangles at this vertex, from 0; else one with a gap")
+            ->type_name("VERTEX");
+    parser->add_option("--triangles", options->triangles, "these triangles, from 0, and no others")
+        ->type_name("I,J,...")
+        ->delimiter(',')
+        ->excludes(around);
+    takes_one_of(
+        parser->add_option("--polyhedra", options->polyhedra, "leaned, which are exact, or peikert-sigg, the paper's")
+            ->capture_default_str(),
+        {"leaned", "peikert-sigg"});
+    parser->add_option("--half-width", options->half_width, "of the band: 10% of the mesh's longest side, or 0.05")
+        ->type_name("LENGTH")
+        ->capture_default_str();
+    parser->add_flag("--no-closing", options->no_closing, "the paper's polyhedra before their gaps are closed");
+    parser->footer(
+        "Every triangle has a colour; the back of a leaned polyhedron is darker, and a point site grey. Without "
+        "--around\n"
+        "and --triangles the vertex is the first at which the paper's polyhedra leave a gap, else the first saddle.\n\n"
+        "Examples:\n"
+        "  clsdf polyhedra knot.off -o leaned.ply --half-width 2%\n"
+        "  clsdf polyhedra knot.off -o gap.ply --polyhedra peikert-sigg --no-closing --around 12");
+    return {parser, [options](Report& report) { return run(*options, report); }};
+}

@@ -1,0 +1,115 @@
+#include <clsdf/bounding_solids.hpp>
+#include <clsdf/error.hpp>
+
+#include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/gaps.hpp"
+#include "polyhedra/parallel.hpp"
+#include "polyhedra/point_site.hpp"
+#include "polyhedra/solid_mesh.hpp"
+#include "polyhedra/triangle_frame.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace clsdf {
+
+namespace {
+
+using namespace polyhedra;
+
+constexpr double half_width_in_units = 16;
+
+/// One side of a leaned frustum, from the foot of the frame: |Z| up to the half width, and the outward distance from
+/// every edge up to its slope times |Z| and up to the half width.
+ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, bool is_front) {
+    const double cap = half_width_in_units;
+    const Vector up = is_front ? frame.normal : Vector(-frame.normal);
+    std::vector<HalfSpace> half_spaces{{-up, 0},
+                                       {up, cap},
+                                       {frame.along, frame.base[CLSDF_HALF_RIGHT] + cap},
+                                       {-frame.along, frame.base[CLSDF_HALF_LEFT] + cap}};
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        const Vector outward = -frame.inward(k);
+        // The base lies at Y = 0, a slanted edge goes through an end of it.
+        double offset = 0;
+        if (frame.polyhedron_edge(k) == CLSDF_EDGE_RIGHT)
+            offset = outward.dot(frame.along) * frame.base[CLSDF_HALF_RIGHT];
+        if (frame.polyhedron_edge(k) == CLSDF_EDGE_LEFT)
+            offset = -outward.dot(frame.along) * frame.base[CLSDF_HALF_LEFT];
+        const double slope = is_front ? edges.above[k] : edges.below[k];
+        half_spaces.push_back({outward - slope * up, offset});
+        half_spaces.push_back({outward, offset + cap});
+    }
+    const double reach = frame.base_length() + frame.altitude() + 4 * cap;
+    return clip({{-reach, -reach, -reach}, {reach, reach, reach}}, half_spaces);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> triangles_at(const Mesh& mesh, std::uint32_t vertex) {
+    const std::size_t count = mesh.vertices().size();
+    if (vertex >= count)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} has no vertex {}: its vertices are 0 to {}", mesh.name(), vertex, count - 1));
+    const Vec3& position = mesh.vertices()[vertex];
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t face = 0; face < mesh.triangles().size(); ++face) {
+        const Triangle& triangle = mesh.triangles()[face];
+        if (std::any_of(triangle.begin(), triangle.end(),
+                        [&](std::uint32_t corner) { return mesh.vertices()[corner] == position; }))
+            result.push_back(face);
+    }
+    if (result.empty())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("vertex {} of {} belongs to no triangle; choose another", vertex, mesh.name()));
+    return result;
+}
+
+std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::uint32_t> selected, double half_width) {
+    check_solids_asked_for(mesh, selected, half_width);
+    const Mesh welded = weld(mesh);
+    const std::vector<Triangle>& triangles = welded.triangles();
+    const LatticeView lattice{welded.box().lower, half_width / half_width_in_units};
+    const double slack = 1e-3 + 2e-5 * half_width_in_units;
+    const float open = open_slope(half_width_in_units, slack);
+
+    UninitializedVector<TriangleFrame> frames(triangles.size());
+    for_each_index(triangles.size(), [&](std::size_t face) {
+        const auto& [a, b, c] = triangles[face];
+        frames[face] = triangle_frame({welded.vertices()[a], welded.vertices()[b], welded.vertices()[c]}, lattice);
+    });
+    const OneRings rings(triangles, welded.vertices().size());
+    UninitializedVector<FaceEdges> edges = edge_slopes(welded, triangles, frames, rings, open);
+    for_each_index(triangles.size(), [&](std::size_t face) { lean(frames[face], edges[face]); });
+
+    std::vector<BoundingSolid> result;
+    const auto add = [&](std::uint32_t triangle, SolidPart part, const TriangleFrame& frame, const FaceEdges& slopes) {
+        const ConvexPolyhedron solid = side_of(frame, slopes, part != SolidPart::back);
+        if (solid.is_empty()) return;
+        const Vector foot = to_vector(lattice.origin) + lattice.unit * frame.foot;
+        result.push_back({triangle, part, solid_mesh(solid, foot, lattice.unit)});
+    };
+    for (const std::uint32_t face : selected) {
+        add(face, SolidPart::front, frames[face], edges[face]);
+        add(face, SolidPart::back, frames[face], edges[face]);
+    }
+
+    const std::vector<std::uint8_t> marks =
+        find_gaps(welded, triangles, frames, edges, rings, lattice, half_width_in_units, slack);
+    std::vector<std::uint32_t> order(triangles.size());
+    std::iota(order.begin(), order.end(), 0U);
+    for (std::size_t vertex = 0; vertex < marks.size(); ++vertex) {
+        if (!(marks[vertex] & vertex_gap)) continue;
+        bool all = true;
+        for (std::size_t i = 0; i < rings.size(vertex) && all; ++i)
+            all = std::find(selected.begin(), selected.end(), rings.corner(vertex, i).face) != selected.end();
+        if (!all) continue;
+        const PointSite site = point_site(welded, triangles, order, rings, vertex, lattice, open);
+        add(site.face, SolidPart::point_site, site.frame, site.edges);
+    }
+    return result;
+}
+
+}  // namespace clsdf
