@@ -148,8 +148,8 @@ void add_method_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Method";
     parser
         .add_option("--polyhedra", options.polyhedra,
-                    "what bounds the samples of a triangle: leaned, which are exact; or peikert-sigg, the paper's, "
-                    "which are not")
+                    "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, exact too, "
+                    "and peikert-sigg, which are not")
         ->type_name("KIND")
         ->capture_default_str()
         ->group(group);
@@ -193,7 +193,7 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
       band_outside(band_inside),
       sign(clsdf::parse_sign_rule(options.sign)),
       outputs(parse_outputs(options.with)),
-      polyhedra(parse_name("--polyhedra", options.polyhedra, {"leaned", "peikert-sigg"}, clsdf::parse_polyhedra)),
+      polyhedra(parse_name("--polyhedra", options.polyhedra, {"leaned", "peikert-sigg", "mauch"}, clsdf::parse_polyhedra)),
       scan(resolve_scan(polyhedra,
                         parse_name("--scan", options.scan, {"auto", "bricks", "slices"}, clsdf::parse_scan))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
