@@ -115,7 +115,7 @@ Command add_check(CLI::App& program) {
     const auto options = std::make_shared<Options>();
     CLI::App* parser = program.add_subcommand("check", "Hold a field against the reference, in double precision");
     parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser->add_option("FIELD", options->field, "its field: .nrrd or .npy")->required();
+    parser->add_option("FIELD", options->field, "its field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")->required();
     auto* samples =
         parser->add_option("--samples", options->check.samples, "samples to look at, half of them where it is hard")
             ->check(whole_number(1, 1'000'000'000'000'000))

@@ -117,9 +117,10 @@ Computation run_on_device(const ComputeOptions& options, const ComputeRequest& r
 ExitStatus run(const ComputeOptions& options) {
     const ComputeRequest request(options);
     if (!options.output.empty())
-        clsdf::Field::check_output(options.output);
+        clsdf::Field::check_output(options.output, request.outputs);
     else if (!options.dry_run)
-        throw Error(ErrorCode::invalid_argument, "state where the field goes: -o FILE.nrrd or -o FILE.npy");
+        throw Error(ErrorCode::invalid_argument,
+                    "state where the field goes: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
 
     const Stopwatch read;
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);

@@ -164,7 +164,7 @@ void add_method_options(CLI::App& parser, ComputeOptions& options) {
 
 void add_options(CLI::App& parser, ComputeOptions& options) {
     parser.add_option("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser.add_option("-o,--output", options.output, "the field: .nrrd, or .npy (with a .json beside it)")
+    parser.add_option("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")
         ->type_name("FILE");
     add_grid_options(parser, options);
     add_field_options(parser, options);

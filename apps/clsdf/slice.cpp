@@ -91,7 +91,7 @@ ExitStatus run(const SliceOptions& options) {
 Command add_slice(CLI::App& program) {
     const auto options = std::make_shared<SliceOptions>();
     CLI::App* parser = program.add_subcommand("slice", "Draw a field: colours, iso-lines, axes and a colour bar");
-    parser->add_option("FIELD", options->field, "the field: .nrrd or .npy")->required();
+    parser->add_option("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")->required();
     parser->add_option("-o,--output", options->output, "the picture: .png, or .pdf for print")
         ->type_name("FILE")
         ->required();

@@ -86,10 +86,26 @@ void AtomicFile::open_beside(const std::string& target) {
 void AtomicFile::write(std::span<const std::byte> bytes) {
     if (bytes.empty()) return;
     if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail(errno);
+    position_ += bytes.size();
 }
 
 void AtomicFile::write(std::string_view text) {
     write(std::as_bytes(std::span(text)));
+}
+
+void AtomicFile::seek(std::uint64_t position) {
+    if (position == position_) return;
+    // Relative: a redirected stream may have begun anywhere.
+    const auto step = static_cast<off_t>(position) - static_cast<off_t>(position_);
+    if (::fseeko(file_.get(), step, SEEK_CUR) != 0) fail(errno);
+    position_ = position;
+}
+
+const std::string& AtomicFile::temporary() const {
+    if (temporary_.empty())
+        throw Error(ErrorCode::output_failure,
+                    fmt::format("cannot write '{}': this format needs a regular file, and it is none", path_));
+    return temporary_;
 }
 
 void AtomicFile::commit() {

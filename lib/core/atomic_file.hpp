@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <span>
@@ -24,6 +25,14 @@ public:
     void write(std::span<const std::byte> bytes);
     void write(std::string_view text);
 
+    /// Where the next bytes go, counted from the first one written; what is skipped is filled later, or with zeros.
+    /// Throws where the file is a pipe, unless it is there already.
+    void seek(std::uint64_t position);
+
+    /// The name of the file as long as it has none, for libraries that want to open it themselves. What was written to
+    /// it must not be overwritten by what they write. Throws where the target is no regular file.
+    const std::string& temporary() const;
+
     /// Closes the file and gives it its final name. Nothing may be written afterwards.
     void commit();
 
@@ -40,6 +49,7 @@ private:
     std::string target_;     // where the file goes: path_ with its symbolic links followed
     std::string temporary_;  // empty where the target is written directly
     std::unique_ptr<std::FILE, Close> file_;
+    std::uint64_t position_ = 0;
 };
 
 }  // namespace clsdf

@@ -14,6 +14,10 @@ namespace fs = std::filesystem;
 constexpr std::array formats{
     Format{".nrrd", nrrd_writer, read_nrrd},
     Format{".npy", npy_writer, read_npy},
+    Format{".vti", vti_writer, read_vti},
+    Format{".h5", h5_writer, read_h5},
+    Format{".vdb", vdb_writer, read_vdb, true, check_vdb},
+    Format{".sdf", sdf_writer, read_sdf, false},
 };
 
 std::string endings() {
@@ -36,6 +40,7 @@ const Format& format_of(const std::string& path, ErrorCode code) {
 }
 
 void check_place_for(const Outputs& outputs, const std::string& path, const Format& format) {
+    if (format.check_build != nullptr) format.check_build(path);
     if (format.has_extras) return;
     for (const OutputKind& kind : extra_kinds())
         if (kind.wanted(outputs))

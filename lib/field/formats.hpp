@@ -33,12 +33,14 @@ struct Format {
     Field (*read)(const std::string& path);
     /// Whether it has a place for other outputs than the distance.
     bool has_extras = true;
+    /// Throws Error(unsupported) where this build lacks the format.
+    void (*check_build)(const std::string& path) = nullptr;
 };
 
 /// By the file's ending, in any case of letters. Throws Error(code) that names the endings there are.
 const Format& format_of(const std::string& path, ErrorCode code);
 
-/// Throws Error(unsupported) where the format has no place for one of them.
+/// Throws Error(unsupported) where this build lacks the format, or the format a place for one of the outputs.
 void check_place_for(const Outputs& outputs, const std::string& path, const Format& format);
 
 std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
@@ -48,6 +50,23 @@ Field read_nrrd(const std::string& path);
 std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
 Field read_npy(const std::string& path);
+
+std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field,
+                                         const Outputs& outputs);
+Field read_vti(const std::string& path);
+
+std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, const Outputs& outputs);
+Field read_h5(const std::string& path);
+
+/// Of vdb.cpp, or of vdb_absent.cpp in a build without OpenVDB.
+std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
+                                         const Outputs& outputs);
+Field read_vdb(const std::string& path);
+void check_vdb(const std::string& path);
+
+std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field,
+                                         const Outputs& outputs);
+Field read_sdf(const std::string& path);
 
 /// The grid that a file states by its first sample, as the part of the lattice that the file says it is. Programs that
 /// crop a field may keep what they do not understand but move the first sample, so the lattice counts only where it has

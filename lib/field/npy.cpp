@@ -43,14 +43,14 @@ void check_shape(const InputFile& file, const NpyHeader& header, const Grid& gri
 void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
     InputFile file(path);
     const NpyHeader header = read_npy_header(file);
-    if (header.values.type != kind.type)
+    if (!reads_as(header.values.type, kind.type))
         file.fail(fmt::format("header field 'descr': {} is '{}'", kind.content, name_of(kind.type)));
     const std::vector<std::int64_t> shape = shape_of(field.grid, kind);
     if (header.shape != shape)
         file.fail(fmt::format("header field 'shape': ({}), but the field's is ({}); compute both again",
                               fmt::join(header.shape, ", "), fmt::join(shape, ", ")));
     checked_count(file, header.values, header.shape);
-    read_values(file, header.values, kind.allocate(field, field.grid.sample_count()));
+    read_output(file, header.values, kind, field);
 }
 
 class NpyWriter : public FormatWriter {
@@ -100,7 +100,7 @@ Field read_npy(const std::string& path) {
     if (header.shape.size() != 3)
         file.fail(fmt::format("header field 'shape': ({}) has {} dimensions; a distance field has three, (nz, ny, nx)",
                               fmt::join(header.shape, ", "), header.shape.size()));
-    const std::size_t count = checked_count(file, header.values, header.shape);
+    checked_count(file, header.values, header.shape);
 
     const std::string sidecar = sidecar_path(path);
     if (!fs::exists(sidecar))
@@ -111,7 +111,7 @@ Field read_npy(const std::string& path) {
     Description description = read_description(sidecar);
     Field field = std::move(description.field);
     check_shape(file, header, field.grid);
-    field.distance = read_floats(file, header.values, count);
+    read_output(file, header.values, distance_kind(), field);
     for (const OutputKind& kind : extra_kinds()) {
         const auto name = description.files.find(kind.name);
         if (name == description.files.end()) continue;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
 namespace clsdf {
@@ -39,18 +38,6 @@ std::optional<ValueType> parse_type(const std::string& text) {
         {"unsigned int", ValueType::uint32}, {"uint32", ValueType::uint32},  {"uint32_t", ValueType::uint32}};
     const auto found = types.find(text);
     return found == types.end() ? std::nullopt : std::optional(found->second);
-}
-
-template <class Number>
-bool parse_all(std::string_view text, std::span<Number> numbers) {
-    for (Number& number : numbers) {
-        text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-        const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-        if (error != std::errc()) return false;
-        text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
-        if (!text.empty() && blanks.find(text.front()) == std::string_view::npos) return false;
-    }
-    return trimmed(text).empty();
 }
 
 }  // namespace
@@ -135,14 +122,6 @@ RawValues NrrdHeader::values() const {
 
 void NrrdHeader::fail(const std::string& field, const std::string& text, const std::string& what) const {
     file_.fail(fmt::format("field '{}': '{}': {}", field, std::string_view(text).substr(0, 80), what));
-}
-
-bool parse_numbers(std::string_view text, std::span<double> numbers) {
-    return parse_all(text, numbers);
-}
-
-bool parse_numbers(std::string_view text, std::span<std::int64_t> numbers) {
-    return parse_all(text, numbers);
 }
 
 std::string escaped(std::string_view text) {

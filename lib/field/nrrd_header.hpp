@@ -1,5 +1,6 @@
 #pragma once
 
+#include "field/numbers.hpp"
 #include "field/raw_values.hpp"
 
 #include <clsdf/box.hpp>
@@ -39,10 +40,6 @@ private:
     std::map<std::string, std::string> pairs_;
     std::uint64_t data_offset_ = 0;
 };
-
-/// Numbers between blanks. Returns false where one is malformed or the count differs.
-bool parse_numbers(std::string_view text, std::span<double> numbers);
-bool parse_numbers(std::string_view text, std::span<std::int64_t> numbers);
 
 /// A value of a pair with backslashes and line ends as NRRD escapes them, and back.
 std::string escaped(std::string_view text);

@@ -103,14 +103,14 @@ void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
     InputFile file(path);
     const NrrdHeader header(file);
     const RawValues values = header.values();
-    if (values.type != kind.type)
+    if (!reads_as(values.type, kind.type))
         header.fail("type", *header.find("type"), fmt::format("{} is of another type", kind.content));
     std::vector<std::int64_t> expected(field.grid.size.begin(), field.grid.size.end());
     if (kind.components > 1) expected.insert(expected.begin(), kind.components);
     if (header.sizes(expected.size()) != expected)
         header.fail("sizes", *header.find("sizes"), "the field has other sizes; compute both again");
     checked_count(file, values, expected);
-    read_values(file, values, kind.allocate(field, field.grid.sample_count()));
+    read_output(file, values, kind, field);
 }
 
 }  // namespace
@@ -122,7 +122,7 @@ Field read_nrrd(const std::string& path) {
     if (values.type == ValueType::uint32)
         header.fail("type", *header.find("type"), "a distance field is of float or double");
     const std::vector<std::int64_t> size = header.sizes(3);
-    const std::size_t count = checked_count(file, values, size);
+    checked_count(file, values, size);
 
     Field field;
     field.grid = read_grid(header, {size[0], size[1], size[2]});
@@ -131,7 +131,7 @@ Field read_nrrd(const std::string& path) {
     if (const std::string* mesh = header.find_pair("clsdf_mesh")) field.mesh_name = *mesh;
     const std::string* sign = header.find_pair("clsdf_sign");
     field.sign = sign == nullptr ? SignRule::automatic : parse_sign_rule(*sign);
-    field.distance = read_floats(file, values, count);
+    read_output(file, values, distance_kind(), field);
     for (const OutputKind& kind : extra_kinds()) {
         const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", kind.name));
         if (name == nullptr) continue;

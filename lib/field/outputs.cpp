@@ -46,6 +46,10 @@ std::vector<OutputKind> kinds_of(const Outputs& outputs) {
     return kinds;
 }
 
+void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field) {
+    read_values(file, values, kind.type, kind.allocate(field, field.grid.sample_count()));
+}
+
 FieldSlab slab_of(const Field& field) {
     return {field.distance, field.triangle};
 }

@@ -31,6 +31,9 @@ std::span<const OutputKind> extra_kinds();
 /// The distance first, then the others asked for.
 std::vector<OutputKind> kinds_of(const Outputs& outputs);
 
+/// Reads one output of the field, whose grid is known; the values have been counted, and their type fits.
+void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field);
+
 FieldSlab slab_of(const Field& field);
 /// What the field holds.
 Outputs outputs_of(const Field& field);

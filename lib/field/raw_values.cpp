@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <system_error>
@@ -92,26 +93,39 @@ std::size_t checked_count(const InputFile& file, const RawValues& values, std::s
     return static_cast<std::size_t>(count);
 }
 
-void read_values(InputFile& file, const RawValues& values, std::span<std::byte> room) {
-    file.read(values.offset, room);
-    if (values.order != std::endian::native) swap_bytes(room, width_of(values.type));
+bool reads_as(ValueType stored, ValueType wanted) {
+    return stored == wanted || (stored == ValueType::float64 && wanted == ValueType::float32);
 }
 
-std::vector<float> read_floats(InputFile& file, const RawValues& values, std::size_t count) {
-    std::vector<float> result(count);
-    if (values.type == ValueType::float32) {
-        read_values(file, values, std::as_writable_bytes(std::span(result)));
-        return result;
+void convert_values(std::span<std::byte> bytes, const RawValues& values, ValueType wanted, std::span<std::byte> room) {
+    if (values.order != std::endian::native) swap_bytes(bytes, width_of(values.type));
+    if (values.type == wanted) {
+        std::ranges::copy(bytes, room.begin());
+        return;
     }
-    std::vector<double> buffer(std::min(chunk, count));
-    RawValues rest = values;
+    for (std::size_t i = 0; i < room.size() / sizeof(float); ++i) {
+        double value = 0;
+        std::memcpy(&value, bytes.data() + i * sizeof(double), sizeof(double));
+        const auto rounded = static_cast<float>(value);
+        std::memcpy(room.data() + i * sizeof(float), &rounded, sizeof(float));
+    }
+}
+
+void read_values(InputFile& file, const RawValues& values, ValueType wanted, std::span<std::byte> room) {
+    if (values.type == wanted) {
+        file.read(values.offset, room);
+        if (values.order != std::endian::native) swap_bytes(room, width_of(wanted));
+        return;
+    }
+    const std::size_t width = width_of(values.type), wanted_width = width_of(wanted);
+    const std::size_t count = room.size() / wanted_width;
+    std::vector<std::byte> buffer(std::min(chunk, count) * width);
     for (std::size_t begin = 0; begin < count; begin += chunk) {
-        const auto part = std::span(buffer).first(std::min(chunk, count - begin));
-        read_values(file, rest, std::as_writable_bytes(part));
-        rest.offset += part.size_bytes();
-        for (std::size_t i = 0; i < part.size(); ++i) result[begin + i] = static_cast<float>(part[i]);
+        const std::size_t part = std::min(chunk, count - begin);
+        const auto bytes = std::span(buffer).first(part * width);
+        file.read(values.offset + begin * width, bytes);
+        convert_values(bytes, values, wanted, room.subspan(begin * wanted_width, part * wanted_width));
     }
-    return result;
 }
 
 void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width) {

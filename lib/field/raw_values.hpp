@@ -54,10 +54,13 @@ RawValues values_to_the_end(const InputFile& file, ValueType type, std::endian o
 /// file; nothing is allocated before.
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes);
 
-/// Doubles are rounded to float.
-std::vector<float> read_floats(InputFile& file, const RawValues& values, std::size_t count);
-/// As many bytes as there is room for, in this machine's order.
-void read_values(InputFile& file, const RawValues& values, std::span<std::byte> room);
+/// Whether values of one type are read as values of another: doubles are rounded to float, everything else stays.
+bool reads_as(ValueType stored, ValueType wanted);
+
+/// As many values of type `wanted` as there is room for, in this machine's order.
+void read_values(InputFile& file, const RawValues& values, ValueType wanted, std::span<std::byte> room);
+/// The same of values in memory, which are lost.
+void convert_values(std::span<std::byte> bytes, const RawValues& values, ValueType wanted, std::span<std::byte> room);
 
 /// Values of `width` bytes each.
 void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width);

@@ -1,13 +1,25 @@
 target_sources(
   clsdf
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/description.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/base64.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/description.cpp
           ${CMAKE_CURRENT_LIST_DIR}/field.cpp
           ${CMAKE_CURRENT_LIST_DIR}/field_writer.cpp
           ${CMAKE_CURRENT_LIST_DIR}/formats.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/h5_read.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/h5_write.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5_layout.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd_write.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/numbers.cpp
           ${CMAKE_CURRENT_LIST_DIR}/outputs.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_HAS_VDB}>,vdb,vdb_absent>.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vdb_file.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vti_document.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp)

@@ -16,34 +16,59 @@
 
 namespace clsdf::test {
 
-/// What a file of this ending has a place for.
-struct Abilities {
+/// What the files of an ending have a place for.
+struct Format {
     std::string ending;
-    bool extras_beside = false;  ///< other outputs are in files of their own
+    bool is_described = true;    ///< lattice, band, sign rule and mesh name
+    bool has_extras = true;      ///< other outputs than the distance
+    bool extras_beside = false;  ///< in files of their own
+    bool any_spacing = true;     ///< unequal spacing, and of any size
 };
 
-inline const std::vector<Abilities>& all_formats() {
-    static const std::vector<Abilities> formats{{".nrrd", true}, {".npy", true}};
+inline const std::vector<Format>& all_formats() {
+    static const std::vector<Format> formats {
+        {.ending = ".nrrd", .extras_beside = true}, {.ending = ".npy", .extras_beside = true}, {.ending = ".vti"},
+            {.ending = ".h5"},
+#if CLSDF_HAS_VDB
+            {.ending = ".vdb", .any_spacing = false},
+#endif
+            {.ending = ".sdf", .is_described = false, .has_extras = false, .any_spacing = false},
+    };
     return formats;
 }
 
 /// A part of a grid whose numbers are no short decimals, with values that text and careless copies lose; as far as the
 /// format has a place for them.
-inline Field example_field([[maybe_unused]] const std::string& ending = ".nrrd") {
+inline Field example_field(const Format& format = all_formats().front()) {
     Field field;
     field.grid =
         Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {20, 30, 40}, {-3, 4, 5}}.part({5, 6, 7}, {4, 3, 2});
+    if (!format.any_spacing) field.grid.spacing.fill(1.0 / 3);
     field.band = {0, std::numeric_limits<double>::infinity()};
     field.sign = SignRule::nonzero;
-    field.mesh_name = "a \"mesh\" of\n two\\lines";
+    field.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
     for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i) {
         field.distance.push_back(0.1F * static_cast<float>(i));
-        field.triangle.push_back(i * i);
+        if (format.has_extras) field.triangle.push_back(i * i);
     }
     field.distance[3] = -0.0F;
     field.distance[4] = std::numeric_limits<float>::denorm_min();
     field.distance[5] = std::numeric_limits<float>::infinity();
-    field.triangle[6] = no_triangle;
+    if (format.has_extras) field.triangle[6] = no_triangle;
+    return field;
+}
+
+/// The example on a grid of 64 samples on a side.
+inline Field large_field(const Format& format) {
+    Field field = example_field(format);
+    field.grid.size = {64, 64, 64};
+    field.distance.resize(field.grid.sample_count());
+    if (format.has_extras) field.triangle.resize(field.grid.sample_count());
+    for (std::uint32_t i = 0; i < field.distance.size(); ++i) {
+        const std::uint32_t scattered = i * 2654435761U;
+        field.distance[i] = static_cast<float>(scattered >> 8);
+        if (format.has_extras) field.triangle[i] = scattered;
+    }
     return field;
 }
 
@@ -52,15 +77,20 @@ inline bool same_bits(const std::vector<float>& one, const std::vector<float>& o
     return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(float)) == 0;
 }
 
-/// Runs a statement that holds for every format, each in a folder of its own.
-inline void for_each_format(
-    const std::function<void(const TemporaryFolder& folder, const std::string& ending)>& statement) {
-    for (const Abilities& format : all_formats()) {
+/// Runs a statement that holds for every format that can do something, each in a folder of its own.
+inline void for_each_format(bool Format::*ability,
+                            const std::function<void(const TemporaryFolder& folder, const Format& format)>& statement) {
+    for (const Format& format : all_formats()) {
+        if (ability != nullptr && !(format.*ability)) continue;
         const TemporaryFolder folder;
         BOOST_TEST_CONTEXT("format " << format.ending) {
-            statement(folder, format.ending);
+            statement(folder, format);
         }
     }
+}
+
+inline void for_each_format(const std::function<void(const TemporaryFolder& folder, const Format& format)>& statement) {
+    for_each_format(nullptr, statement);
 }
 
 /// Names and contents of all files.

@@ -15,6 +15,7 @@ using clsdf::test::check_throws;
 using clsdf::test::content_of;
 using clsdf::test::example_field;
 using clsdf::test::for_each_format;
+using clsdf::test::Format;
 using clsdf::test::TemporaryFolder;
 
 namespace {
@@ -39,49 +40,49 @@ private:
 BOOST_AUTO_TEST_SUITE(writing_a_field)
 
 BOOST_AUTO_TEST_CASE(leaves_nothing_where_the_disk_is_full) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        Field field = example_field();
-        field.grid.size = {64, 64, 64};
-        field.distance.assign(field.grid.sample_count(), 1.0F);
-        field.triangle.assign(field.grid.sample_count(), 1);
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const Field field = clsdf::test::large_field(format);
         {
             const SmallDisk disk(100000);
-            check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
+            check_throws(ErrorCode::output_failure, {"field"},
+                         [&] { field.write(folder.file("field" + format.ending)); });
         }
         BOOST_TEST(folder.file_count() == 0U);
     });
 }
 
 BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        example_field().write(folder.file("field" + ending));
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        example_field(format).write(folder.file("field" + format.ending));
         const std::size_t files = folder.file_count();
-        const std::string before = content_of(folder.file("field" + ending));
-        Field field = example_field();
-        field.grid.size = {64, 64, 64};
-        field.distance.assign(field.grid.sample_count(), 1.0F);
+        const std::string before = content_of(folder.file("field" + format.ending));
+        Field field = clsdf::test::large_field(format);
         field.triangle.clear();
         {
             const SmallDisk disk(100000);
-            check_throws(ErrorCode::output_failure, {"field"}, [&] { field.write(folder.file("field" + ending)); });
+            check_throws(ErrorCode::output_failure, {"field"},
+                         [&] { field.write(folder.file("field" + format.ending)); });
         }
-        BOOST_CHECK(content_of(folder.file("field" + ending)) == before);
+        BOOST_CHECK(content_of(folder.file("field" + format.ending)) == before);
         BOOST_TEST(folder.file_count() == files);
-        BOOST_CHECK(Field::read(folder.file("field" + ending)).grid == example_field().grid);
+        BOOST_CHECK(Field::read(folder.file("field" + format.ending)).grid.size == example_field(format).grid.size);
     });
 }
 
 BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
-    const TemporaryFolder folder;
-    std::filesystem::create_symlink("/dev/full", folder.file("full.nrrd"));
-    check_throws(ErrorCode::output_failure, {"full.nrrd", "No space left"},
-                 [&] { example_field().write(folder.file("full.nrrd")); });
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const std::string name = "full" + format.ending;
+        std::filesystem::create_symlink("/dev/full", folder.file(name));
+        const std::string reason = format.ending == ".vdb" ? "regular file" : "No space left";
+        check_throws(ErrorCode::output_failure, {name, reason},
+                     [&] { example_field(format).write(folder.file(name)); });
+    });
 }
 
 BOOST_AUTO_TEST_CASE(refuses_arrays_that_do_not_fit_the_grid_and_unknown_endings) {
     const TemporaryFolder folder;
     Field field = example_field();
-    check_throws(ErrorCode::unsupported, {"field.vtk", ".nrrd", ".npy"},
+    check_throws(ErrorCode::unsupported, {"field.vtk", ".nrrd", ".npy", ".vti"},
                  [&] { field.write(folder.file("field.vtk")); });
     field.triangle.pop_back();
     check_throws(ErrorCode::invalid_argument, {"triangle", "23", "24"}, [&] { field.write(folder.file("f.nrrd")); });

@@ -6,12 +6,15 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <random>
+#include <thread>
 
 using clsdf::Field;
 using clsdf::test::example_field;
 using clsdf::test::for_each_format;
+using clsdf::test::Format;
 using clsdf::test::TemporaryFolder;
 
 namespace {
@@ -28,10 +31,10 @@ double any_double(std::mt19937_64& random) {
 BOOST_AUTO_TEST_SUITE(a_field_that_was_written)
 
 BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        const Field written = example_field();
-        written.write(folder.file("field" + ending));
-        const Field read = Field::read(folder.file("field" + ending));
+    for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
+        const Field written = example_field(format);
+        written.write(folder.file("field" + format.ending));
+        const Field read = Field::read(folder.file("field" + format.ending));
         BOOST_CHECK(clsdf::test::same_bits(read.distance, written.distance));
         BOOST_TEST(read.triangle == written.triangle, boost::test_tools::per_element());
         BOOST_CHECK(read.grid == written.grid);
@@ -43,16 +46,17 @@ BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
 }
 
 BOOST_AUTO_TEST_CASE(has_every_number_of_its_grid_and_band_bit_by_bit) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
+    for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
         constexpr unsigned seed = 5;
         std::mt19937_64 random(seed);
-        const std::string path = folder.file("field" + ending);
+        const std::string path = folder.file("field" + format.ending);
         for (int round = 0; round < 100; ++round) {
             BOOST_TEST_CONTEXT("seed " << seed << ", round " << round) {
                 Field written;
                 for (std::size_t axis = 0; axis < 3; ++axis) {
-                    written.grid.origin[axis] = any_double(random);
-                    written.grid.spacing[axis] = std::abs(any_double(random));
+                    const double origin = any_double(random), spacing = std::abs(any_double(random));
+                    written.grid.origin[axis] = format.any_spacing ? origin : 1e6 * std::remainder(origin, 1);
+                    written.grid.spacing[axis] = format.any_spacing ? spacing : 0.1 + round;
                     written.grid.first[axis] = static_cast<std::int64_t>(random() % 1000) - 500;
                 }
                 written.grid.size = {1, 2, 1};
@@ -69,9 +73,9 @@ BOOST_AUTO_TEST_CASE(has_every_number_of_its_grid_and_band_bit_by_bit) {
 }
 
 BOOST_AUTO_TEST_CASE(has_no_triangles_where_it_had_none_even_beside_old_ones) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        const std::string path = folder.file("field" + ending);
-        Field field = example_field();
+    for_each_format(&Format::has_extras, [](const TemporaryFolder& folder, const Format& format) {
+        const std::string path = folder.file("field" + format.ending);
+        Field field = example_field(format);
         field.write(path);
         field.triangle.clear();
         field.write(path);
@@ -80,35 +84,39 @@ BOOST_AUTO_TEST_CASE(has_no_triangles_where_it_had_none_even_beside_old_ones) {
 }
 
 BOOST_AUTO_TEST_CASE(is_read_without_its_triangles_where_their_file_was_left_behind) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        example_field().write(folder.file("field" + ending));
-        BOOST_REQUIRE(std::filesystem::remove(folder.file("field_triangle" + ending)));
-        const Field read = Field::read(folder.file("field" + ending));
+    for_each_format(&Format::extras_beside, [](const TemporaryFolder& folder, const Format& format) {
+        example_field(format).write(folder.file("field" + format.ending));
+        BOOST_REQUIRE(std::filesystem::remove(folder.file("field_triangle" + format.ending)));
+        const Field read = Field::read(folder.file("field" + format.ending));
         BOOST_TEST(read.triangle.empty());
         BOOST_TEST(read.distance.size() == 24U);
     });
 }
 
 BOOST_AUTO_TEST_CASE(is_refused_with_the_triangles_of_another_grid) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        const std::string path = folder.file("field" + ending);
-        Field other = example_field();
+    for_each_format(&Format::extras_beside, [](const TemporaryFolder& folder, const Format& format) {
+        const std::string path = folder.file("field" + format.ending);
+        Field other = example_field(format);
         other.grid.size = {2, 3, 4};
-        other.write(folder.file("other" + ending));
-        example_field().write(path);
-        std::filesystem::rename(folder.file("other_triangle" + ending), folder.file("field_triangle" + ending));
-        clsdf::test::check_throws(clsdf::ErrorCode::unreadable_input, {"field_triangle" + ending, "compute both again"},
-                                  [&] { Field::read(path); });
+        other.write(folder.file("other" + format.ending));
+        example_field(format).write(path);
+        std::filesystem::rename(folder.file("other_triangle" + format.ending),
+                                folder.file("field_triangle" + format.ending));
+        clsdf::test::check_throws(clsdf::ErrorCode::unreadable_input,
+                                  {"field_triangle" + format.ending, "compute both again"}, [&] { Field::read(path); });
     });
 }
 
-BOOST_AUTO_TEST_CASE(has_the_same_bytes_every_time) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        example_field().write(folder.file("field" + ending));
-        const std::string first = clsdf::test::content_of(folder.file("field" + ending));
-        example_field().write(folder.file("field" + ending));
-        BOOST_CHECK(clsdf::test::content_of(folder.file("field" + ending)) == first);
-    });
+BOOST_AUTO_TEST_CASE(has_the_same_bytes_at_another_time) {
+    const TemporaryFolder folder;
+    const auto write_all = [&] {
+        for (const Format& format : clsdf::test::all_formats())
+            example_field(format).write(folder.file("field" + format.ending));
+        return clsdf::test::all_contents(folder);
+    };
+    const auto before = write_all();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // files count seconds
+    for (const auto& [name, content] : write_all()) BOOST_TEST(content == before.at(name), name);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -1,3 +1,17 @@
 clsdf_test(field ${CMAKE_CURRENT_LIST_DIR}/round_trip.cpp ${CMAKE_CURRENT_LIST_DIR}/nrrd.cpp
            ${CMAKE_CURRENT_LIST_DIR}/npy.cpp ${CMAKE_CURRENT_LIST_DIR}/damaged.cpp ${CMAKE_CURRENT_LIST_DIR}/output.cpp
-           ${CMAKE_CURRENT_LIST_DIR}/writer.cpp)
+           ${CMAKE_CURRENT_LIST_DIR}/writer.cpp ${CMAKE_CURRENT_LIST_DIR}/other_programs.cpp
+           ${CMAKE_CURRENT_LIST_DIR}/vdb.cpp)
+
+target_compile_definitions(test_field PRIVATE CLSDF_HAS_VDB=$<BOOL:${CLSDF_HAS_VDB}>)
+
+# Fields opened by VTK, h5py, teem, numpy and OpenVDB. Not called test_*: it stays where these are, and is not bundled.
+# Debian's modules are in the system's Python alone.
+find_program(CLSDF_TEST_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+find_program(CLSDF_TEST_PYTHON python3)
+mark_as_advanced(CLSDF_TEST_PYTHON)
+clsdf_test(field_readers ${CMAKE_CURRENT_LIST_DIR}/readers.cpp)
+set_target_properties(test_field_readers PROPERTIES OUTPUT_NAME field_readers)
+target_compile_definitions(test_field_readers PRIVATE CLSDF_HAS_VDB=$<BOOL:${CLSDF_HAS_VDB}>
+                                                      CLSDF_TEST_PYTHON="${CLSDF_TEST_PYTHON}"
+                                                      CLSDF_READERS="${CMAKE_CURRENT_LIST_DIR}/readers.py")

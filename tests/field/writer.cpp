@@ -13,13 +13,14 @@ using clsdf::FieldWriter;
 using clsdf::test::check_throws;
 using clsdf::test::content_of;
 using clsdf::test::for_each_format;
+using clsdf::test::Format;
 using clsdf::test::TemporaryFolder;
 
 namespace {
 
 // Twenty slices, so that slabs of any size cut bricks and leaves of trees.
-Field tall_field(const std::string& ending) {
-    Field field = clsdf::test::example_field(ending);
+Field tall_field(const Format& format) {
+    Field field = clsdf::test::example_field(format);
     field.grid = field.grid.part({0, 0, 0}, {4, 3, 1});
     field.grid.size[2] = 20;
     field.distance.clear();
@@ -43,9 +44,9 @@ FieldSlab slices(const Field& field, std::size_t begin, std::size_t count) {
 BOOST_AUTO_TEST_SUITE(a_field_written_slab_by_slab)
 
 BOOST_AUTO_TEST_CASE(has_the_same_bytes_as_one_written_whole_however_it_is_cut) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        const Field field = tall_field(ending);
-        const std::string path = folder.file("field" + ending);
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const Field field = tall_field(format);
+        const std::string path = folder.file("field" + format.ending);
         field.write(path);
         const auto whole = clsdf::test::all_contents(folder);
         for (const std::size_t step : {1U, 3U, 8U, 19U}) {
@@ -61,10 +62,10 @@ BOOST_AUTO_TEST_CASE(has_the_same_bytes_as_one_written_whole_however_it_is_cut) 
 }
 
 BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_is_not_finished) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        const Field field = tall_field(ending);
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const Field field = tall_field(format);
         {
-            FieldWriter writer(folder.file("field" + ending), field, {.triangle = !field.triangle.empty()});
+            FieldWriter writer(folder.file("field" + format.ending), field, {.triangle = !field.triangle.empty()});
             writer.append(slices(field, 0, 9));
         }
         BOOST_TEST(folder.file_count() == 0U);
@@ -72,10 +73,10 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_is_not_finished) {
 }
 
 BOOST_AUTO_TEST_CASE(is_refused_where_slices_are_missing_or_too_many_or_cut_or_of_other_outputs) {
-    for_each_format([](const TemporaryFolder& folder, const std::string& ending) {
-        const Field field = tall_field(ending);
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        const Field field = tall_field(format);
         const clsdf::Outputs outputs{.triangle = !field.triangle.empty()};
-        const std::string path = folder.file("field" + ending);
+        const std::string path = folder.file("field" + format.ending);
         const auto refused = [&](const std::vector<std::string>& words, const FieldSlab& slab) {
             FieldWriter writer(path, field, outputs);
             writer.append(slices(field, 0, 2));

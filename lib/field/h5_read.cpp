@@ -1,0 +1,162 @@
+#include "field/description.hpp"
+#include "field/formats.hpp"
+#include "field/hdf5.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace clsdf {
+namespace {
+
+using hdf5::Handle;
+
+constexpr std::size_t largest_description = std::size_t{1} << 20;
+constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
+
+/// HDF5 says where the values lie, in files whose structure has checksums: without them it trusts what it reads.
+class H5Reader {
+public:
+    explicit H5Reader(InputFile& file) : file_(file), root_(open(file)) {}
+
+    bool has(const OutputKind& kind) const { return H5Lexists(root_.get(), kind.name, H5P_DEFAULT) > 0; }
+
+    /// The place of an output's values; `shape` becomes theirs.
+    RawValues values(const OutputKind& kind, std::vector<std::int64_t>& shape) const {
+        if (!has(kind)) file_.fail(fmt::format("there is no dataset '/{}'", kind.name));
+        const Handle array = opened(kind);
+        shape = shape_of(array, kind);
+        const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
+        if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.get()) != 0)
+            fail(kind, "its values are in chunks, compressed or in another file; save it contiguous");
+        RawValues values = type_of(array, kind);
+        const haddr_t offset = H5Dget_offset(array.get());
+        if (offset == HADDR_UNDEF) fail(kind, "it has no values");
+        values.offset = offset;
+        values.bytes = H5Dget_storage_size(array.get());
+        return values;
+    }
+
+    /// Three numbers along x, y, z.
+    Vec3 triple(const OutputKind& kind, const char* name) const {
+        const Handle array = opened(kind);
+        if (H5Aexists(array.get(), name) <= 0)
+            fail(kind, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+        const Handle attribute(H5Aopen(array.get(), name, H5P_DEFAULT), H5Aclose);
+        const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+        const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+        Vec3 result{};
+        const H5T_class_t kind_of_type = H5Tget_class(type.get());
+        if (H5Sget_simple_extent_npoints(space.get()) != 3 ||
+            (kind_of_type != H5T_FLOAT && kind_of_type != H5T_INTEGER) ||
+            H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, result.data()) < 0)
+            fail(kind, fmt::format("attribute '{}' is not three numbers", name));
+        return result;
+    }
+
+    std::optional<std::string> text(const char* name) const {
+        if (H5Aexists(root_.get(), name) <= 0) return std::nullopt;
+        const Handle attribute(H5Aopen(root_.get(), name, H5P_DEFAULT), H5Aclose);
+        const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+        const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+        const std::size_t size = H5Tget_size(type.get());
+        std::string text(std::min(size, largest_description), '\0');
+        if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
+            H5Sget_simple_extent_npoints(space.get()) != 1 || size > largest_description ||
+            H5Aread(attribute.get(), type.get(), text.data()) < 0)
+            file_.fail(fmt::format("attribute '{}' is not one text of fixed length", name));
+        return text.substr(0, text.find('\0'));
+    }
+
+private:
+    static Handle open(InputFile& file) {
+        const std::string beginning = file.beginning(signature.size() + 1);
+        if (!beginning.starts_with(signature)) file.fail("not an HDF5 file: it does not begin with \"\\x89HDF\"");
+        if (beginning.size() == signature.size()) file.fail("the file is truncated");
+        if (beginning.back() < 2)
+            file.fail(
+                "its structure has no checksums; save it with HDF5's format of 1.8 or later "
+                "(h5py: File(name, \"w\", libver=\"latest\"))");
+        const Handle access = hdf5::access();
+        Handle root(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+        if (!root.is_valid()) file.fail("HDF5: " + hdf5::Session::reason());
+        return root;
+    }
+
+    Handle opened(const OutputKind& kind) const {
+        Handle array(H5Dopen2(root_.get(), kind.name, H5P_DEFAULT), H5Dclose);
+        if (!array.is_valid()) fail(kind, "HDF5: " + hdf5::Session::reason());
+        return array;
+    }
+
+    std::vector<std::int64_t> shape_of(const Handle& array, const OutputKind& kind) const {
+        const Handle space(H5Dget_space(array.get()), H5Sclose);
+        const std::size_t dimensions = kind.components > 1 ? 4 : 3;
+        std::vector<hsize_t> shape(dimensions);
+        if (H5Sget_simple_extent_ndims(space.get()) != static_cast<int>(dimensions) ||
+            H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr) < 0)
+            fail(kind,
+                 fmt::format("it has not {} dimensions: z, y, x{}", dimensions, dimensions > 3 ? ", component" : ""));
+        return {shape.begin(), shape.end()};
+    }
+
+    RawValues type_of(const Handle& array, const OutputKind& kind) const {
+        const Handle type(H5Dget_type(array.get()), H5Tclose);
+        const auto is = [&](hid_t other) { return H5Tequal(type.get(), other) > 0; };
+        RawValues values;
+        if (is(H5T_IEEE_F32LE) || is(H5T_IEEE_F32BE))
+            values.type = ValueType::float32;
+        else if (is(H5T_IEEE_F64LE) || is(H5T_IEEE_F64BE))
+            values.type = ValueType::float64;
+        else if (is(H5T_STD_U32LE) || is(H5T_STD_U32BE))
+            values.type = ValueType::uint32;
+        else
+            fail(kind, "its values are neither floats nor doubles nor 32-bit indices");
+        if (!reads_as(values.type, kind.type)) fail(kind, fmt::format("{} is of another type", kind.content));
+        values.order = H5Tget_order(type.get()) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
+        return values;
+    }
+
+    [[noreturn]] void fail(const OutputKind& kind, const std::string& what) const {
+        file_.fail(fmt::format("dataset '/{}': {}", kind.name, what));
+    }
+
+    InputFile& file_;
+    Handle root_;
+};
+
+void read_array(InputFile& file, const H5Reader& reader, const OutputKind& kind, Field& field) {
+    std::vector<std::int64_t> shape;
+    const RawValues values = reader.values(kind, shape);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (shape[2 - axis] != field.grid.size[axis] || (shape.size() > 3 && shape[3] != kind.components))
+            file.fail(
+                fmt::format("dataset '/{}': the shape ({}) is not the distance's", kind.name, fmt::join(shape, ", ")));
+    checked_count(file, values, shape);
+    read_output(file, values, kind, field);
+}
+
+}  // namespace
+
+Field read_h5(const std::string& path) {
+    InputFile file(path);
+    const hdf5::Session session;
+    const H5Reader reader(file);
+    Field field;
+    field.band = Band::full();
+    field.sign = SignRule::automatic;
+    std::vector<std::int64_t> shape;
+    reader.values(distance_kind(), shape);
+    field.grid.size = {shape[2], shape[1], shape[0]};
+    field.grid.origin = reader.triple(distance_kind(), "origin");
+    field.grid.spacing = reader.triple(distance_kind(), "spacing");
+    field.grid.validate();
+    if (const std::optional<std::string> text = reader.text("clsdf"))
+        field = parse_description(path + ": attribute 'clsdf'", *text, field.grid).field;
+    read_array(file, reader, distance_kind(), field);
+    for (const OutputKind& kind : extra_kinds())
+        if (reader.has(kind)) read_array(file, reader, kind, field);
+    return field;
+}
+
+}  // namespace clsdf

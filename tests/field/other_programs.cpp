@@ -1,0 +1,218 @@
+#include "field/example_field.hpp"
+#include "field/formats.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/field.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <fstream>
+
+using clsdf::ErrorCode;
+using clsdf::Field;
+using clsdf::FieldDescription;
+using clsdf::Index3;
+using clsdf::Vec3;
+using clsdf::test::bytes_of;
+using clsdf::test::check_throws;
+using clsdf::test::content_of;
+using clsdf::test::TemporaryFolder;
+
+namespace {
+
+const std::vector<float> six_values{0, 1, -2, 3.5F, -0.25F, 1e-30F};
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t position = text.find(from);
+    BOOST_REQUIRE_MESSAGE(position != std::string::npos, "no '" << from << "'");
+    return text.replace(position, from.size(), to);
+}
+
+const std::string vti_text =
+    "<VTKFile type=\"ImageData\" byte_order=\"BigEndian\">\n"
+    "<ImageData WholeExtent=\"2 4 -1 0 0 0\" Origin=\"1 2 3\" Spacing=\"0.5 1 2\" Direction=\"1 0 0 0 1 0 0 0 1\">\n"
+    "<Piece Extent=\"2 4 -1 0 0 0\"><PointData Scalars=\"sdf\">"
+    "<DataArray Name=\"other\" type=\"Int8\" format=\"ascii\">1 2 3 4 5 6</DataArray>\n"
+    "<DataArray Name=\"sdf\" type=\"Float64\" format=\"appended\" offset=\"3\"/>\n"
+    "</PointData></Piece></ImageData>\n"
+    "<AppendedData encoding=\"raw\">\n _";
+
+std::string vti_file(const std::string& text = vti_text, std::uint32_t bytes = 48) {
+    const std::vector<double> doubles(six_values.begin(), six_values.end());
+    return text + "xyz" + bytes_of(std::vector<std::uint32_t>{bytes}, std::endian::big) +
+           bytes_of(doubles, std::endian::big) + "\n</AppendedData></VTKFile>\n";
+}
+
+const std::string sdf_text = "3 2 1\n-1 0.5 2e1\n0.25\n0\n1\n-2\n3.5\n-0.25\n1e-30\n";
+
+// One of the fields that do not fit this machine: 2048 samples on a side, 32 GiB.
+FieldDescription huge_field() {
+    FieldDescription field;
+    field.grid.size = {2048, 2048, 2048};
+    field.band = clsdf::Band::symmetric(3);
+    field.sign = clsdf::SignRule::nonzero;
+    return field;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(a_vti_field_of_another_program)
+
+BOOST_AUTO_TEST_CASE(is_read_with_its_extent_as_the_part_of_a_lattice) {
+    const TemporaryFolder folder;
+    const Field field = Field::read(folder.file("a.vti", vti_file()));
+    BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+    BOOST_CHECK(field.grid == (clsdf::Grid{{1, 2, 3}, {0.5, 1, 2}, {3, 2, 1}, {2, -1, 0}}));
+    BOOST_TEST(field.band.outside == std::numeric_limits<double>::infinity());
+    BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
+}
+
+BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
+    const TemporaryFolder folder;
+    const auto refused = [&](const std::string& content, const std::string& fragment) {
+        const std::string path = folder.file("a.vti", content);
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+    };
+    const auto changed = [&](const std::string& from, const std::string& to, const std::string& fragment) {
+        refused(vti_file(replaced(vti_text, from, to)), fragment);
+    };
+    changed("type=\"ImageData\"", "type=\"PolyData\"", "PolyData");
+    changed("type=\"ImageData\"", "type=\"ImageData\" compressor=\"vtkZLibDataCompressor\"", "compress");
+    changed("Direction=\"1 0", "Direction=\"1 0.1", "Direction");
+    changed("WholeExtent=\"2 4", "WholeExtent=\"2 x", "WholeExtent");
+    changed("WholeExtent=\"2 4", "WholeExtent=\"0 4", "piece");
+    changed("Spacing=\"0.5", "Spacing=\"-0.5", "spacing");
+    changed("Scalars=\"sdf\"", "Scalars=\"none\"", "distance");
+    changed("offset=\"3\"", "offset=\"-3\"", "-3");
+    changed("offset=\"3\"", "offset=\"3000\"", "3000");
+    changed("offset=\"3\"", "offset=\"9223372036854775807\"", "9223372036854775807");
+    changed("type=\"Float64\"", "type=\"UInt32\"", "UInt32");
+    changed("type=\"Float64\"", "type=\"Float64\" NumberOfComponents=\"3\"", "NumberOfComponents");
+    changed("encoding=\"raw\"", "encoding=\"base64\"", "base64");
+    changed("format=\"appended\"", "format=\"ascii\"", "ascii");
+    changed("</PointData>", "", "mismatched");
+    changed(" _", " ", "'_'");
+    changed("<VTKFile", "<!DOCTYPE x [<!ENTITY a \"aaa\">]><VTKFile", "document type");
+    refused(vti_file(vti_text, 44), "truncated");
+    refused(vti_file(vti_text, 56), "unused");
+    refused(vti_file(vti_text, 4000000000), "4000000000");
+    refused("", "truncated");
+    refused("<html/>", "VTKFile");
+    std::string deep = "<VTKFile type=\"ImageData\">";
+    for (int i = 0; i < 100; ++i) deep += "<a>";
+    refused(deep, "nested");
+    const std::string extents[] = {"2 4 -1 0 0 0", "0 3000000 0 3000000 0 3000000"};
+    std::string huge = replaced(replaced(vti_text, extents[0], extents[1]), extents[0], extents[1]);
+    refused(vti_file(huge), "3000001");
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(an_sdf_field_of_another_program)
+
+BOOST_AUTO_TEST_CASE(is_read_as_sdfgen_writes_it) {
+    const TemporaryFolder folder;
+    for (const std::string& text : {sdf_text, replaced(sdf_text, "2e1\n", "20\r\n")}) {
+        const Field field = Field::read(folder.file("a.sdf", text));
+        BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+        BOOST_CHECK(field.grid == (clsdf::Grid{{-1, 0.5, 20}, {0.25, 0.25, 0.25}, {3, 2, 1}, {}}));
+        BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
+    const TemporaryFolder folder;
+    const auto refused = [&](const std::string& content, const std::string& fragment) {
+        const std::string path = folder.file("a.sdf", content);
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+    };
+    refused("", "missing");
+    refused(replaced(sdf_text, "3 2 1", "3 2 x"), "'x'");
+    refused(replaced(sdf_text, "3 2 1", "3 2 0"), "0 samples");
+    refused(replaced(sdf_text, "3 2 1", "3 2 2"), "missing");
+    refused(replaced(sdf_text, "3 2 1", "3 1 1"), "more values");
+    refused(replaced(sdf_text, "3 2 1", "3000000 3000000 3000000"), "3000000");
+    refused(replaced(sdf_text, "0.25\n", "0\n"), "spacing");
+    refused(replaced(sdf_text, "-2\n", "-2,5\n"), "-2,5");
+    refused(replaced(sdf_text, "-2\n", std::string(10000, '7') + "\n"), "777");
+    refused(sdf_text.substr(0, sdf_text.size() - 1), "truncated");
+}
+
+BOOST_AUTO_TEST_CASE(has_no_place_for_triangles_or_unequal_spacing) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("a.sdf");
+    Field field = clsdf::test::example_field();
+    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { field.write(path); });
+    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { Field::check_output(path, {.triangle = true}); });
+    field.triangle.clear();
+    check_throws(ErrorCode::unsupported, {path, "one spacing"}, [&] { field.write(path); });
+    BOOST_TEST(folder.file_count() == 0U);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(an_h5_field)
+
+BOOST_AUTO_TEST_CASE(without_checksums_is_refused_with_what_to_do) {
+    const TemporaryFolder folder;
+    clsdf::test::example_field().write(folder.file("a.h5"));
+    std::string content = content_of(folder.file("a.h5"));
+    BOOST_TEST(content[8] >= 2);  // the version of the superblock
+    content[8] = 0;
+    check_throws(ErrorCode::unreadable_input, {"old.h5", "libver"},
+                 [&] { Field::read(folder.file("old.h5", content)); });
+    check_throws(ErrorCode::unreadable_input, {"text.h5", "not an HDF5 file"},
+                 [&] { Field::read(folder.file("text.h5", "text")); });
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(a_field_of_32_gibibytes)
+
+// The slices between are holes in the file.
+BOOST_AUTO_TEST_CASE(has_its_last_slice_where_it_belongs) {
+    for (const std::string ending : {".vti", ".h5"}) {
+        BOOST_TEST_CONTEXT("format " << ending) {
+            const TemporaryFolder folder;
+            const std::string path = folder.file("huge" + ending);
+            const FieldDescription field = huge_field();
+            constexpr std::size_t slice = 2048 * 2048;
+            const std::vector<float> distance(slice, -2.5F);
+            std::vector<std::uint32_t> triangle(slice, 7);
+            triangle.back() = 8;
+            const auto writer = clsdf::format_of(path, ErrorCode::unsupported).writer(path, field, {.triangle = true});
+            writer->append({distance, triangle}, 0);
+            writer->append({distance, triangle}, 2047);
+            writer->finish();
+
+            // The triangles are the last array; of .vti, some closing tags follow.
+            const std::string tail = ending == ".vti" ? "\n  </AppendedData>\n</VTKFile>\n" : "";
+            std::ifstream file(path, std::ios::binary);
+            file.seekg(-static_cast<std::streamoff>(8 + tail.size()), std::ios::end);
+            BOOST_TEST(static_cast<std::uint64_t>(file.tellg()) > std::uint64_t{2} * 2048 * slice * 4 - 8);
+            std::string end(8 + tail.size(), '\0');
+            file.read(end.data(), static_cast<std::streamsize>(end.size()));
+            BOOST_CHECK(end == bytes_of(std::vector<std::uint32_t>{7, 8}, std::endian::little) + tail);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(has_a_description_that_is_refused_where_the_file_is_cut_off) {
+    const TemporaryFolder folder;
+    for (const std::string ending : {".vti", ".h5", ".nrrd", ".npy"}) {
+        BOOST_TEST_CONTEXT("format " << ending) {
+            const std::string path = folder.file("huge" + ending);
+            const std::vector<float> distance(2048 * 2048);
+            {
+                const auto writer = clsdf::format_of(path, ErrorCode::unsupported).writer(path, huge_field(), {});
+                writer->append({.distance = distance}, 0);
+                writer->finish();
+            }
+            std::filesystem::resize_file(path, 1 << 20);
+            check_throws(ErrorCode::unreadable_input, {path, "truncated"}, [&] { Field::read(path); });
+        }
+    }
+}
+
+BOOST_AUTO_TEST_SUITE_END()
