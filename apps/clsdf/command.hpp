@@ -12,6 +12,7 @@ struct Command {
     std::function<ExitStatus()> run;
 };
 
+Command add_bench(CLI::App& program);
 Command add_compute(CLI::App& program);
 Command add_check(CLI::App& program);
 Command add_devices(CLI::App& program);

@@ -34,14 +34,22 @@ std::vector<std::string> known_words(const CLI::App& parser) {
     return words;
 }
 
+// "bench peers" is a subcommand of a subcommand: the innermost that was parsed.
+const CLI::App& parser_in_use(const CLI::App& program) {
+    const CLI::App* parser = &program;
+    while (!parser->get_subcommands().empty()) parser = parser->get_subcommands().front();
+    return *parser;
+}
+
 // The first word that no option and no subcommand took, and what was probably meant by it.
 std::string explain_unknown_word(const CLI::App& program) {
-    const auto chosen = program.get_subcommands();
-    const CLI::App& parser = chosen.empty() ? program : *chosen.front();
+    const CLI::App& parser = parser_in_use(program);
     for (const std::string& argument : parser.remaining()) {
         const std::string word = argument.substr(0, argument.find('='));
         const std::string meant = nearest_word(word, known_words(parser));
-        const char* what = word.starts_with('-') ? "option" : chosen.empty() ? "subcommand" : "argument";
+        const char* what = word.starts_with('-')                                                  ? "option"
+                           : parser.get_subcommands([](const CLI::App*) { return true; }).empty() ? "argument"
+                                                                                                  : "subcommand";
         return fmt::format("unknown {} {}{}", what, word,
                            meant.empty() ? "" : fmt::format("; did you mean {}?", meant));
     }
@@ -49,11 +57,12 @@ std::string explain_unknown_word(const CLI::App& program) {
 }
 
 ExitStatus explain(const CLI::App& program, const CLI::ParseError& error) {
-    const auto chosen = program.get_subcommands();
+    std::string path;
+    for (const CLI::App* parser = &parser_in_use(program); parser != &program; parser = parser->get_parent())
+        path = parser->get_name() + ' ' + path;
     const std::string unknown = explain_unknown_word(program);
     fmt::print(stderr, "clsdf: {}\n", unknown.empty() ? error.what() : unknown);
-    fmt::print(stderr, "\"clsdf {}--help\" lists what there is.\n",
-               chosen.empty() ? "" : chosen.front()->get_name() + ' ');
+    fmt::print(stderr, "\"clsdf {}--help\" lists what there is.\n", path);
     return ExitStatus::usage;
 }
 
@@ -72,11 +81,12 @@ ExitStatus run(int argument_count, char** arguments) {
                                "  clsdf info bunny.off\n"
                                "  clsdf shape sphere6 -o sphere6.off\n"
                                "  clsdf polyhedra bunny.off -o polyhedra.ply\n"
-                               "  clsdf devices\n\n") +
+                               "  clsdf devices\n"
+                               "  clsdf bench peers\n\n") +
                    exit_status_help());
-    const std::vector<Command> commands{add_compute(program),   add_check(program),  add_info(program),
-                                        add_slice(program),     add_render(program), add_shape(program),
-                                        add_polyhedra(program), add_devices(program)};
+    const std::vector<Command> commands{add_compute(program),   add_check(program),   add_info(program),
+                                        add_slice(program),     add_render(program),  add_shape(program),
+                                        add_polyhedra(program), add_devices(program), add_bench(program)};
     for (const Command& command : commands)
         command.parser->footer(command.parser->get_footer() + "\n\n" + exit_status_help());
 

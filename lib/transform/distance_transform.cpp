@@ -86,7 +86,10 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.band_samples += slab.band_samples;
     total.polyhedra_seconds = slab.polyhedra_seconds;
     total.lists_seconds += slab.lists_seconds;
+    total.sign_seconds += slab.sign_seconds;
     total.field_seconds += slab.field_seconds;
+    total.bricks_seconds += slab.bricks_seconds;
+    total.fill_seconds += slab.fill_seconds;
 }
 
 }  // namespace
@@ -107,6 +110,7 @@ void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabP
                          plan.outputs.triangle ? slot.triangle.buffer() : cl::Buffer(), {}, between)
                 .wait();
             plan.read_counters();
+            plan.read_times(context.queue());
         } catch (...) {
             // What is under way still writes to the caller's memory.
             clFinish(context.queue()());

@@ -26,8 +26,10 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     device::Context& context = device.internal();
     const Layout layout = transform::layout_of(grid, band, sign);
     const transform::ShortLaunches launches(context, between_launches);
+    const Stopwatch sign_watch;
     sign_bits_ =
         transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, *prepared->triangles, launches);
+    statistics.sign_seconds = sign_watch.seconds();
     device::guarded([&] {
         const transform::BrickVariant variant{outputs.triangle, options.count, transform::has_long_bricks(grid)};
         scan_ = prepared->pieces ? transform::make_slice_scan(context, programs, pool, layout, *prepared, *sign_bits_,
@@ -58,6 +60,7 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
                                const std::function<void(double)>& between_launches) {
     transform::CommandChain chain(queue, wait_list);
     scan_->enqueue_begin(chain, distance, triangle);
+    before_launches_ = chain.last();
     for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
         if (between_launches) {
             chain.wait();
@@ -65,6 +68,7 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
         }
         scan_->enqueue_launch(chain, launch);
     }
+    after_launches_ = chain.last();
     scan_->enqueue_end(chain);
     last_ = chain.last();
     queue.flush();
@@ -73,6 +77,16 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
 
 void Plan::State::read_counters() {
     scan_->read_counters(device.internal().queue(), statistics);
+}
+
+void Plan::State::read_times(const cl::CommandQueue& queue) {
+    if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
+    const auto seconds = [](const cl::Event& from, const cl::Event& to) {
+        const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();
+        return 1e-9 * static_cast<double>(to.getProfilingInfo<CL_PROFILING_COMMAND_END>() - begin);
+    };
+    statistics.bricks_seconds = seconds(before_launches_, after_launches_);
+    statistics.fill_seconds = seconds(after_launches_, last_);
 }
 
 namespace {

@@ -32,6 +32,9 @@ struct Plan::State {
     /// Reads the counters of the last computation into the statistics, where it was asked for.
     void read_counters();
 
+    /// Reads the kernels' times of the last computation, which has ended, where the queue it ran on keeps them.
+    void read_times(const cl::CommandQueue& queue);
+
     Device device;
     std::shared_ptr<device::BufferPool> pool;
     std::shared_ptr<const transform::PreparedMesh> prepared;
@@ -44,7 +47,10 @@ struct Plan::State {
 private:
     device::BufferPool::Lease sign_bits_;
     std::unique_ptr<transform::FieldScan> scan_;
-    cl::Event last_;  ///< of the latest computation
+    // Of the latest computation.
+    cl::Event before_launches_;
+    cl::Event after_launches_;
+    cl::Event last_;
 };
 
 }  // namespace clsdf

@@ -1,6 +1,7 @@
 if(TARGET clsdf_command)
   clsdf_test(
     command
+    ${CMAKE_CURRENT_LIST_DIR}/bench.cpp
     ${CMAKE_CURRENT_LIST_DIR}/command.cpp
     ${CMAKE_CURRENT_LIST_DIR}/compute.cpp
     ${CMAKE_CURRENT_LIST_DIR}/devices.cpp

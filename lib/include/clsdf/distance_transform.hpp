@@ -65,8 +65,12 @@ struct TransformStatistics {
     std::size_t band_samples = 0;         ///< samples that carry their distance, exact with leaned polyhedra
 
     double polyhedra_seconds = 0;
-    double lists_seconds = 0;
+    double lists_seconds = 0;  ///< the sign's sweep included
+    double sign_seconds = 0;   ///< of these, the sweep
     double field_seconds = 0;
+    // Of these, the kernels' own times by the device's clock; 0 unless its queue was made with profiling enabled.
+    double bricks_seconds = 0;  ///< the scan by bricks, or by slices
+    double fill_seconds = 0;
 };
 
 /// The caller's own device memory; each holds grid.sample_count() values of four bytes.

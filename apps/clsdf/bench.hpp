@@ -1,0 +1,69 @@
+#pragma once
+
+#include "benchmarks/measure.hpp"
+#include "benchmarks/meshes.hpp"
+#include "exit_status.hpp"
+
+#include <clsdf/clsdf.hpp>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What the subcommands of "clsdf bench" have in common.
+struct BenchOptions {
+    std::vector<std::string> meshes;  ///< empty: those of the subcommand's own list
+    std::string folder = "build/meshes";
+    std::vector<std::string> workloads;
+    std::vector<std::string> methods;
+    std::vector<std::string> series;
+    clsdf::bench::MeasureOptions measure;
+    std::size_t threads = 0;  ///< 0: all there are
+    std::string device;
+    std::string commit;
+    bool quick = false;
+    bool json = false;
+    bool quiet = false;
+
+    clsdf::Device open_device() const;
+
+    /// The mesh, or the message of what is missing printed and nothing, where it is one that nobody named.
+    std::optional<clsdf::Mesh> mesh(const std::string& name) const;
+
+    /// With --quick, a grid of an eighth of the samples on a side.
+    clsdf::bench::Layout scaled(clsdf::bench::Layout layout) const;
+
+    /// A line on standard error, unless --quiet.
+    void say(const std::string& line) const;
+};
+
+/// A table on standard error, in Markdown, its columns aligned; numbers to the right.
+class BenchTable {
+public:
+    explicit BenchTable(std::vector<std::string> header) : rows_{std::move(header)} {}
+    void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+    std::string text() const;
+
+private:
+    std::vector<std::vector<std::string>> rows_;
+};
+
+/// What every result says of the run: what was measured, with what, where and when.
+nlohmann::ordered_json describe_run(const char* benchmark, const BenchOptions& options, const clsdf::Device& device);
+nlohmann::ordered_json describe(const clsdf::bench::Workload& workload);
+nlohmann::ordered_json describe(const clsdf::bench::Judgement& judgement);
+nlohmann::ordered_json describe(const clsdf::bench::Measurement& measurement);
+
+/// "12.3", in milliseconds, with three digits at least.
+std::string milliseconds(double seconds);
+/// What a judgement comes to in a table: the error, then wrong values, signs, missed and leaked.
+std::vector<std::string> cells_of(const clsdf::bench::Judgement& judgement);
+std::string title_of(const clsdf::bench::Workload& workload);
+
+// The subcommands; each takes the options that were parsed.
+ExitStatus run_bench_peers(const BenchOptions& options);
+ExitStatus run_bench_scaling(const BenchOptions& options);
+ExitStatus run_bench_floors(const BenchOptions& options);

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace clsdf::bench {
+
+/// The names that load_mesh() knows and every benchmark runs over: meshes of CGAL's data, the paper's sphere, and a
+/// noisy sphere.
+const std::vector<std::string>& standard_meshes();
+
+/// A mesh by one of those names, by another name of make_shape(), or by its file. Meshes of CGAL's data are read from
+/// `folder`; where one is not there, Error(unreadable_input) says how to get it. `seed` is that of the noisy sphere.
+Mesh load_mesh(const std::string& name_or_file, const std::string& folder, std::uint64_t seed);
+
+/// "bunny00" for "meshes/bunny00.off".
+std::string short_name(const std::string& name_or_file);
+
+/// A unit sphere of 20 frequency^2 triangles, an icosahedron's faces divided evenly; each vertex is moved along its
+/// radius by up to `noise` mean edge lengths, inwards or outwards. It never cuts itself.
+Mesh noisy_sphere(std::uint32_t frequency, double noise, std::uint64_t seed);
+
+/// Each triangle in four, by the midpoints of its edges: the same surface.
+Mesh split_triangles(const Mesh& mesh);
+
+}  // namespace clsdf::bench

@@ -1,0 +1,91 @@
+#include "benchmarks/method.hpp"
+
+namespace clsdf::bench {
+
+namespace {
+
+class KeptTransform final : public Method {
+public:
+    explicit KeptTransform(Device device) : device_(std::move(device)) {}
+
+    std::string name() const override { return "clsdf"; }
+    std::string note() const override { return "the transform is kept between calls"; }
+
+    void prepare(const Workload& workload) override {
+        transform_ = std::make_unique<DistanceTransform>(device_, workload.mesh);
+        // A small grid of the same kind compiles the kernels.
+        Grid small = workload.grid;
+        for (std::int64_t& size : small.size) size = std::min<std::int64_t>(size, 16);
+        (*transform_)(small, workload.band);
+    }
+
+    Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
+        transform_->compute(workload.grid, workload.band, {distance, {}});
+        return {};
+    }
+
+private:
+    Device device_;
+    std::unique_ptr<DistanceTransform> transform_;
+};
+
+class TransformAnew final : public Method {
+public:
+    explicit TransformAnew(Device device) : device_(std::move(device)) {}
+
+    std::string name() const override { return "clsdf, once"; }
+    std::string note() const override {
+        return "from the mesh's arrays anew; only the device and its programs are kept";
+    }
+
+    Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
+        DistanceTransform(device_, workload.mesh).compute(workload.grid, workload.band, {distance, {}});
+        return {};
+    }
+
+private:
+    Device device_;
+};
+
+#if !CLSDF_WITH_EMBREE || !CLSDF_WITH_OPENVDB
+/// `missing` is empty where the package was not looked for.
+[[maybe_unused]] Entry absent(const char* name, const std::string& missing) {
+    return {name, "",
+            missing.empty() ? "not in this build: configure with -DCLSDF_BUILD_BENCHMARKS=ON"
+                            : "not installed: apt-get install " + missing,
+            nullptr};
+}
+#endif
+
+}  // namespace
+
+std::unique_ptr<Method> make_kept_transform(const Device& device) {
+    return std::make_unique<KeptTransform>(device);
+}
+
+std::unique_ptr<Method> make_transform_anew(const Device& device) {
+    return std::make_unique<TransformAnew>(device);
+}
+
+#if !CLSDF_WITH_EMBREE
+Entry embree_entry() {
+    return absent("embree", CLSDF_MISSING_EMBREE);
+}
+#endif
+#if !CLSDF_WITH_OPENVDB
+Entry openvdb_entry() {
+    return absent("openvdb", CLSDF_MISSING_OPENVDB);
+}
+#endif
+
+std::vector<Entry> all_methods(const Device& device) {
+    std::vector<Entry> entries;
+    entries.emplace_back("clsdf", "", "", make_kept_transform(device));
+    entries.emplace_back("once", "", "", make_transform_anew(device));
+    entries.push_back(embree_entry());
+    entries.push_back(openvdb_entry());
+    entries.push_back(cgal_entry());
+    return entries;
+}
+
+}  // namespace clsdf::bench

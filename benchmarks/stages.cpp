@@ -1,0 +1,54 @@
+#include "benchmarks/stages.hpp"
+
+namespace clsdf::bench {
+
+namespace {
+
+TransformStatistics count(const Workload& workload, const Device& device) {
+    TransformOptions options;
+    options.count = true;
+    DistanceTransform transform(device, workload.mesh, options);
+    transform(workload.grid, workload.band);
+    return transform.statistics();
+}
+
+}  // namespace
+
+Stages measure_stages(const Workload& workload, const Device& device, const Floors& floors,
+                      const MeasureOptions& options) {
+    DistanceTransform transform(with_profiling(device), workload.mesh);
+    Field field = transform(workload.grid, workload.band);
+    std::vector<double> whole, polyhedra, lists, sign, bricks, fill, transfer, rest;
+    for (std::size_t n = 0; n < options.repetitions; ++n) {
+        const CostWatch watch;
+        transform.compute(workload.grid, workload.band, {field.distance, {}});
+        const double seconds = watch.cost().wall;
+        const TransformStatistics& s = transform.statistics();
+        whole.push_back(seconds);
+        polyhedra.push_back(s.polyhedra_seconds);
+        lists.push_back(s.lists_seconds - s.sign_seconds);
+        sign.push_back(s.sign_seconds);
+        bricks.push_back(s.bricks_seconds);
+        fill.push_back(s.fill_seconds);
+        transfer.push_back(s.field_seconds - s.bricks_seconds - s.fill_seconds);
+        rest.push_back(seconds - s.polyhedra_seconds - s.lists_seconds - s.field_seconds);
+    }
+    const auto median = [](const std::vector<double>& values) { return spread_of(values).median; };
+    Stages stages;
+    stages.whole = spread_of(whole);
+    stages.polyhedra = median(polyhedra);
+    stages.lists = median(lists);
+    stages.sign = median(sign);
+    stages.bricks = median(bricks);
+    stages.fill = median(fill);
+    stages.transfer = median(transfer);
+    stages.rest = median(rest);
+    stages.counts = count(workload, device);
+    stages.judgement = Truth(workload, options.samples_judged, options.seed).judge(field.distance, false, 1);
+    stages.store_floor = static_cast<double>(workload.grid.sample_count() * sizeof(float)) / floors.best_store();
+    stages.evaluation_floor =
+        static_cast<double>(workload.list.samples.size()) * operations_of_a_distance / floors.fma_per_second;
+    return stages;
+}
+
+}  // namespace clsdf::bench

@@ -1,0 +1,88 @@
+#include "apps/process.hpp"
+
+#include <boost/test/unit_test.hpp>
+#include <nlohmann/json.hpp>
+
+#include <set>
+
+using clsdf::test::check_refused;
+using clsdf::test::no_devices;
+using clsdf::test::Outcome;
+using clsdf::test::run_command;
+using nlohmann::json;
+
+namespace {
+
+json result_of(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "bench");
+    arguments.insert(arguments.end(), {"--quick", "--json", "--quiet"});
+    const Outcome outcome = run_command(arguments);
+    BOOST_TEST_CONTEXT("message: " << outcome.error) BOOST_REQUIRE(outcome.status == 0);
+    return json::parse(outcome.out);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(bench_command)
+
+BOOST_AUTO_TEST_CASE(peers_have_their_error_beside_their_time) {
+    const json result = result_of({"peers", "--commit", "0123abc"});
+    BOOST_TEST(result["commit"] == "0123abc");
+    BOOST_TEST(result["machine"]["threads"].get<int>() > 0);
+    BOOST_TEST(!result["device"]["name"].get<std::string>().empty());
+    std::set<std::string> methods, workloads;
+    for (const json& row : result["rows"]) {
+        methods.insert(row["method"]);
+        workloads.insert(row["workload"]);
+        const json& wall = row["wall_seconds"];
+        BOOST_TEST(wall["least"].get<double>() > 0);
+        BOOST_TEST(wall["least"].get<double>() <= wall["median"].get<double>());
+        BOOST_TEST(wall["median"].get<double>() <= wall["most"].get<double>());
+        BOOST_TEST(row["processor_seconds"]["median"].get<double>() > 0);
+        BOOST_TEST(row["judgement"]["samples"].get<int>() > 0);
+        if (row["method"] != "OpenVDB") BOOST_TEST(row["judgement"]["exact"].get<bool>());
+    }
+    BOOST_TEST(methods.contains("clsdf"));
+    BOOST_TEST(methods.contains("CGAL"));
+    BOOST_TEST((workloads == std::set<std::string>{"W1", "W2", "W3", "W4"}));
+    for (const json& method : result["methods"])
+        BOOST_TEST(method["there"].get<bool>() == method["remedy"].get<std::string>().empty());
+}
+
+BOOST_AUTO_TEST_CASE(scaling_has_four_series) {
+    std::set<std::string> series;
+    const json result = result_of({"scaling"});
+    for (const json& row : result["rows"]) {
+        series.insert(row["series"]);
+        BOOST_TEST(row["judgement"]["exact"].get<bool>());
+    }
+    BOOST_TEST((series == std::set<std::string>{"N", "d", "triangles", "threads"}));
+}
+
+BOOST_AUTO_TEST_CASE(floors_are_above_every_result_and_the_stages_add_up) {
+    const json result = result_of({"floors", "--workload", "W1"});
+    for (const char* floor : {"store_bytes_per_second", "fma_operations_per_second", "launch_seconds"})
+        BOOST_TEST(result["floors"][floor].get<double>() > 0, floor);
+    for (const json& row : result["rows"]) {
+        BOOST_TEST(row["part_of_floor"].get<double>() > 0);
+        BOOST_TEST(row["part_of_floor"].get<double>() < 1);
+        BOOST_TEST(row["lanes_evaluated_per_band_sample"].get<double>() >= 1);
+        BOOST_TEST(row["stages_seconds"]["bricks"].get<double>() > 0);
+        double sum = 0;
+        for (const json& stage : row["stages_seconds"]) sum += stage.get<double>();
+        BOOST_TEST(sum < 1.5 * row["wall_seconds"]["most"].get<double>());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
+    check_refused(run_command({"bench", "peers", "bunny00", "--meshes", "/nonexistent"}), 3,
+                  {"bunny00.off", "scripts/fetch-meshes"});
+    check_refused(run_command({"bench", "peers", "/nonexistent.off"}), 3, {"/nonexistent.off"});
+    check_refused(run_command({"bench", "peers"}, no_devices), 4, {"pocl-opencl-icd"});
+    check_refused(run_command({"bench", "peers", "--repetition", "3"}), 2,
+                  {"--repetition", "--repetitions", "bench peers --help"});
+    check_refused(run_command({"bench", "pears"}), 2, {"pears", "peers"});
+    check_refused(run_command({"bench", "peers", "--workload", "W9"}), 2, {"W9"});
+}
+
+BOOST_AUTO_TEST_SUITE_END()
