@@ -17,7 +17,8 @@ const char* const examples =
     "  clsdf bench peers bunny00 --workload W1\n"
     "  clsdf bench peers dragon.off --workload W2 --method clsdf --method embree\n"
     "  clsdf bench scaling --series N --series d --json > scaling.json\n"
-    "  clsdf bench floors --quick";
+    "  clsdf bench floors --quick\n"
+    "  clsdf bench papers sphere6";
 
 CLI::App* add_benchmark(CLI::App& bench, const char* name, const char* what, BenchOptions& options) {
     CLI::App* parser = bench.add_subcommand(name, what);
@@ -99,7 +100,9 @@ Command add_bench(CLI::App& program) {
         {add_benchmark(*bench, "scaling", "Time series in samples, width of the band, triangles and threads", *options),
          run_bench_scaling},
         {add_benchmark(*bench, "floors", "Measure the device's own limits, and each stage against them", *options),
-         run_bench_floors}};
+         run_bench_floors},
+        {add_benchmark(*bench, "papers", "Repeat what the papers compare: polyhedra, scans, saddle vertices", *options),
+         run_bench_papers}};
     add_workloads(*benchmarks[0].parser, *options);
     add_workloads(*benchmarks[2].parser, *options);
     add_methods(*benchmarks[0].parser, *options,

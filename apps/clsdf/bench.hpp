@@ -67,3 +67,4 @@ std::string title_of(const clsdf::bench::Workload& workload);
 ExitStatus run_bench_peers(const BenchOptions& options);
 ExitStatus run_bench_scaling(const BenchOptions& options);
 ExitStatus run_bench_floors(const BenchOptions& options);
+ExitStatus run_bench_papers(const BenchOptions& options);
