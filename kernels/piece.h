@@ -3,7 +3,8 @@
 // A piece is what its half-spaces have in common: with (i, j, k) = sample - origin,
 //   normal . (i, j, k) <= offset
 // where the normal contains the axis' spacing and is a unit vector in the metric frame, so that the offset is a length
-// in units. A triangle counts for the samples of its pieces, those within the slack CLSDF_PIECE_SLACK included.
+// in units. A triangle counts for the samples of its pieces, those within the slack CLSDF_PIECE_SLACK included, with
+// its own distance or, where a piece belongs to one site of it, with the distance to that site.
 //
 // Each step from whole pieces to samples takes more than the next, by more than it rounds, so that no sample of a piece
 // is lost, and what one step hands on is not empty to the next:
@@ -19,6 +20,19 @@
 
 // Planes of a piece, at most.
 #define CLSDF_MOST_PLANES 16
+
+// What gives a piece its distance: the nearest of the record's seven sites, or one of them; of edges and vertices in
+// its frame (polyhedron.h). The plane of the face and the line of an edge go on beyond them: such a piece ends where
+// the site does.
+#define CLSDF_SITE_NEAREST 0u
+#define CLSDF_SITE_FACE 1u
+#define CLSDF_SITE_EDGE 2u    // + CLSDF_EDGE_BASE, _RIGHT, _LEFT
+#define CLSDF_SITE_VERTEX 5u  // + CLSDF_VERTEX_RIGHT, _LEFT, _APEX
+
+// Index of a vertex: the ends of the base at X > 0 and X < 0, and the one opposite.
+#define CLSDF_VERTEX_RIGHT 0
+#define CLSDF_VERTEX_LEFT 1
+#define CLSDF_VERTEX_APEX 2
 
 // What the counting variant of the scan by slices adds up: a set of counters for each work-item.
 #define CLSDF_SLICES_INTERSECTIONS 0
@@ -42,6 +56,7 @@ typedef struct Piece {
     clsdf_uint32 plane_begin;  // planes[plane_begin, plane_begin + plane_count)
     clsdf_uint32 plane_count;
     clsdf_uint32 polyhedron;  // the record that gives the distance
+    clsdf_uint32 site;        // of it
     clsdf_int32 slice_begin;  // slices [slice_begin, slice_end) of the lattice cut it within the grid
     clsdf_int32 slice_end;
     clsdf_int32 origin[3];  // in samples of the lattice
@@ -49,7 +64,7 @@ typedef struct Piece {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(PiecePlane) == 32 && offsetof(PiecePlane, offset) == 24);
-static_assert(sizeof(Piece) == 32 && offsetof(Piece, slice_begin) == 12 && offsetof(Piece, origin) == 20);
+static_assert(sizeof(Piece) == 36 && offsetof(Piece, slice_begin) == 16 && offsetof(Piece, origin) == 24);
 }  // namespace clsdf
 #endif
 

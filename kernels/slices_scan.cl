@@ -1,4 +1,4 @@
-// The seven-site distance at every sample of the pieces that cut a slice: the polygon in which a piece cuts it gives
+// The distance at every sample of the pieces that cut a slice, by seven sites or by the piece's own: the polygon in which a piece cuts it gives
 // the rows, the piece's half-spaces the samples of a row, and the least key of a sample stays.
 //
 // A group takes BATCH entries of the active list, and its work-items their rows, so that a large polygon is shared
@@ -8,8 +8,7 @@
 // Compile-time options: GROUP, BATCH; LANES, 8 or 1 (lanes.h): samples of a row at a time; NEAREST and KEY_64
 // (slices_key.h); LONG_BRICKS (distance.h); COUNT counts work.
 
-#include "distance.h"
-#include "piece.h"
+#include "site_distance.h"
 #include "slices_key.h"
 
 // Beside the distances, which are to be those of the bricks.
@@ -133,9 +132,13 @@ inline void scan_row(Layout layout, Piece piece, __global const PiecePlane* plan
 #endif
             const floatL i = convert_floatL(LANE_NUMBERS) + (float)((double)x - centre_x);
 #ifdef LONG_BRICKS
-            const floatL squared = squared_distance_long_brick(p, frame, i, j, k);
+            const floatL squared = piece.site == CLSDF_SITE_NEAREST
+                                       ? squared_distance_long_brick(p, frame, i, j, k)
+                                       : squared_distance_to_site_long_brick(p, frame, piece.site, i, j, k);
 #else
-            const floatL squared = squared_distance(p, offsets, i, j, k);
+            const floatL squared = piece.site == CLSDF_SITE_NEAREST
+                                       ? squared_distance(p, offsets, i, j, k)
+                                       : squared_distance_to_site(p, offsets, piece.site, i, j, k);
 #endif
             COUNT_ADD(CLSDF_SLICES_EVALUATED, LANES);
             float each[LANES];

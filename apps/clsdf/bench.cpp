@@ -17,7 +17,8 @@ const char* const examples =
     "  clsdf bench peers bunny00 --workload W1\n"
     "  clsdf bench peers dragon.off --workload W2 --method clsdf,embree\n"
     "  clsdf bench scaling --series N,d --json > scaling.json\n"
-    "  clsdf bench floors --quick";
+    "  clsdf bench floors --quick\n"
+    "  clsdf bench papers sphere6";
 
 struct Benchmark {
     std::string name;
@@ -28,7 +29,8 @@ struct Benchmark {
 const std::vector<Benchmark> benchmarks{
     {"peers", "the whole call beside the peers that are installed", run_bench_peers},
     {"scaling", "series in samples, width of the band, triangles and threads", run_bench_scaling},
-    {"floors", "the device's own limits, and each stage against them", run_bench_floors}};
+    {"floors", "the device's own limits, and each stage against them", run_bench_floors},
+    {"papers", "what the papers compare: polyhedra, scans, saddle vertices", run_bench_papers}};
 
 /// --quick keeps what was stated on the command line.
 void make_quick(const CLI::App& parser, BenchOptions& options) {

@@ -66,3 +66,4 @@ std::string title_of(const clsdf::bench::Workload& workload);
 nlohmann::ordered_json run_bench_peers(const BenchOptions& options);
 nlohmann::ordered_json run_bench_scaling(const BenchOptions& options);
 nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
+nlohmann::ordered_json run_bench_papers(const BenchOptions& options);

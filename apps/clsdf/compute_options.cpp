@@ -130,11 +130,11 @@ void add_method_options(CLI::App& parser, ComputeOptions& options) {
     takes_one_of(
         parser
             .add_option("--polyhedra", options.polyhedra,
-                        "what bounds the samples of a triangle: leaned, which are exact; or the paper's, which "
-                        "are not")
+                        "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, "
+                        "exact too, and peikert-sigg, which are not")
             ->capture_default_str()
             ->group(group),
-        {"leaned", "peikert-sigg"});
+        {"leaned", "peikert-sigg", "mauch"});
     takes_one_of(parser.add_option("--scan", options.scan, "how their samples are found; auto: bricks where they can")
                      ->capture_default_str()
                      ->group(group),

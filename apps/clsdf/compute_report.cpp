@@ -111,7 +111,7 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
 }
 
 std::string warning_of_polyhedra(const ComputeLayout& layout) {
-    if (layout.polyhedra == clsdf::Polyhedra::leaned) return {};
+    if (layout.polyhedra != clsdf::Polyhedra::peikert_sigg) return {};
     return fmt::format("the {} polyhedra are not exact: some samples of the band get too large a distance, or none",
                        name_of(layout.polyhedra));
 }
@@ -193,6 +193,7 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"samples", layout.grid.sample_count()},
         {"band_samples", computation.band_samples},
         {"triangles", statistics.triangles},
+        {"polyhedra", statistics.polyhedra},
         {"box_polyhedra", statistics.box_polyhedra},
         {"saddle_vertices", statistics.saddle_vertices},
         {"point_sites", statistics.point_sites},

@@ -10,8 +10,8 @@ namespace clsdf {
 
 namespace {
 
-constexpr std::array<std::pair<Polyhedra, const char*>, 2> polyhedra_names{
-    {{Polyhedra::leaned, "leaned"}, {Polyhedra::peikert_sigg, "peikert-sigg"}}};
+constexpr std::array<std::pair<Polyhedra, const char*>, 3> polyhedra_names{
+    {{Polyhedra::leaned, "leaned"}, {Polyhedra::peikert_sigg, "peikert-sigg"}, {Polyhedra::mauch, "mauch"}}};
 constexpr std::array<std::pair<Scan, const char*>, 3> scan_names{
     {{Scan::automatic, "auto"}, {Scan::bricks, "bricks"}, {Scan::slices, "slices"}}};
 
@@ -27,7 +27,7 @@ Polyhedra parse_polyhedra(const std::string& text) {
     for (const auto& [kind, name] : polyhedra_names)
         if (text == name) return kind;
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("'{}' is no kind of polyhedra; there are leaned and peikert-sigg", text));
+                fmt::format("'{}' is no kind of polyhedra; there are leaned, peikert-sigg and mauch", text));
 }
 
 const char* name_of(Scan scan) {

@@ -1,6 +1,7 @@
 #include "polyhedra/edge_slopes.hpp"
 
 #include "polyhedra/dihedral.hpp"
+#include "polyhedra/edges_above.hpp"
 #include "polyhedra/parallel.hpp"
 
 #include <algorithm>
@@ -14,41 +15,11 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// A face's edge, filed under the lower of its vertices; in order, the faces of an edge follow each other.
-class EdgeEntry {
-public:
-    EdgeEntry(std::uint32_t higher_vertex, Corner edge)
-        : key_(static_cast<std::uint64_t>(higher_vertex) << 32 | edge.packed()) {}
-
-    std::uint32_t higher_vertex() const { return static_cast<std::uint32_t>(key_ >> 32); }
-    Corner edge() const { return Corner::unpack(static_cast<std::uint32_t>(key_)); }
-
-    bool operator<(const EdgeEntry& other) const { return key_ < other.key_; }
-
-private:
-    std::uint64_t key_;
-};
-
 class EdgeSlopes {
 public:
     EdgeSlopes(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
                std::span<FaceEdges> faces, float open)
         : mesh_(mesh), triangles_(triangles), frames_(frames), faces_(faces), open_(open) {}
-
-    /// Collects the edges of which `vertex` is the lower end.
-    void collect(const OneRings& rings, std::uint32_t vertex, std::vector<EdgeEntry>& entries) const {
-        entries.clear();
-        for (std::size_t i = 0; i < rings.size(vertex); ++i) {
-            const Corner corner = rings.corner(vertex, i);
-            const Triangle& triangle = triangles_[corner.face];
-            const std::uint32_t previous = previous_of_three(corner.vertex);
-            const std::uint32_t to = triangle[next_of_three(corner.vertex)];
-            const std::uint32_t from = triangle[previous];
-            if (to > vertex) entries.emplace_back(to, corner);
-            if (from > vertex) entries.emplace_back(from, Corner{corner.face, previous});
-        }
-        std::sort(entries.begin(), entries.end());
-    }
 
     /// Sets what is known of one edge, given all its faces.
     void set(std::span<const EdgeEntry> faces) const {
@@ -180,14 +151,8 @@ UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Tri
     for_each_vertex(
         triangles, rings, [&] { return std::vector<EdgeEntry>(); },
         [&](std::uint32_t vertex, std::vector<EdgeEntry>& entries) {
-            slopes.collect(rings, vertex, entries);
-            for (auto first = entries.begin(); first != entries.end();) {
-                const auto last = std::find_if(first, entries.end(), [first](const EdgeEntry& entry) {
-                    return entry.higher_vertex() != first->higher_vertex();
-                });
-                slopes.set({first, last});
-                first = last;
-            }
+            edges_above(triangles, rings, vertex, entries);
+            for_each_edge(entries, [&](std::span<const EdgeEntry> edge) { slopes.set(edge); });
         });
     return faces;
 }

@@ -42,7 +42,7 @@ void ConvexPieces::append(const ConvexPieces& other) {
 }
 
 void PieceCollector::add(const std::array<std::int32_t, 3>& origin, std::uint32_t polyhedron,
-                         std::span<const PiecePlane> planes) {
+                         std::span<const PiecePlane> planes, std::uint32_t site) {
     const Box box = box_of(grid_, origin);
     // Cutting rounds with the size of the box: beyond a million samples more than the slack allows for.
     constexpr double rounding = 1e-12;
@@ -69,6 +69,7 @@ void PieceCollector::add(const std::array<std::int32_t, 3>& origin, std::uint32_
     piece.plane_begin = static_cast<std::uint32_t>(kept_.planes.size());
     piece.plane_count = static_cast<std::uint32_t>(planes.size());
     piece.polyhedron = polyhedron;
+    piece.site = site;
     piece.slice_begin = static_cast<std::int32_t>(begin);
     piece.slice_end = static_cast<std::int32_t>(end);
     std::copy(origin.begin(), origin.end(), piece.origin);

@@ -35,8 +35,9 @@ public:
     PieceCollector(const Layout& grid, ConvexPieces& kept) : grid_(grid), kept_(kept) {}
 
     /// A piece of `planes` (unit normals in the metric frame, CLSDF_MOST_PLANES at most; the slack not yet added) for
-    /// the polyhedron's record.
-    void add(const std::array<std::int32_t, 3>& origin, std::uint32_t polyhedron, std::span<const PiecePlane> planes);
+    /// the polyhedron's record, and the site of it that gives the distance.
+    void add(const std::array<std::int32_t, 3>& origin, std::uint32_t polyhedron, std::span<const PiecePlane> planes,
+             std::uint32_t site = CLSDF_SITE_NEAREST);
 
 private:
     const Layout& grid_;

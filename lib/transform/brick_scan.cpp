@@ -19,7 +19,7 @@ public:
               const ShortLaunches& launches)
         : layout_(layout),
           with_triangle_(variant.triangle),
-          lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.polyhedron_count, launches)),
+          lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.record_count, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
         const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;

@@ -69,6 +69,7 @@ namespace {
 
 void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.triangles = slab.triangles;
+    total.polyhedra = slab.polyhedra;
     total.box_polyhedra = slab.box_polyhedra;
     total.saddle_vertices = slab.saddle_vertices;
     total.point_sites = slab.point_sites;

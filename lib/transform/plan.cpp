@@ -40,6 +40,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     });
 
     statistics.triangles = mesh.triangles().size();
+    statistics.polyhedra = prepared->polyhedron_count;
     statistics.box_polyhedra = prepared->boxes;
     statistics.saddle_vertices = prepared->saddle_vertices;
     statistics.point_sites = prepared->point_sites;

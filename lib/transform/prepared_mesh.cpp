@@ -3,6 +3,7 @@
 #include "core/stopwatch.hpp"
 #include "polyhedra/leaned_frusta.hpp"
 #include "slices/leaned_pieces.hpp"
+#include "slices/mauch_pieces.hpp"
 #include "slices/peikert_sigg_pieces.hpp"
 #include "transform/layout_of.hpp"
 
@@ -85,6 +86,7 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
 
     PreparedMesh prepared;
     const auto upload_polyhedra = [&](std::span<const Polyhedron> records) {
+        prepared.record_count = records.size();
         prepared.polyhedron_count = records.size();
         prepared.polyhedra = upload(context, pool, records.data(), records.size_bytes(), "polyhedra");
     };
@@ -94,6 +96,12 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         prepared.closed_gaps = paper.closed_gaps;
         upload_polyhedra(paper.polyhedra);
         prepared.pieces = prepare_pieces(context, pool, paper.pieces);
+    } else if (options.polyhedra == Polyhedra::mauch) {
+        const slices::MauchPieces mauch = slices::mauch_pieces(mesh, lattice, widths.half_width, layout);
+        upload_polyhedra(mauch.polyhedra);
+        prepared.polyhedron_count = mauch.count();
+        prepared.boxes = mauch.boxes;
+        prepared.pieces = prepare_pieces(context, pool, mauch.pieces);
     } else {
         const polyhedra::LeanedFrusta frusta = polyhedra::leaned_frusta(mesh, lattice, widths.half_width, widths.slack);
         prepared.saddle_vertices = frusta.saddle_vertices;

@@ -33,7 +33,8 @@ struct PreparedMesh {
     device::BufferPool::Lease polyhedra;
     device::BufferPool::Lease triangles;
     std::optional<PreparedPieces> pieces;  ///< for the scan by slices
-    std::size_t polyhedron_count = 0;
+    std::size_t record_count = 0;
+    std::size_t polyhedron_count = 0;  ///< of Mauch's kind more than records
     std::size_t saddle_vertices = 0;
     std::size_t point_sites = 0;
     std::size_t closed_gaps = 0;

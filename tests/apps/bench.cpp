@@ -74,6 +74,26 @@ BOOST_AUTO_TEST_CASE(floors_are_above_every_result_and_the_stages_add_up) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(papers_have_their_polyhedra_distances_and_errors_beside_their_time) {
+    const json result = result_of({"papers", "sphere6", "knot"});
+    BOOST_REQUIRE(result["table_1"].size() == 2U);
+    BOOST_TEST(result["table_1"][0]["mesh"] == "sphere6");
+    BOOST_TEST(result["table_1"][0]["vertices"] == 16386);
+    BOOST_TEST(result["table_1"][0]["gaps"] == 0);
+    BOOST_REQUIRE(result["rows"].size() == 12U);
+    for (const json& row : result["rows"]) {
+        BOOST_TEST(row["wall_seconds"]["median"].get<double>() > 0);
+        BOOST_TEST(row["distances_per_band_sample"].get<double>() > 0.9);
+        const std::string method = row["method"];
+        if (method == "leaned, bricks" || method == "leaned, slices" || method == "mauch, slices") {
+            BOOST_TEST(row["judgement"]["exact"].get<bool>(), method);
+            BOOST_TEST(row["wrong_percent"].get<double>() == 0);
+        }
+        if (row["mesh"] == "sphere6")
+            BOOST_TEST(row["polyhedra"].get<int>() == (method.starts_with("mauch") ? 98306 : 32768), method);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "bunny00", "--meshes", "/nonexistent"}), 3,
                   {"bunny00.off", "scripts/fetch-meshes"});

@@ -40,6 +40,9 @@ BOOST_AUTO_TEST_CASE(the_scan_follows_the_polyhedra_unless_it_is_stated) {
     BOOST_REQUIRE(paper["warnings"].size() == 1U);
     BOOST_TEST(paper["warnings"][0].get<std::string>().find("not exact") != std::string::npos);
     BOOST_TEST(dry_run({})["warnings"].empty());
+    const json mauch = dry_run({"--polyhedra", "mauch"});
+    BOOST_TEST((method_of(mauch) == std::pair<std::string, std::string>("mauch", "slices")));
+    BOOST_TEST(mauch["warnings"].empty());
 }
 
 BOOST_AUTO_TEST_CASE(what_does_not_go_together_or_is_not_there_is_refused_with_a_remedy) {

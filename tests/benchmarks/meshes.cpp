@@ -40,8 +40,7 @@ BOOST_AUTO_TEST_CASE(noise_of_half_an_edge_moves_vertices_by_half_an_edge) {
     const double edge = std::sqrt(16 * 3.141592653589793 / (std::sqrt(3.0) * 20 * 71 * 71));
     double most = 0;
     const Mesh mesh = noisy_sphere(71, 0.5, 1);
-    for (const Vec3& v : mesh.vertices())
-        most = std::max(most, std::abs(std::hypot(v[0], v[1], v[2]) - 1));
+    for (const Vec3& v : mesh.vertices()) most = std::max(most, std::abs(std::hypot(v[0], v[1], v[2]) - 1));
     BOOST_TEST(most < 0.5 * edge);
     BOOST_TEST(most > 0.49 * edge);
 }

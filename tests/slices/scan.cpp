@@ -14,7 +14,7 @@ using namespace clsdf::test;
 
 namespace {
 
-constexpr std::array both_kinds{Polyhedra::leaned, Polyhedra::peikert_sigg};
+constexpr std::array all_kinds{Polyhedra::leaned, Polyhedra::peikert_sigg, Polyhedra::mauch};
 
 const Mesh& noisy() {
     static const Mesh mesh = [] {
@@ -63,7 +63,7 @@ Device with_largest_allocation(std::size_t bytes) {
 
 BOOST_AUTO_TEST_CASE(both_minima_and_every_run_give_the_same_bytes) {
     const Grid grid = around(noisy(), 48);
-    for (const Polyhedra kind : both_kinds)
+    for (const Polyhedra kind : all_kinds)
         for (const KernelBody body : both_bodies) {
             const Band band = Band::symmetric(4 * grid.voxel());
             const Scanned first = scan_slices(
@@ -109,7 +109,7 @@ BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
     const Device one = with_compute_units(1);
     const Grid grid = around(noisy(), 40);
     const Band band = Band::symmetric(4 * grid.voxel());
-    for (const Polyhedra kind : both_kinds)
+    for (const Polyhedra kind : all_kinds)
         for (const SliceMinimum minimum : both_minima) {
             const TransformOptions options{.polyhedra = kind, .scan = Scan::slices, .slice_minimum = minimum};
             BOOST_TEST(
@@ -120,7 +120,7 @@ BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
 BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole) {
     const Grid grid = around(noisy(), 56);
     const Band band{2 * grid.voxel(), 6 * grid.voxel()};
-    for (const Polyhedra kind : both_kinds) {
+    for (const Polyhedra kind : all_kinds) {
         const TransformOptions options{.polyhedra = kind, .scan = Scan::slices};
         const Field whole = compute_on(test_device(), grid, band, options);
         for (const auto& [first, size] : {std::pair<Index3, Index3>{{5, 5, 5}, {32, 24, 40}},
@@ -143,7 +143,7 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
     const Band band = Band::symmetric(4 * grid.voxel());
     const std::size_t slice_bytes = static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sizeof(float);
     // The mesh itself needs some memory in one piece.
-    for (const Polyhedra kind : both_kinds) {
+    for (const Polyhedra kind : all_kinds) {
         const TransformOptions options{.polyhedra = kind, .scan = Scan::slices};
         const Field whole = compute_on(test_device(), grid, band, options);
         for (const std::size_t bytes : {20 * slice_bytes, 13 * slice_bytes}) {
@@ -225,7 +225,7 @@ BOOST_AUTO_TEST_CASE(progress_is_told_and_a_stop_is_heard_between_launches) {
 BOOST_AUTO_TEST_CASE(a_mesh_beside_the_grid_leaves_the_fill) {
     const Mesh mesh = make_shape("sphere1");
     Grid grid = grid_at({50, 0, 0}, 0.1, 6);
-    for (const Polyhedra kind : both_kinds) {
+    for (const Polyhedra kind : all_kinds) {
         const Scanned scanned = scan_slices(mesh, grid, Band::symmetric(0.5), {.polyhedra = kind});
         BOOST_TEST(scanned.statistics.active_pieces == 0U);
         for (std::size_t at = 0; at < grid.sample_count(); ++at) {
@@ -252,7 +252,7 @@ BOOST_AUTO_TEST_CASE(no_empty_intersection_is_visited) {
                 // A grid that cuts through, so that polyhedra leave it on all sides.
                 const Grid whole = grid_around(mesh, 30, 2);
                 const Grid grid = whole.part({0, 0, 0}, {whole.size[0], (whole.size[1] + 1) / 2, whole.size[2]});
-                for (const Polyhedra kind : both_kinds)
+                for (const Polyhedra kind : all_kinds)
                     for (const Band& band : {Band::symmetric(0.2 * grid.voxel()), Band::symmetric(5 * grid.voxel()),
                                              Band::symmetric(100 * grid.voxel())}) {
                         const TransformStatistics statistics =

@@ -42,6 +42,7 @@ struct TransformOptions {
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
 struct TransformStatistics {
     std::size_t triangles = 0;
+    std::size_t polyhedra = 0;        ///< of the triangles and point sites; of Mauch's kind towers, wedges and cones
     std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
     std::size_t saddle_vertices = 0;  ///< vertices with convex and concave edges
     std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
@@ -59,7 +60,7 @@ struct TransformStatistics {
     std::size_t brick_pairs = 0;          ///< (polyhedron, brick)
     std::size_t slice_intersections = 0;  ///< intersections of a piece and a slice that were visited
     std::size_t empty_intersections = 0;  ///< of these, empty ones: none
-    std::size_t lanes_evaluated = 0;      ///< seven-site distances computed
+    std::size_t lanes_evaluated = 0;      ///< distances computed, of a triangle or a site
     std::size_t samples_covered = 0;      ///< of these, with the sample inside the polyhedron
     std::size_t band_samples = 0;         ///< samples that carry their distance, exact with leaned polyhedra
 

@@ -9,6 +9,7 @@ namespace clsdf {
 enum class Polyhedra {
     leaned,        ///< exact for every mesh
     peikert_sigg,  ///< as Peikert & Sigg published them, gaps closed; not exact: to be compared with
+    mauch,         ///< Mauch's towers of faces, wedges of edges and cones of vertices; exact: to be compared with
 };
 
 /// How the samples of the polyhedra are found.
@@ -26,7 +27,7 @@ enum class SliceMinimum {
     two_passes  ///< first the distances, then the triangles of the least ones: 32-bit atomics
 };
 
-/// "leaned", "peikert-sigg".
+/// "leaned", "peikert-sigg", "mauch".
 const char* name_of(Polyhedra polyhedra);
 /// Throws Error(invalid_argument) that lists the names.
 Polyhedra parse_polyhedra(const std::string& text);
@@ -35,7 +36,7 @@ Polyhedra parse_polyhedra(const std::string& text);
 const char* name_of(Scan scan);
 Scan parse_scan(const std::string& text);
 
-/// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of polyhedra that are not exact.
+/// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned ones.
 Scan resolve_scan(Polyhedra polyhedra, Scan asked);
 
 }  // namespace clsdf

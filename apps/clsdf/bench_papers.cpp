@@ -1,0 +1,130 @@
+#include "bench.hpp"
+#include "output.hpp"
+
+#include "benchmarks/papers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+using clsdf::bench::Measurement;
+using clsdf::bench::PapersCase;
+using clsdf::bench::PapersMethod;
+using clsdf::bench::Work;
+using clsdf::bench::Workload;
+using nlohmann::ordered_json;
+
+namespace {
+
+struct PapersRow {
+    const char* mesh;
+    std::size_t vertices, saddles, gaps;
+};
+/// Peikert & Sigg's Table 1; their bunny is another triangulation than bunny00.
+constexpr std::array<PapersRow, 5> table_1{{{"sphere6", 16386, 0, 0},
+                                            {"torus", 3000, 1788, 0},
+                                            {"knot", 1440, 1378, 674},
+                                            {"seashell", 915, 843, 148},
+                                            {"bunny00", 34834, 30561, 516}}};
+
+bool is_asked_for(const BenchOptions& options, const std::string& mesh) {
+    return options.meshes.empty() ||
+           std::find(options.meshes.begin(), options.meshes.end(), mesh) != options.meshes.end();
+}
+
+ordered_json count_saddles(const BenchOptions& options) {
+    BenchTable table({"mesh", "paper: vertices", "saddles", "gaps", "here: vertices", "saddles", "gaps, adjacent pairs",
+                      "gaps, all pairs"});
+    ordered_json rows = ordered_json::array();
+    for (const PapersRow& paper : table_1) {
+        if (!is_asked_for(options, paper.mesh)) continue;
+        const std::optional<clsdf::Mesh> mesh = options.mesh(paper.mesh);
+        if (!mesh) continue;
+        const clsdf::SaddleReport report = examine_saddles(*mesh);
+        const std::array<std::size_t, 7> counts{paper.vertices,          paper.saddles,  paper.gaps,
+                                                mesh->vertices().size(), report.saddles, report.adjacent_gaps.size(),
+                                                report.gaps.size()};
+        std::vector<std::string> cells{paper.mesh};
+        for (const std::size_t count : counts) cells.push_back(std::to_string(count));
+        table.add(std::move(cells));
+        rows.push_back({{"mesh", paper.mesh},
+                        {"paper", {{"vertices", counts[0]}, {"saddles", counts[1]}, {"gaps", counts[2]}}},
+                        {"vertices", counts[3]},
+                        {"saddles", counts[4]},
+                        {"gaps_of_adjacent_pairs", counts[5]},
+                        {"gaps", counts[6]}});
+    }
+    options.say(fmt::format("Table 1: saddle vertices and gaps\n\n{}", table.text()));
+    return rows;
+}
+
+double median_wall(const Measurement& measurement) {
+    return clsdf::bench::spread_of(measurement.wall).median;
+}
+
+/// Samples of the band with another value than they should have, and with none, of those looked at.
+double wrong_percent(const clsdf::bench::Judgement& judgement) {
+    return 100.0 * static_cast<double>(judgement.wrong_values + judgement.missed) /
+           static_cast<double>(std::max<std::size_t>(judgement.samples, 1));
+}
+
+ordered_json measure_case(const PapersCase& c, const Workload& workload,
+                          const std::vector<std::unique_ptr<PapersMethod>>& methods, const BenchOptions& options) {
+    std::vector<clsdf::bench::Method*> timed;
+    for (const auto& method : methods) timed.push_back(method.get());
+    const std::vector<Measurement> measurements = measure_in_turns(workload, timed, options.measure);
+    const double one_thread = median_wall(measurements[0]), all_threads = median_wall(measurements[1]);
+    const auto band = static_cast<double>(workload.list.samples.size());
+
+    BenchTable table({"method", "least, ms", "median", "most", "times software, 1 thread", "times software, all",
+                      "polyhedra", "distances per band sample", "wrong or missed, %", "max error, voxel",
+                      "wrong values", "wrong signs", "missed", "leaked", "judged"});
+    ordered_json rows = ordered_json::array();
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        const Measurement& m = measurements[i];
+        const Work work = methods[i]->work(workload);
+        const clsdf::bench::Spread wall = clsdf::bench::spread_of(m.wall);
+        const double per_sample = static_cast<double>(work.distances) / band;
+        std::vector<std::string> cells{m.method,
+                                       milliseconds(wall.least),
+                                       milliseconds(wall.median),
+                                       milliseconds(wall.most),
+                                       fmt::format("{:.2f}", one_thread / wall.median),
+                                       fmt::format("{:.2f}", all_threads / wall.median),
+                                       std::to_string(work.polyhedra),
+                                       fmt::format("{:.2f}", per_sample),
+                                       fmt::format("{:.3f}", wrong_percent(m.judgement))};
+        for (std::string& cell : cells_of(m.judgement)) cells.push_back(std::move(cell));
+        table.add(std::move(cells));
+        ordered_json row = ::describe(workload);
+        row.update(::describe(m));
+        row["speed_up_over_software_one_thread"] = one_thread / wall.median;
+        row["speed_up_over_software_all_threads"] = all_threads / wall.median;
+        row["polyhedra"] = work.polyhedra;
+        row["distances_per_band_sample"] = per_sample;
+        row["wrong_percent"] = wrong_percent(m.judgement);
+        rows.push_back(std::move(row));
+    }
+    options.say(
+        fmt::format("\n{}{}\n\n{}", title_of(workload), c.remark.empty() ? "" : " (" + c.remark + ")", table.text()));
+    return rows;
+}
+
+}  // namespace
+
+ordered_json run_bench_papers(const BenchOptions& options) {
+    const clsdf::Device device = options.open_device();
+    ordered_json result = describe_run("papers", options, device);
+    result["table_1"] = count_saddles(options);
+    result["rows"] = ordered_json::array();
+    const std::vector<std::unique_ptr<PapersMethod>> methods = clsdf::bench::papers_methods(device);
+    for (const PapersCase& c : clsdf::bench::papers_cases()) {
+        if (!is_asked_for(options, c.mesh)) continue;
+        const std::optional<clsdf::Mesh> mesh = options.mesh(c.mesh);
+        if (!mesh) continue;
+        const Workload workload = make_workload(options.scaled(c.layout), c.mesh, *mesh, device);
+        for (ordered_json& row : measure_case(c, workload, methods, options)) result["rows"].push_back(std::move(row));
+    }
+    return result;
+}

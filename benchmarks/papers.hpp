@@ -1,0 +1,43 @@
+#pragma once
+
+#include "benchmarks/method.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace clsdf::bench {
+
+/// What a method does on a workload, beside taking time.
+struct Work {
+    std::size_t polyhedra = 0;
+    std::size_t distances = 0;  ///< of samples in polyhedra: of the vectors' lanes those that count
+};
+
+/// A method of the papers, or ours by one of their scans.
+class PapersMethod : public Method {
+public:
+    /// Not timed.
+    virtual Work work(const Workload& workload) = 0;
+};
+
+/// Scan conversion of Mauch's polyhedra in software (software_scan.hpp). `threads` 0: all.
+std::unique_ptr<PapersMethod> make_software_mauch(std::size_t threads);
+
+/// Polyhedra of a kind by a scan, on the device; the transform is kept between calls, its polyhedra are not.
+std::unique_ptr<PapersMethod> make_scanned(const Device& device, const std::string& name, Polyhedra polyhedra,
+                                           Scan scan);
+
+/// What the papers compare, and ours: Mauch's polyhedra in software on one thread and on all, and on the device;
+/// Peikert & Sigg's on the device; ours on the device by slices and by bricks.
+std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device);
+
+/// A mesh on a grid that the papers give a figure for, or one of a series about it.
+struct PapersCase {
+    std::string mesh;
+    Layout layout;
+    std::string remark;  ///< what the paper found; may be empty
+};
+std::vector<PapersCase> papers_cases();
+
+}  // namespace clsdf::bench

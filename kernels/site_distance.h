@@ -1,0 +1,56 @@
+// The distance from samples to one site of a triangle: its face's plane, the line of an edge, or a vertex; the last two
+// wherever the sample lies, the first two where its foot lies on the site.
+#ifndef CLSDF_SITE_DISTANCE_H
+#define CLSDF_SITE_DISTANCE_H
+
+#include "distance.h"
+#include "piece.h"
+
+// `beyond`, `r` and `past` are those of the half in which the site lies (squared_from_frame in distance.h).
+INLINE floatL squared_at_site(uint site, floatL y, floatL z, floatL beyond, floatL r, floatL past) {
+    const floatL zz = z * z;
+    if (site == CLSDF_SITE_FACE) return zz;
+    if (site == CLSDF_SITE_EDGE + CLSDF_EDGE_BASE) return y * y + zz;
+    if (site < CLSDF_SITE_VERTEX) return r * r + zz;
+    return site == CLSDF_SITE_VERTEX + CLSDF_VERTEX_APEX ? past * past + r * r + zz : beyond * beyond + y * y + zz;
+}
+
+inline bool is_of_left_half(uint site) {
+    return site == CLSDF_SITE_EDGE + CLSDF_EDGE_LEFT || site == CLSDF_SITE_VERTEX + CLSDF_VERTEX_LEFT;
+}
+
+// As squared_distance and squared_distance_long_brick, for any site but CLSDF_SITE_NEAREST.
+inline floatL squared_distance_to_site(__global const Polyhedron* p, Offsets o, uint site, floatL i, floatL j,
+                                       floatL k) {
+    const floatL dx = i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]);
+    const floatL dy = i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]);
+    const floatL dz = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + o.z_low));
+    const bool left = is_of_left_half(site);
+    const floatL away = left ? -dx : dx;
+    const float along = p->normal_along[left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT];
+    const float across = p->normal_across[left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT];
+    const floatL beyond = (left ? o.beyond_left : o.beyond_right) + away;
+    const floatL r = (left ? o.outward_left : o.outward_right) + (along * away + across * dy);
+    const floatL past = (left ? o.past_left : o.past_right) + (along * dy - across * away);
+    return squared_at_site(site, o.y + dy, o.z + dz, beyond, r, past);
+}
+
+inline floatL squared_distance_to_site_long_brick(__global const Polyhedron* p, double4 centre, uint site, floatL i,
+                                                  floatL j, floatL k) {
+    const double4 gx = vload4(0, p->exact_gradient_x), gy = vload4(0, p->exact_gradient_y),
+                  gz = vload4(0, p->exact_gradient_z);
+    const doubleL di = convert_doubleL(i), dj = convert_doubleL(j), dk = convert_doubleL(k);
+    const doubleL x = di * gx.x + (dj * gy.x + (dk * gz.x + centre.x));
+    const doubleL y = di * gx.y + (dj * gy.y + (dk * gz.y + centre.y));
+    const doubleL z = di * gx.z + (dj * gy.z + (dk * gz.z + centre.z));
+    const bool left = is_of_left_half(site);
+    const int side = left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT;
+    const double along = p->exact_normal_along[side], across = p->exact_normal_across[side];
+    const doubleL away = left ? -x : x;
+    const doubleL beyond = away - p->exact_base[side];
+    return squared_at_site(site, convert_floatL(y), convert_floatL(z), convert_floatL(beyond),
+                           convert_floatL(along * beyond + across * y),
+                           convert_floatL(along * (y - p->exact_altitude) - across * away));
+}
+
+#endif
