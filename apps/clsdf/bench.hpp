@@ -2,7 +2,6 @@
 
 #include "benchmarks/measure.hpp"
 #include "benchmarks/meshes.hpp"
-#include "exit_status.hpp"
 
 #include <clsdf/clsdf.hpp>
 
@@ -15,6 +14,7 @@
 
 /// What the subcommands of "clsdf bench" have in common.
 struct BenchOptions {
+    std::string benchmark;
     std::vector<std::string> meshes;  ///< empty: those of the subcommand's own list
     std::string folder = "build/meshes";
     std::vector<std::string> workloads;
@@ -25,7 +25,6 @@ struct BenchOptions {
     std::string device;
     std::string commit;
     bool quick = false;
-    bool json = false;
     bool quiet = false;
 
     clsdf::Device open_device() const;
@@ -63,8 +62,8 @@ std::string milliseconds(double seconds);
 std::vector<std::string> cells_of(const clsdf::bench::Judgement& judgement);
 std::string title_of(const clsdf::bench::Workload& workload);
 
-// The subcommands; each takes the options that were parsed.
-ExitStatus run_bench_peers(const BenchOptions& options);
-ExitStatus run_bench_scaling(const BenchOptions& options);
-ExitStatus run_bench_floors(const BenchOptions& options);
-ExitStatus run_bench_papers(const BenchOptions& options);
+// The benchmarks; each prints its table, and returns what --json prints.
+nlohmann::ordered_json run_bench_peers(const BenchOptions& options);
+nlohmann::ordered_json run_bench_scaling(const BenchOptions& options);
+nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
+nlohmann::ordered_json run_bench_papers(const BenchOptions& options);

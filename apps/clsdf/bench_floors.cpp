@@ -89,7 +89,7 @@ std::vector<std::string> row_of(const Stages& stages, const Workload& workload) 
 
 }  // namespace
 
-ExitStatus run_bench_floors(const BenchOptions& options) {
+ordered_json run_bench_floors(const BenchOptions& options) {
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("floors", options, device);
     const Floors floors = clsdf::bench::measure_floors(device);
@@ -121,6 +121,5 @@ ExitStatus run_bench_floors(const BenchOptions& options) {
         }
     }
     options.say("\n" + table.text());
-    if (options.json) print_result(result);
-    return ExitStatus::done;
+    return result;
 }

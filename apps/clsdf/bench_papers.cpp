@@ -113,7 +113,7 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
 
 }  // namespace
 
-ExitStatus run_bench_papers(const BenchOptions& options) {
+ordered_json run_bench_papers(const BenchOptions& options) {
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("papers", options, device);
     result["table_1"] = count_saddles(options);
@@ -126,6 +126,5 @@ ExitStatus run_bench_papers(const BenchOptions& options) {
         const Workload workload = make_workload(options.scaled(c.layout), c.mesh, *mesh, device);
         for (ordered_json& row : measure_case(c, workload, methods, options)) result["rows"].push_back(std::move(row));
     }
-    if (options.json) print_result(result);
-    return ExitStatus::done;
+    return result;
 }

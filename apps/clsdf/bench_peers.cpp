@@ -60,7 +60,7 @@ ordered_json describe(const Entry& entry) {
 
 }  // namespace
 
-ExitStatus run_bench_peers(const BenchOptions& options) {
+ordered_json run_bench_peers(const BenchOptions& options) {
     const clsdf::Device device = options.open_device();
     const std::vector<Entry> entries = clsdf::bench::all_methods(device);
     std::vector<clsdf::bench::Method*> methods;
@@ -92,6 +92,5 @@ ExitStatus run_bench_peers(const BenchOptions& options) {
             }
         }
     }
-    if (options.json) print_result(result);
-    return ExitStatus::done;
+    return result;
 }

@@ -107,7 +107,8 @@ ordered_json rows_of_threads(const BenchOptions& options) {
                                            "--seed",
                                            std::to_string(options.measure.seed)};
         if (options.quick) arguments.emplace_back("--quick");
-        for (const std::string& method : options.methods) arguments.insert(arguments.end(), {"--method", method});
+        if (!options.methods.empty())
+            arguments.insert(arguments.end(), {"--method", fmt::format("{}", fmt::join(options.methods, ","))});
         if (!options.device.empty()) arguments.insert(arguments.end(), {"--device", options.device});
         const ordered_json result = ordered_json::parse(output_of(std::move(arguments)));
         for (const ordered_json& row : result["rows"]) rows.push_back(row);
@@ -153,7 +154,7 @@ std::string table_of(const ordered_json& rows) {
 
 }  // namespace
 
-ExitStatus run_bench_scaling(const BenchOptions& options) {
+ordered_json run_bench_scaling(const BenchOptions& options) {
     const std::vector<std::string> series =
         options.series.empty() ? std::vector<std::string>{"threads", "N", "d", "triangles"} : options.series;
     // First, while this process has not touched OpenCL.
@@ -175,10 +176,7 @@ ExitStatus run_bench_scaling(const BenchOptions& options) {
             for (ordered_json& row : rows_here(one, options, device, methods)) rows.push_back(std::move(row));
 
     options.say(table_of(rows));
-    if (options.json) {
-        ordered_json result = describe_run("scaling", options, device);
-        result["rows"] = rows;
-        print_result(result);
-    }
-    return ExitStatus::done;
+    ordered_json result = describe_run("scaling", options, device);
+    result["rows"] = rows;
+    return result;
 }

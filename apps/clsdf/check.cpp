@@ -22,8 +22,6 @@ struct Options {
     std::string field;
     clsdf::reference::CheckOptions check;
     bool complete = false;
-    bool json = false;
-    bool quiet = false;
 };
 
 ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
@@ -78,7 +76,7 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
     fmt::print(stderr, "{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
 }
 
-ExitStatus run(const Options& options) {
+ExitStatus run(const Options& options, Report& report) {
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
     clsdf::Field field = clsdf::Field::read(options.field);
     if (field.sign == clsdf::SignRule::automatic)
@@ -87,26 +85,23 @@ ExitStatus run(const Options& options) {
     clsdf::reference::CheckOptions check_options = options.check;
     if (options.complete) check_options.samples = 0;
     const auto start = std::chrono::steady_clock::now();
-    const CheckReport report = clsdf::reference::check(mesh, field, check_options);
+    const CheckReport found = clsdf::reference::check(mesh, field, check_options);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
-    const std::string note = report.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
-    if (!options.quiet || !report.passed()) print_human(report, field, seconds.count());
+    const std::string note = found.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
+    if (!report.quiet || !found.passed()) print_human(found, field, seconds.count());
     if (!note.empty()) fmt::print(stderr, "note: {}\n", note);
-    if (options.json) {
-        ordered_json result{{"mesh", options.mesh},
-                            {"field", options.field},
-                            {"grid", describe(field.grid)},
-                            {"band", describe(field.band)},
-                            {"sign", name_of(field.sign)},
-                            {"seed", check_options.seed},
-                            {"tolerance_voxels", check_options.tolerance_voxels},
-                            {"seconds", seconds.count()}};
-        result.update(describe_report(report, field.grid));
-        if (!note.empty()) result["note"] = note;
-        print_result(result);
-    }
-    return report.passed() ? ExitStatus::done : ExitStatus::check_failed;
+    report.result = {{"mesh", options.mesh},
+                     {"field", options.field},
+                     {"grid", describe(field.grid)},
+                     {"band", describe(field.band)},
+                     {"sign", name_of(field.sign)},
+                     {"seed", check_options.seed},
+                     {"tolerance_voxels", check_options.tolerance_voxels},
+                     {"seconds", seconds.count()}};
+    report.result.update(describe_report(found, field.grid));
+    if (!note.empty()) report.result["note"] = note;
+    return found.passed() ? ExitStatus::done : ExitStatus::check_failed;
 }
 
 }  // namespace
@@ -132,8 +127,6 @@ Command add_check(CLI::App& program) {
         ->check(finite_number_of_0_or_more())
         ->type_name("X")
         ->capture_default_str();
-    parser->add_flag("--json", options->json, "print the result as JSON on standard output");
-    parser->add_flag("--quiet", options->quiet, "print nothing where the field passes");
     parser->footer(
         "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
         "the exit status is 1 where there is one.\n\n"
@@ -141,5 +134,5 @@ Command add_check(CLI::App& program) {
         "  clsdf check bunny.off bunny.nrrd\n"
         "  clsdf check bunny.off bunny.nrrd --samples 1000000 --seed 7\n"
         "  clsdf check bunny.off bunny.nrrd --complete --json > report.json");
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

@@ -2,7 +2,6 @@
 #include "compute_options.hpp"
 #include "compute_report.hpp"
 #include "interruption.hpp"
-#include "output.hpp"
 #include "progress_bar.hpp"
 
 #include "core/stopwatch.hpp"
@@ -13,16 +12,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace {
 
 using clsdf::Error;
 using clsdf::ErrorCode;
 using clsdf::Stopwatch;
-
-Error cancellation() {
-    return {ErrorCode::cancelled, "cancelled; nothing was written"};
-}
 
 Error too_large(const clsdf::Grid& grid) {
     return {ErrorCode::out_of_memory, fmt::format("a field of {} x {} x {} samples does not fit the memory",
@@ -53,19 +49,32 @@ void check_size(const clsdf::Grid& grid) {
     }
 }
 
-Computation compute_and_write(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout,
-                              const std::stop_token& stop) {
+/// The device that is named, or nothing where none is: it is looked for before a mesh is read in vain.
+std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
+    if (!options.device.empty()) {
+        try {
+            return clsdf::Device::select(options.device);
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("--device {}: {}", options.device, error.what()));
+        }
+    }
+    if (!clsdf::Device::environment_choice().empty()) return clsdf::Device::preferred();
+    return std::nullopt;
+}
+
+Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
+                    const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer, const Report& report,
+                    const std::stop_token& stop) {
     Computation result;
-    ProgressBar progress(!options.quiet);
+    ProgressBar progress(!report.quiet);
 
     const Stopwatch setup;
-    const clsdf::Device device =
-        options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
+    const clsdf::Device device = named ? *named : clsdf::Device::preferred();
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
     transform_options.polyhedra = request.polyhedra;
     transform_options.scan = request.scan;
-    transform_options.count = options.json;
+    transform_options.count = report.json;
     transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
     clsdf::DistanceTransform transform(device, layout.mesh, transform_options);
@@ -76,7 +85,6 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
     // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
     const Stopwatch compute;
     const clsdf::FieldDescription field = describe_field(layout);
-    clsdf::FieldWriter writer(options.output, field, layout.outputs);
     transform.compute_slabs(layout.grid, layout.band, layout.outputs,
                             [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
                                 result.compute_seconds = compute.seconds();
@@ -86,41 +94,37 @@ Computation compute_and_write(const ComputeOptions& options, const ComputeReques
                                 result.write_seconds += write.seconds();
                             });
     result.statistics = transform.statistics();
-    progress.clear();
-
-    if (stop.stop_requested()) throw cancellation();
-    const Stopwatch finish;
-    writer.finish();
-    result.write_seconds += finish.seconds();
     result.field_seconds = compute.seconds();
-    result.output = options.output;
     return result;
 }
 
-void warn(ComputeLayout& layout, const std::string& warning) {
-    if (warning.empty()) return;
-    layout.warnings.push_back(warning);
-    fmt::print(stderr, "warning: {}\n", warning);
-}
-
-// The compilers of some devices listen to the same signals and fail then; the user's wish is the reason all the same.
-Computation run_on_device(const ComputeOptions& options, const ComputeRequest& request, const ComputeLayout& layout) {
+// The device ends in order. Its compiler may listen to the same signals and fail; the user's wish is the reason all the
+// same.
+Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
+                                       const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer,
+                                       const Report& report) {
     const Interruption interruption;
     try {
-        return compute_and_write(options, request, layout, interruption.token());
+        Computation computation = compute(request, layout, named, writer, report, interruption.token());
+        if (!interruption.token().stop_requested()) return computation;
     } catch (const Error&) {
-        if (interruption.token().stop_requested()) throw cancellation();
-        throw;
+        if (!interruption.token().stop_requested()) throw;
     }
+    throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }
 
-ExitStatus run(const ComputeOptions& options) {
+void warn(Report& report, const std::string& warning) {
+    if (!warning.empty()) report.warn(warning);
+}
+
+ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     if (!options.output.empty())
         clsdf::Field::check_output(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
                     "state where the field goes: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
+    const std::optional<clsdf::Device> device = named_device(options);
 
     const Stopwatch read;
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
@@ -131,24 +135,33 @@ ExitStatus run(const ComputeOptions& options) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    ComputeLayout layout{mesh,      options.mesh,    topology,          grid,         band,
-                         sign.rule, request.outputs, request.polyhedra, request.scan, {}};
-    warn(layout, sign.warning);
-    warn(layout, warning_of_polyhedra(layout));
-    if (!options.quiet) print_layout(layout);
+    const ComputeLayout layout{mesh,      options.mesh,    topology,          grid,        band,
+                               sign.rule, request.outputs, request.polyhedra, request.scan};
+    warn(report, sign.warning);
+    warn(report, warning_of_polyhedra(layout));
+    if (!report.quiet) print_layout(layout);
     if (options.dry_run) {
-        if (!options.quiet) print_memory(layout);
-        warn(layout, warning_of_memory(layout));
-        if (options.json) print_result(describe_dry_run(layout));
+        if (!report.quiet) print_memory(layout);
+        if (device) report.print("device  {} ({})\n", device->name(), device->platform());
+        warn(report, warning_of_memory(layout));
+        report.result = describe_dry_run(layout);
         return ExitStatus::done;
     }
 
-    Computation computation = run_on_device(options, request, layout);
+    // Opening and finishing may wait, for the reader of a pipe or for a disk: Ctrl-C ends the program at once there.
+    clsdf::FieldWriter writer(options.output, describe_field(layout), layout.outputs);
+    Computation computation = compute_unless_interrupted(request, layout, device, writer, report);
+    const Stopwatch finish;
+    writer.finish();
+    output_is_written();
+    computation.write_seconds += finish.seconds();
+    computation.field_seconds += finish.seconds();
     computation.read_seconds = read_seconds;
-    if (!options.quiet) print_outcome(layout, computation);
-    warn(layout, warning_of_empty_band(layout, computation));
-    warn(layout, warning_of_stale_triangles(layout, computation));
-    if (options.json) print_result(describe(layout, computation));
+    computation.output = options.output;
+    if (!report.quiet) print_outcome(layout, computation);
+    warn(report, warning_of_empty_band(layout, computation));
+    warn(report, warning_of_stale_triangles(layout, computation));
+    report.result = describe(layout, computation);
     return ExitStatus::done;
 }
 
@@ -158,9 +171,9 @@ Command add_compute(CLI::App& program) {
     const auto options = std::make_shared<ComputeOptions>();
     CLI::App* parser = program.add_subcommand("compute", "Compute the distance field of a mesh");
     add_options(*parser, *options);
-    return {parser, [options] {
+    return {parser, [options](Report& report) {
                 try {
-                    return run(*options);
+                    return run(*options, report);
                 } catch (const Error& error) {
                     throw with_remedy(error);
                 }

@@ -1,7 +1,6 @@
 #include "compute_options.hpp"
 
 #include "option_values.hpp"
-#include "suggestion.hpp"
 
 #include <fmt/format.h>
 
@@ -70,26 +69,9 @@ Grid parse_stated_grid(const ComputeOptions& options) {
 clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     clsdf::Outputs outputs;
     for (const std::string& name : names) {
-        if (name != "triangle")
-            throw Error(ErrorCode::unsupported,
-                        fmt::format("--with: the outputs beside the distance are: triangle; not '{}'{}", name,
-                                    nearest_word(name, {"triangle"}).empty() ? "" : "; did you mean triangle?"));
-        outputs.triangle = true;
+        if (name == "triangle") outputs.triangle = true;
     }
     return outputs;
-}
-
-// The library's message lists the names; the option and the nearest name are added.
-template <class Parse>
-auto parse_name(const std::string& option, const std::string& text, const std::vector<std::string>& names,
-                const Parse& parse) {
-    try {
-        return parse(text);
-    } catch (const Error& error) {
-        const std::string nearest = nearest_word(text, names);
-        throw Error(error.code(), fmt::format("{}: {}{}", option, error.what(),
-                                              nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest)));
-    }
 }
 
 void add_grid_options(CLI::App& parser, ComputeOptions& options) {
@@ -126,38 +108,37 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
         ->type_name("LENGTH")
         ->capture_default_str()
         ->group(group);
-    parser.add_option("--band-inside", options.band_inside, "half width inside")
+    parser.add_option("--band-inside", options.band_inside, "half width inside [--band]")
         ->check(not_empty())
         ->type_name("LENGTH")
         ->group(group);
-    parser.add_option("--band-outside", options.band_outside, "half width outside")
+    parser.add_option("--band-outside", options.band_outside, "half width outside [--band]")
         ->check(not_empty())
         ->type_name("LENGTH")
         ->group(group);
-    parser.add_option("--sign", options.sign, "what is inside: auto, nonzero, parity; or none: no sign")
-        ->type_name("RULE")
-        ->capture_default_str()
-        ->group(group);
-    parser.add_option("--with", options.with, "beside the distance: triangle (the nearest one's index)")
-        ->type_name("OUTPUT,...")
-        ->delimiter(',')
-        ->group(group);
+    takes_one_of(parser.add_option("--sign", options.sign, "what is inside; none: the distance has no sign")
+                     ->capture_default_str()
+                     ->group(group),
+                 {"auto", "nonzero", "parity", "none"});
+    takes_some_of(parser.add_option("--with", options.with, "also, beside the distance: the nearest triangle's index")
+                      ->group(group),
+                  {"triangle"});
 }
 
 void add_method_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Method";
-    parser
-        .add_option("--polyhedra", options.polyhedra,
-                    "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, exact too, "
-                    "and peikert-sigg, which are not")
-        ->type_name("KIND")
-        ->capture_default_str()
-        ->group(group);
-    parser
-        .add_option("--scan", options.scan, "how their samples are found: bricks, slices; auto: bricks where they can")
-        ->type_name("SCAN")
-        ->capture_default_str()
-        ->group(group);
+    takes_one_of(
+        parser
+            .add_option("--polyhedra", options.polyhedra,
+                        "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, "
+                        "exact too, and peikert-sigg, which are not")
+            ->capture_default_str()
+            ->group(group),
+        {"leaned", "peikert-sigg", "mauch"});
+    takes_one_of(parser.add_option("--scan", options.scan, "how their samples are found; auto: bricks where they can")
+                     ->capture_default_str()
+                     ->group(group),
+                 {"auto", "bricks", "slices"});
 }
 
 }  // namespace
@@ -165,7 +146,7 @@ void add_method_options(CLI::App& parser, ComputeOptions& options) {
 void add_options(CLI::App& parser, ComputeOptions& options) {
     parser.add_option("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply")->required();
     parser.add_option("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")
-        ->type_name("FILE");
+        ->type_name("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);
@@ -175,8 +156,6 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
         ->check(not_empty())
         ->type_name("INDEX|NAME");
     parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
-    parser.add_flag("--json", options.json, "print the result as JSON on standard output");
-    parser.add_flag("--quiet", options.quiet, "print warnings and errors only");
     parser.footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
         "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"
@@ -193,9 +172,8 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
       band_outside(band_inside),
       sign(clsdf::parse_sign_rule(options.sign)),
       outputs(parse_outputs(options.with)),
-      polyhedra(parse_name("--polyhedra", options.polyhedra, {"leaned", "peikert-sigg", "mauch"}, clsdf::parse_polyhedra)),
-      scan(resolve_scan(polyhedra,
-                        parse_name("--scan", options.scan, {"auto", "bricks", "slices"}, clsdf::parse_scan))) {
+      polyhedra(clsdf::parse_polyhedra(options.polyhedra)),
+      scan(resolve_scan(polyhedra, clsdf::parse_scan(options.scan))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
     if (!options.size.empty() || !options.origin.empty()) {

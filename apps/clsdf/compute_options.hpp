@@ -29,8 +29,6 @@ struct ComputeOptions {
     std::string scan = "auto";
     std::string device;
     bool dry_run = false;
-    bool json = false;
-    bool quiet = false;
 };
 
 void add_options(CLI::App& parser, ComputeOptions& options);

@@ -89,8 +89,7 @@ ordered_json describe_layout(const ComputeLayout& layout) {
             {"band", describe(layout.band)},
             {"sign", name_of(layout.sign)},
             {"polyhedra", name_of(layout.polyhedra)},
-            {"scan", name_of(layout.scan)},
-            {"warnings", layout.warnings}};
+            {"scan", name_of(layout.scan)}};
 }
 
 std::string human_slabs(std::size_t count) {

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <string>
-#include <vector>
 
 /// What "clsdf compute" is to compute.
 struct ComputeLayout {
@@ -18,7 +17,6 @@ struct ComputeLayout {
     clsdf::Outputs outputs;
     clsdf::Polyhedra polyhedra;
     clsdf::Scan scan;
-    std::vector<std::string> warnings;
 };
 
 /// What it did.

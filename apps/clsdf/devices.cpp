@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,11 +14,6 @@ using clsdf::DeviceKind;
 using nlohmann::ordered_json;
 
 namespace {
-
-struct DevicesOptions {
-    bool json = false;
-    bool quiet = false;
-};
 
 struct Devices {
     std::vector<DeviceInfo> all;
@@ -88,14 +82,14 @@ void print_human(const DeviceInfo& info) {
     fmt::print(stderr, "   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
 }
 
-ExitStatus run(const DevicesOptions& options) {
+ExitStatus run(Report& report) {
     const Devices devices;
-    if (!options.quiet) {
+    if (!report.quiet) {
         for (const DeviceInfo& info : devices.all) print_human(info);
         if (devices.taken != nullptr)
             fmt::print(stderr, "Taken is device {}: {}.\n", devices.taken->index, reason_of_choice(devices));
     }
-    if (options.json) print_result(describe(devices));
+    report.result = describe(devices);
     if (devices.failure) throw clsdf::Error(*devices.failure);
     return ExitStatus::done;
 }
@@ -103,10 +97,7 @@ ExitStatus run(const DevicesOptions& options) {
 }  // namespace
 
 Command add_devices(CLI::App& program) {
-    const auto options = std::make_shared<DevicesOptions>();
     CLI::App* parser = program.add_subcommand("devices", "List what can compute here, and which one is taken");
-    parser->add_flag("--json", options->json, "print the list as JSON on standard output");
-    parser->add_flag("--quiet", options->quiet, "print errors only, and what --json asks for");
     parser->footer(
         "\"clsdf compute\" takes the device that --device names, else the one that the environment variable\n"
         "CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. A name is an index of\n"
@@ -116,5 +107,5 @@ Command add_devices(CLI::App& program) {
         "  clsdf devices --json\n"
         "  CLSDF_DEVICE=portable clsdf devices\n"
         "  clsdf compute bunny.off -o bunny.nrrd --device 0");
-    return {parser, [options] { return run(*options); }};
+    return {parser, run};
 }

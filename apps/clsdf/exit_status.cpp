@@ -1,5 +1,7 @@
 #include "exit_status.hpp"
 
+#include <fmt/format.h>
+
 ExitStatus status_of(clsdf::ErrorCode code) {
     using clsdf::ErrorCode;
     switch (code) {
@@ -21,7 +23,21 @@ ExitStatus status_of(clsdf::ErrorCode code) {
     return ExitStatus::device;
 }
 
-const char* exit_status_help() {
-    return "Exit status: 0 done, 1 a check failed, 2 usage or unsupported, 3 unreadable or invalid input,\n"
-           "4 device or memory, 5 output, 6 cancelled.";
+std::span<const ExitStatusMeaning> exit_status_meanings() {
+    static constexpr ExitStatusMeaning meanings[] = {{ExitStatus::done, "done"},
+                                                     {ExitStatus::check_failed, "a check failed"},
+                                                     {ExitStatus::usage, "usage or unsupported"},
+                                                     {ExitStatus::invalid_input, "unreadable or invalid input"},
+                                                     {ExitStatus::device, "device or memory"},
+                                                     {ExitStatus::output, "output"},
+                                                     {ExitStatus::cancelled, "cancelled"}};
+    return meanings;
+}
+
+std::string exit_status_help() {
+    std::string text = "Exit status:";
+    for (const auto& [status, meaning] : exit_status_meanings())
+        text += fmt::format("{} {} {}", status == ExitStatus::done ? "" : ",", static_cast<int>(status), meaning);
+    text[text.rfind(", ", 100) + 1] = '\n';
+    return text + '.';
 }

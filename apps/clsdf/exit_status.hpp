@@ -2,6 +2,9 @@
 
 #include <clsdf/error.hpp>
 
+#include <span>
+#include <string>
+
 /// What the command tells the shell.
 enum class ExitStatus {
     done = 0,
@@ -15,5 +18,11 @@ enum class ExitStatus {
 
 ExitStatus status_of(clsdf::ErrorCode code);
 
+struct ExitStatusMeaning {
+    ExitStatus status;
+    const char* meaning;
+};
+std::span<const ExitStatusMeaning> exit_status_meanings();
+
 /// One paragraph for the help page.
-const char* exit_status_help();
+std::string exit_status_help();

@@ -1,5 +1,4 @@
 #include "command.hpp"
-#include "output.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/reference.hpp>
@@ -19,8 +18,6 @@ using nlohmann::ordered_json;
 struct InfoOptions {
     std::string mesh;
     bool self_intersections = false;
-    bool json = false;
-    bool quiet = false;
 };
 
 struct Info {
@@ -110,14 +107,11 @@ void print_human(const Info& info) {
         fmt::print(stderr, "          {} pairs of triangles intersect\n", *info.self_intersections);
 }
 
-ExitStatus run(const InfoOptions& options) {
+ExitStatus run(const InfoOptions& options, Report& report) {
     const Info info(options, clsdf::read_mesh(options.mesh));
-    if (!options.quiet) print_human(info);
-    if (options.json) {
-        ordered_json result{{"mesh", options.mesh}};
-        result.update(describe(info));
-        print_result(result);
-    }
+    if (!report.quiet) print_human(info);
+    report.result["mesh"] = options.mesh;
+    report.result.update(describe(info));
     return ExitStatus::done;
 }
 
@@ -129,13 +123,11 @@ Command add_info(CLI::App& program) {
     parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
     parser->add_flag("--self-intersections", options->self_intersections,
                      "count the pairs of triangles that intersect, too");
-    parser->add_flag("--json", options->json, "print the result as JSON on standard output");
-    parser->add_flag("--quiet", options->quiet, "print errors only, and what --json asks for");
     parser->footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
         "Both are decided exactly on the coordinates as given.\n\n"
         "Examples:\n"
         "  clsdf info bunny.off\n"
         "  clsdf info bunny.off --self-intersections --json > bunny.json");
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

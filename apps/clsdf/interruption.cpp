@@ -1,61 +1,113 @@
 #include "interruption.hpp"
 
-#include "exit_status.hpp"
+#include "report.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/unfinished_files.hpp>
 
 #include <fcntl.h>
 #include <unistd.h>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <mutex>
+#include <thread>
 
 namespace {
 
-constexpr char interrupted = 'i';
-constexpr char finished = 'f';
-
-// The end of a pipe that the handler writes to, or -1. A stop source may not be touched by a signal handler; a pipe
-// may.
+// The end of the pipe that the handler writes to. Neither a stop source nor a mutex may be touched by a signal handler;
+// a pipe may.
 std::atomic<int> signal_pipe = -1;
+std::atomic<int> signals = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<bool> is_written = false;
+
+std::mutex mutex;
+std::stop_source* active = nullptr;
+
+// More than these, and something is stuck that even the end waits for.
+constexpr int most_signals = 3;
 
 extern "C" void handle_signal(int) {
     const int error = errno;
-    const int pipe = signal_pipe.exchange(-1);
-    if (pipe < 0 || ::write(pipe, &interrupted, 1) != 1) ::_exit(static_cast<int>(ExitStatus::cancelled));
+    const char message = 0;
+    if (++signals > most_signals || ::write(signal_pipe, &message, 1) != 1)
+        ::_exit(static_cast<int>(ExitStatus::cancelled));
     errno = error;
 }
 
-}  // namespace
-
-void end_when_interrupted() {
+void install_handlers() {
     struct sigaction action {};
     action.sa_handler = handle_signal;
     action.sa_flags = SA_RESTART;
     for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 
-Interruption::Interruption() {
+// Whether something runs that ends in order, and had not been told to already.
+bool stop_what_runs() {
+    const std::lock_guard lock(mutex);
+    return active != nullptr && active->request_stop();
+}
+
+[[noreturn]] void end_now(bool json) {
+    clsdf::abandon_unfinished_files();
+    if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\n");  // the terminal shows ^C, or a progress bar
+    Report report;
+    report.json = json;
+    ::_exit(static_cast<int>(
+        report.fail(clsdf::ErrorCode::cancelled,
+                    is_written ? "cancelled; the output had been written already" : "cancelled; nothing was written")));
+}
+
+void listen(int pipe, bool json) {
+    while (true) {
+        char message = 0;
+        if (::read(pipe, &message, 1) < 0) {
+            if (errno == EINTR) continue;
+            return;
+        }
+        if (!stop_what_runs()) end_now(json);
+    }
+}
+
+}  // namespace
+
+void end_when_interrupted(bool json) {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0)
         throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "no pipe can be opened to listen for Ctrl-C");
-    read_end_ = ends[0];
-    write_end_ = ends[1];
-    listener_ = std::thread([this] {
-        char message = 0;
-        while (::read(read_end_, &message, 1) < 0 && errno == EINTR) {
-        }
-        if (message == interrupted) source_.request_stop();
-    });
-    signal_pipe = write_end_;
+    signal_pipe = ends[1];
+    // Blocked while the thread starts, so that it inherits that: the signals are for the main thread.
+    sigset_t both;
+    sigset_t before;
+    ::sigemptyset(&both);
+    ::sigaddset(&both, SIGINT);
+    ::sigaddset(&both, SIGTERM);
+    ::pthread_sigmask(SIG_BLOCK, &both, &before);
+    std::thread([pipe = ends[0], json] { listen(pipe, json); }).detach();
+    install_handlers();
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+void output_is_written() {
+    is_written = true;
+}
+
+void ignore_interruptions() {
+    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_IGN);
+}
+
+bool interrupted() {
+    return signals > 0;
+}
+
+Interruption::Interruption() {
+    const std::lock_guard lock(mutex);
+    active = &source_;
 }
 
 Interruption::~Interruption() {
-    signal_pipe = -1;
-    while (::write(write_end_, &finished, 1) < 0 && errno == EINTR) {
-    }
-    listener_.join();
-    ::close(read_end_);
-    ::close(write_end_);
+    const std::lock_guard lock(mutex);
+    active = nullptr;
+    install_handlers();  // the compilers of some devices have put theirs before these
 }

@@ -1,13 +1,22 @@
 #pragma once
 
 #include <stop_token>
-#include <thread>
 
-/// From now on Ctrl-C (SIGINT) and SIGTERM end the process with the exit status of a cancellation.
-void end_when_interrupted();
+/// From now on Ctrl-C (SIGINT) and SIGTERM end the process, whatever it does, with the message and the exit status of a
+/// cancellation, and leave no half file; `json`: also with the error as JSON on standard output.
+void end_when_interrupted(bool json);
 
-/// While it lives, the first such signal sets the stop token instead, so that what runs can end in order; a second one
-/// ends the process.
+/// What was asked for has been written: the message of a later cancellation says so.
+void output_is_written();
+
+/// Such signals are ignored: all is done but the end itself.
+void ignore_interruptions();
+
+/// Whether such a signal has arrived. A system call that was waiting may fail for that reason only.
+bool interrupted();
+
+/// While it lives, the first such signal sets the stop token instead, so that what runs can end in order. One at a
+/// time.
 class Interruption {
 public:
     Interruption();
@@ -19,7 +28,4 @@ public:
 
 private:
     std::stop_source source_;
-    int read_end_ = -1;
-    int write_end_ = -1;
-    std::thread listener_;
 };

@@ -1,7 +1,10 @@
 #include "option_values.hpp"
 
+#include "suggestion.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -18,7 +21,24 @@ std::optional<Number> parse(const std::string& text) {
     return number;
 }
 
+CLI::Validator one_of(const std::vector<std::string>& words) {
+    return {[=](const std::string& text) {
+                if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+                return fmt::format("one of {}, not '{}'{}", fmt::join(words, ", "), text,
+                                   did_you_mean(nearest_word(text, words)));
+            },
+            ""};
+}
+
 }  // namespace
+
+void takes_one_of(CLI::Option* option, const std::vector<std::string>& words) {
+    option->check(one_of(words))->type_name(fmt::format("{}", fmt::join(words, "|")));
+}
+
+void takes_some_of(CLI::Option* option, const std::vector<std::string>& words) {
+    option->check(one_of(words))->delimiter(',')->allow_extra_args(false)->type_name(fmt::format("{},...", fmt::join(words, "|")));
+}
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
     return {[=](const std::string& text) {
@@ -40,4 +60,15 @@ CLI::Validator finite_number_of_0_or_more() {
 
 CLI::Validator not_empty() {
     return {[](const std::string& text) { return text.empty() ? "the value is missing" : std::string(); }, ""};
+}
+
+CLI::Validator file_name() {
+    return {[](const std::string& text) {
+                if (text.empty()) return std::string("the name of the file is missing");
+                if (text != "-") return std::string();
+                return std::string(
+                    "standard input and output are not supported, because a file's ending chooses its format; "
+                    "name a file (./- is one with that name)");
+            },
+            ""};
 }

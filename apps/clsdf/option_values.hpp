@@ -3,6 +3,17 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
+#include <string>
+#include <vector>
+
+// What an option takes is its type name, or for an argument its name. Small letters are typed as they are, "x|y|z";
+// capitals stand for something else. MESH, FIELD, PICTURE and FILE are files, and their endings are those that the
+// description names: "the mesh: .off, .obj, .stl or .ply". SHAPE is a name of "clsdf shape --list".
+
+/// The value is one of the words, which become the type name. Another one is answered with the nearest.
+void takes_one_of(CLI::Option* option, const std::vector<std::string>& words);
+/// The same for an option that takes several, separated by commas.
+void takes_some_of(CLI::Option* option, const std::vector<std::string>& words);
 
 /// What the text of an option's value must be. Held against the text before it is converted, so that the message names
 /// what was typed, and neither "1e3" nor "-1" becomes another number.
@@ -10,6 +21,8 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
 CLI::Validator finite_number_of_0_or_more();
 /// An empty text would pass for an option that is not there.
 CLI::Validator not_empty();
+/// Not empty, and not "-": a file's ending chooses its format, and no half file may appear.
+CLI::Validator file_name();
 
 /// Beyond what any grid has along an axis.
 inline constexpr std::uint64_t most_samples_on_a_side = std::uint64_t{1} << 30;

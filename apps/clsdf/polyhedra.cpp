@@ -1,5 +1,6 @@
 #include "command.hpp"
-#include "output.hpp"
+#include "interruption.hpp"
+#include "option_values.hpp"
 
 #include <clsdf/clsdf.hpp>
 
@@ -28,8 +29,6 @@ struct PolyhedraOptions {
     std::string polyhedra = "leaned";
     std::string half_width = "10%";
     bool no_closing = false;
-    bool json = false;
-    bool quiet = false;
 };
 
 // Okabe and Ito's, which readers with any colour vision tell apart, then lighter ones.
@@ -141,7 +140,7 @@ ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<st
     return {Mesh(std::move(vertices), std::move(faces), "polyhedra"), std::move(colours)};
 }
 
-ExitStatus run(const PolyhedraOptions& options) {
+ExitStatus run(const PolyhedraOptions& options, Report& report) {
     const Mesh mesh = clsdf::read_mesh(options.mesh);
     std::optional<std::uint32_t> vertex = options.around;
     if (!vertex && options.triangles.empty()) vertex = interesting_vertex(mesh);
@@ -152,24 +151,21 @@ ExitStatus run(const PolyhedraOptions& options) {
                     fmt::format("{}: the triangles asked for have no polyhedra with volume", options.mesh));
     const ColouredMesh joined = join(solids, triangles);
     write_mesh(joined.mesh, options.output, joined.colours);
+    output_is_written();
 
-    if (!options.quiet)
-        fmt::print(stderr, "{}{} polyhedra of {} triangles, {} vertices, {} faces -> {}\n",
-                   vertex ? fmt::format("vertex {}: ", *vertex) : "", solids.size(), triangles.size(),
-                   joined.mesh.vertices().size(), joined.mesh.triangles().size(), options.output);
-    if (options.json) {
-        ordered_json list = ordered_json::array();
-        for (const BoundingSolid& solid : solids)
-            list.push_back({{"triangle", solid.triangle},
-                            {"part", name_of(solid.part)},
-                            {"faces", solid.mesh.triangles().size()},
-                            {"volume", volume(solid.mesh)}});
-        ordered_json result{{"mesh", options.mesh}, {"output", options.output}};
-        if (vertex) result["vertex"] = *vertex;
-        result["half_width"] = half_width_of(options.half_width, mesh);
-        result["polyhedra"] = list;
-        print_result(result);
-    }
+    report.print("{}{} polyhedra of {} triangles, {} vertices, {} faces -> {}\n",
+                 vertex ? fmt::format("vertex {}: ", *vertex) : "", solids.size(), triangles.size(),
+                 joined.mesh.vertices().size(), joined.mesh.triangles().size(), options.output);
+    ordered_json list = ordered_json::array();
+    for (const BoundingSolid& solid : solids)
+        list.push_back({{"triangle", solid.triangle},
+                        {"part", name_of(solid.part)},
+                        {"faces", solid.mesh.triangles().size()},
+                        {"volume", volume(solid.mesh)}});
+    report.result = {{"mesh", options.mesh}, {"output", options.output}};
+    if (vertex) report.result["vertex"] = *vertex;
+    report.result["half_width"] = half_width_of(options.half_width, mesh);
+    report.result["polyhedra"] = list;
     return ExitStatus::done;
 }
 
@@ -189,16 +185,14 @@ Command add_polyhedra(CLI::App& program) {
         ->type_name("I,J,...")
         ->delimiter(',')
         ->excludes(around);
-    parser->add_option("--polyhedra", options->polyhedra, "leaned, which are exact, or peikert-sigg, the paper's")
-        ->type_name("KIND")
-        ->check(CLI::IsMember({"leaned", "peikert-sigg"}))
-        ->capture_default_str();
+    takes_one_of(
+        parser->add_option("--polyhedra", options->polyhedra, "leaned, which are exact, or peikert-sigg, the paper's")
+            ->capture_default_str(),
+        {"leaned", "peikert-sigg"});
     parser->add_option("--half-width", options->half_width, "of the band: 10% of the mesh's longest side, or 0.05")
         ->type_name("LENGTH")
         ->capture_default_str();
     parser->add_flag("--no-closing", options->no_closing, "the paper's polyhedra before their gaps are closed");
-    parser->add_flag("--json", options->json, "print what was written, with volumes, as JSON on standard output");
-    parser->add_flag("--quiet", options->quiet, "print errors only, and what --json asks for");
     parser->footer(
         "Every triangle has a colour; the back of a leaned polyhedron is darker, and a point site grey. Without "
         "--around\n"
@@ -206,5 +200,5 @@ Command add_polyhedra(CLI::App& program) {
         "Examples:\n"
         "  clsdf polyhedra knot.off -o leaned.ply --half-width 2%\n"
         "  clsdf polyhedra knot.off -o gap.ply --polyhedra peikert-sigg --no-closing --around 12");
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

@@ -4,31 +4,53 @@
 
 #include <unistd.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 constexpr int width = 40;
 constexpr std::chrono::milliseconds interval{100};
+// Before that much time and that much work, an estimate is a guess.
+constexpr double least_seconds = 1;
+constexpr double least_fraction = 0.02;
+
+std::string time_left(double seconds, double fraction) {
+    if (seconds < least_seconds || fraction < least_fraction) return {};
+    return fmt::format("  about {} left", human_duration(seconds * (1 - fraction) / fraction));
+}
 
 }  // namespace
 
+std::string human_duration(double seconds) {
+    const auto whole = static_cast<long long>(std::ceil(std::clamp(seconds, 0.0, 1e15)));
+    if (whole < 60) return fmt::format("{} s", whole);
+    if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+    return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
 // What is done before the first interval ends needs no bar.
 ProgressBar::ProgressBar(bool wanted)
-    : enabled_(wanted && ::isatty(STDERR_FILENO) != 0), next_(std::chrono::steady_clock::now() + interval) {}
+    : enabled_(wanted && ::isatty(STDERR_FILENO) != 0), begin_(Clock::now()), next_(begin_ + interval) {}
 
 void ProgressBar::show(double fraction) {
-    if (!enabled_ || std::chrono::steady_clock::now() < next_) return;
-    next_ = std::chrono::steady_clock::now() + interval;
-    visible_ = true;
+    const Clock::time_point now = Clock::now();
+    if (!enabled_ || now < next_) return;
+    next_ = now + interval;
     const double clamped = std::clamp(fraction, 0.0, 1.0);
-    fmt::print(stderr, "\r[{:<{}}] {:3.0f}%", std::string(static_cast<std::size_t>(clamped * width), '#'), width,
-               clamped * 100);
+    const std::chrono::duration<double> elapsed = now - begin_;
+    const std::string text =
+        fmt::format("[{:<{}}] {:3.0f}%{}", std::string(static_cast<std::size_t>(clamped * width), '#'), width,
+                    clamped * 100, time_left(elapsed.count(), clamped));
+    fmt::print(stderr, "\r{:<{}}", text, columns_);
     std::fflush(stderr);
+    columns_ = static_cast<int>(text.size());
 }
 
 void ProgressBar::clear() {
-    if (!visible_) return;
-    visible_ = false;
-    fmt::print(stderr, "\r{:{}}\r", "", width + 8);
+    if (columns_ == 0) return;
+    fmt::print(stderr, "\r{:{}}\r", "", columns_);
+    columns_ = 0;
 }

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 
-/// A bar on standard error, where that is a terminal; nothing elsewhere.
+/// "4 s", "2 min 10 s", "3 h 5 min".
+std::string human_duration(double seconds);
+
+/// A bar with an estimate of the time that is left, on standard error where that is a terminal; nothing elsewhere.
 class ProgressBar {
 public:
     explicit ProgressBar(bool wanted);
@@ -17,6 +21,7 @@ public:
 
 private:
     bool enabled_;
-    bool visible_ = false;
+    int columns_ = 0;
+    std::chrono::steady_clock::time_point begin_;
     std::chrono::steady_clock::time_point next_;
 };

@@ -21,7 +21,6 @@ using clsdf::ErrorCode;
 using clsdf::picture::Cut;
 using clsdf::picture::SurfaceOptions;
 using clsdf::picture::SurfacePictures;
-using nlohmann::ordered_json;
 
 struct RenderOptions {
     std::string field;
@@ -34,8 +33,6 @@ struct RenderOptions {
     std::string offset;
     std::string device;
     SurfaceOptions picture;
-    bool json = false;
-    bool quiet = false;
 };
 
 template <class Number>
@@ -102,12 +99,12 @@ std::optional<double> read_options(RenderOptions& options) {
     return offset;
 }
 
-ExitStatus run(RenderOptions options) {
+ExitStatus run(RenderOptions options, Report& report) {
     const std::optional<double> offset = read_options(options);
     SurfacePictures::check_output(options.output);
     const clsdf::Field field = clsdf::Field::read(options.field);
     const Interruption interruption;
-    ProgressBar progress(!options.quiet);
+    ProgressBar progress(!report.quiet);
     options.picture.stop = interruption.token();
     options.picture.progress = [&](double fraction) { progress.show(fraction); };
     double level = 0;
@@ -126,13 +123,13 @@ ExitStatus run(RenderOptions options) {
         throw;
     }
     progress.clear();
-    if (!options.quiet) fmt::print(stderr, "wrote {}\n", options.output);
-    if (options.json)
-        print_result(ordered_json{{"field", options.field},
-                                  {"grid", describe(field.grid)},
-                                  {"offset", level},
-                                  {"device", device_name},
-                                  {"picture", options.output}});
+    output_is_written();
+    report.print("wrote {}\n", options.output);
+    report.result = {{"field", options.field},
+                     {"grid", describe(field.grid)},
+                     {"offset", level},
+                     {"device", device_name},
+                     {"picture", options.output}};
     return ExitStatus::done;
 }
 
@@ -142,7 +139,7 @@ Command add_render(CLI::App& program) {
     const auto options = std::make_shared<RenderOptions>();
     CLI::App* parser = program.add_subcommand("render", "Draw a field's surface, shaded, whole or cut open");
     parser->add_option("FIELD", options->field, "the field: .nrrd or .npy")->required();
-    parser->add_option("-o,--output", options->output, "the picture: .png")->type_name("FILE")->required();
+    parser->add_option("-o,--output", options->output, "the picture: .png")->type_name("PICTURE")->required();
     parser
         ->add_option("--view", options->view,
                      "from where: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
@@ -181,8 +178,6 @@ Command add_render(CLI::App& program) {
                      "what traces the rays, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
         ->check(not_empty())
         ->type_name("INDEX|NAME");
-    parser->add_flag("--json", options->json, "print the result as JSON on standard output");
-    parser->add_flag("--quiet", options->quiet, "print errors only");
     parser->footer(
         "A cut takes away what is on the viewer's side of a plane, several cuts what is on that side of all; the\n"
         "opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"
@@ -192,5 +187,5 @@ Command add_render(CLI::App& program) {
         "  clsdf render bunny.nrrd -o bunny.png --up y --cut z\n"
         "  clsdf render part.nrrd -o corner.png --view iso --cut x=10 --cut y=10 --cut z\n"
         "  clsdf render part.nrrd -o grown.png --offset 0.5 --colour 7799BB");
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "interruption.hpp"
 #include "output.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -13,29 +14,34 @@ struct ShapeOptions {
     std::string name;
     std::string output;
     bool list = false;
-    bool quiet = false;
 };
 
-void list_shapes() {
+void list_shapes(Report& report) {
     std::string text;
-    for (const clsdf::ShapeName& shape : clsdf::shape_names())
+    for (const clsdf::ShapeName& shape : clsdf::shape_names()) {
         text += fmt::format("{:<14}{}\n", shape.name, shape.description);
-    print_result(text);
+        report.result["shapes"].push_back({{"name", shape.name}, {"description", shape.description}});
+    }
+    if (!report.json) print_result(text);
 }
 
-ExitStatus run(const ShapeOptions& options) {
+ExitStatus run(const ShapeOptions& options, Report& report) {
     if (options.list) {
-        list_shapes();
+        list_shapes(report);
         return ExitStatus::done;
     }
     if (options.name.empty() || options.output.empty())
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                           "a shape needs its NAME and -o FILE; \"clsdf shape --list\" prints the names");
+                           "a shape needs its name and -o FILE; \"clsdf shape --list\" prints the names");
     const clsdf::Mesh mesh = clsdf::make_shape(options.name);
     clsdf::write_mesh(mesh, options.output);
-    if (!options.quiet)
-        fmt::print(stderr, "{}: {} vertices, {} triangles -> {}\n", options.name, mesh.vertices().size(),
-                   mesh.triangles().size(), options.output);
+    output_is_written();
+    report.print("mesh    {}: {} vertices, {} triangles\nwrote   {}\n", options.name, mesh.vertices().size(),
+                 mesh.triangles().size(), options.output);
+    report.result = {{"shape", options.name},
+                     {"vertices", mesh.vertices().size()},
+                     {"triangles", mesh.triangles().size()},
+                     {"output", options.output}};
     return ExitStatus::done;
 }
 
@@ -43,16 +49,14 @@ ExitStatus run(const ShapeOptions& options) {
 
 Command add_shape(CLI::App& program) {
     const auto options = std::make_shared<ShapeOptions>();
-    CLI::App* parser =
-        program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot, seashell, ...");
-    parser->add_option("NAME", options->name, "the shape; see --list");
+    CLI::App* parser = program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot and others");
+    parser->add_option("SHAPE", options->name, "the shape; see --list");
     parser->add_option("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply")->type_name("FILE");
     parser->add_flag("--list", options->list, "print the names and what they are");
-    parser->add_flag("--quiet", options->quiet, "print errors only");
     parser->footer(
         "Examples:\n"
         "  clsdf shape --list\n"
         "  clsdf shape sphere6 -o sphere6.off\n"
         "  clsdf shape knot -o knot.stl && clsdf compute knot.stl -o knot.nrrd");
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 
 using clsdf::picture::Axis;
 using clsdf::picture::SlicePictures;
-using nlohmann::ordered_json;
 
 struct SliceOptions {
     std::string field;
@@ -30,8 +29,6 @@ struct SliceOptions {
     bool all = false;
     bool mosaic = false;
     clsdf::picture::Options picture;
-    bool json = false;
-    bool quiet = false;
 };
 
 // "slice_007.png" for the slice 7 of some hundred.
@@ -59,7 +56,7 @@ std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std
     return files;
 }
 
-ExitStatus run(const SliceOptions& options) {
+ExitStatus run(const SliceOptions& options, Report& report) {
     const Axis axis = clsdf::picture::parse_axis(options.axis);
     SlicePictures::check_output(options.output);
     const clsdf::Field field = clsdf::Field::read(options.field);
@@ -68,7 +65,7 @@ ExitStatus run(const SliceOptions& options) {
     std::vector<std::string> files{options.output};
     if (options.all) {
         files =
-            write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output, options.quiet);
+            write_all(pictures, axis, field.grid.size[static_cast<std::size_t>(axis)], options.output, report.quiet);
     } else if (options.mosaic) {
         pictures.write_mosaic(
             {pictures.middle(Axis::x).index, pictures.middle(Axis::y).index, pictures.middle(Axis::z).index},
@@ -77,12 +74,11 @@ ExitStatus run(const SliceOptions& options) {
         pictures.write_slice({axis, options.index.value_or(pictures.middle(axis).index)}, options.output);
     }
 
-    if (!options.quiet)
-        fmt::print(stderr, "wrote {}\n",
-                   files.size() == 1 ? files.front()
-                                     : fmt::format("{} pictures, {} to {}", files.size(), files.front(), files.back()));
-    if (options.json)
-        print_result(ordered_json{{"field", options.field}, {"grid", describe(field.grid)}, {"pictures", files}});
+    output_is_written();
+    report.print("wrote {}\n", files.size() == 1
+                                   ? files.front()
+                                   : fmt::format("{} pictures, {} to {}", files.size(), files.front(), files.back()));
+    report.result = {{"field", options.field}, {"grid", describe(field.grid)}, {"pictures", files}};
     return ExitStatus::done;
 }
 
@@ -93,11 +89,10 @@ Command add_slice(CLI::App& program) {
     CLI::App* parser = program.add_subcommand("slice", "Draw a field: colours, iso-lines, axes and a colour bar");
     parser->add_option("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")->required();
     parser->add_option("-o,--output", options->output, "the picture: .png, or .pdf for print")
-        ->type_name("FILE")
+        ->type_name("PICTURE")
         ->required();
-    auto* axis = parser->add_option("--axis", options->axis, "perpendicular to the slice: x, y or z")
-                     ->type_name("AXIS")
-                     ->capture_default_str();
+    auto* axis = parser->add_option("--axis", options->axis, "perpendicular to the slice")->capture_default_str();
+    takes_one_of(axis, {"x", "y", "z"});
     auto* index =
         parser->add_option("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")
             ->check(whole_number(0, most_samples_on_a_side))
@@ -114,8 +109,6 @@ Command add_slice(CLI::App& program) {
         ->check(whole_number(100, 10000))
         ->type_name("N")
         ->capture_default_str();
-    parser->add_flag("--json", options->json, "print the files' names as JSON on standard output");
-    parser->add_flag("--quiet", options->quiet, "print errors only");
     parser->footer(
         "Inside is blue, outside orange, and the zero line is the strong one; beyond the band the colours are flat "
         "and\n"
@@ -125,5 +118,5 @@ Command add_slice(CLI::App& program) {
         "  clsdf slice bunny.nrrd -o bunny.pdf --axis x --index 100\n"
         "  clsdf slice bunny.nrrd -o slices/bunny.png --axis y --all --pixels 600\n"
         "  clsdf slice bunny.nrrd -o bunny.png --mosaic");
-    return {parser, [options] { return run(*options); }};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

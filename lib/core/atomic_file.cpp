@@ -1,5 +1,7 @@
 #include "core/atomic_file.hpp"
 
+#include "core/unfinished_files.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
@@ -21,6 +23,15 @@ int standard_stream(const std::string& path) {
     if (path == "/dev/stdout") return STDOUT_FILENO;
     if (path == "/dev/stderr") return STDERR_FILENO;
     return -1;
+}
+
+/// A new file of that name, listed among the unfinished ones; negative, with errno, where there is none.
+int create(const std::string& name) {
+    UnfinishedFiles& files = UnfinishedFiles::of_process();
+    const std::lock_guard lock(files.mutex);
+    const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) files.names.insert(name);
+    return descriptor;
 }
 
 }  // namespace
@@ -46,7 +57,14 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
 
 AtomicFile::~AtomicFile() {
     file_.reset();
-    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+    if (!temporary_.empty()) remove_temporary();
+}
+
+void AtomicFile::remove_temporary() {
+    UnfinishedFiles& files = UnfinishedFiles::of_process();
+    const std::lock_guard lock(files.mutex);
+    ::unlink(temporary_.c_str());
+    files.names.erase(temporary_);
 }
 
 void AtomicFile::open_directly(int descriptor) {
@@ -69,14 +87,14 @@ void AtomicFile::open_beside(const std::string& target) {
     for (unsigned attempt = 0;; ++attempt) {
         // Not derived from the target's name, which may already have the greatest length.
         const std::string name = (folder / fmt::format(".clsdf-{}-{}.part", ::getpid(), attempt)).string();
-        const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        const int descriptor = create(name);
         if (descriptor < 0 && errno == EEXIST) continue;
         if (descriptor < 0) fail(errno);
         temporary_ = name;
         try {
             open_directly(descriptor);
         } catch (...) {
-            ::unlink(name.c_str());
+            remove_temporary();
             throw;
         }
         return;
@@ -112,7 +130,10 @@ void AtomicFile::commit() {
     // Some file systems report a full disk only here.
     if (std::fclose(file_.release()) != 0) fail(errno);
     if (temporary_.empty()) return;
+    UnfinishedFiles& files = UnfinishedFiles::of_process();
+    const std::lock_guard lock(files.mutex);
     if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+    files.names.erase(temporary_);
     temporary_.clear();
 }
 

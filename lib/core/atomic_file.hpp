@@ -43,6 +43,7 @@ private:
 
     void open_directly(int descriptor);
     void open_beside(const std::string& target);
+    void remove_temporary();
     [[noreturn]] void fail(int error) const;
 
     std::string path_;       // as the caller named it, for messages

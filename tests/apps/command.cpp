@@ -1,6 +1,10 @@
 #include "apps/process.hpp"
 
+#include <clsdf/field.hpp>
+#include <clsdf/version.hpp>
+
 #include <boost/test/unit_test.hpp>
+#include <nlohmann/json.hpp>
 
 using clsdf::test::check_refused;
 using clsdf::test::no_devices;
@@ -16,9 +20,11 @@ BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
                                                       {"compute", "--help"},
                                                       {"check", "--help"},
                                                       {"slice", "--help"},
+                                                      {"render", "--help"},
                                                       {"info", "--help"},
                                                       {"shape", "--help"},
                                                       {"polyhedra", "--help"},
+                                                      {"help", "--help"},
                                                       {"devices", "--help"}}) {
         const Outcome outcome = run_command(arguments);
         BOOST_TEST_CONTEXT("help of " << arguments.front()) {
@@ -30,10 +36,45 @@ BOOST_AUTO_TEST_CASE(has_help_with_examples_on_every_page) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(tells_its_version) {
+BOOST_AUTO_TEST_CASE(tells_its_version_and_what_it_was_built_with) {
     const Outcome outcome = run_command({"--version"});
     BOOST_TEST(outcome.status == 0);
-    BOOST_TEST(outcome.out.starts_with("clsdf "));
+    BOOST_TEST(outcome.out.starts_with("clsdf " + clsdf::version()));
+    for (const char* part : {"CGAL 5.", "Eigen 3.", "cairo 1."})
+        BOOST_TEST(outcome.out.find(part) != std::string::npos, "no " << part << " in " << outcome.out);
+}
+
+BOOST_AUTO_TEST_CASE(has_the_same_page_as_help_and_as_option) {
+    BOOST_TEST(run_command({"help", "compute"}).out == run_command({"compute", "--help"}).out);
+    BOOST_TEST(run_command({"help"}).out == run_command({"--help"}).out);
+    // Without arguments it is a mistake, and answered with the same page.
+    const Outcome outcome = run_command({});
+    BOOST_TEST(outcome.status == 2);
+    BOOST_TEST(outcome.out.empty());
+    BOOST_TEST(outcome.error == run_command({"--help"}).out);
+}
+
+BOOST_AUTO_TEST_CASE(reads_and_writes_files_only) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    check_refused(run_command({"compute", mesh, "-o", "-"}), 2, {"--output", "standard input and output"});
+    check_refused(run_command({"compute", "-", "-o", folder.file("a.nrrd")}), 2, {"MESH", "standard input and output"});
+    check_refused(run_command({"check", mesh, "-"}), 2, {"FIELD", "standard input and output"});
+    check_refused(run_command({"slice", "", "-o", "a.png"}), 2, {"FIELD", "missing"});
+    check_refused(run_command({"compute", mesh, "-o", folder.file("")}), 2, {".nrrd"});
+    std::filesystem::create_directory(folder.file("folder.nrrd"));
+    check_refused(run_command({"compute", mesh, "-o", folder.file("folder.nrrd")}), 5, {"Is a directory"});
+    check_refused(run_command({"compute", mesh, "-o", mesh}), 2, {"mesh.off", ".nrrd"});
+}
+
+BOOST_AUTO_TEST_CASE(takes_names_with_blanks_and_letters_of_any_language) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("ein Körper.off", tetrahedron);
+    const std::string field = folder.file("поле 1.nrrd");
+    const Outcome outcome = run_command({"compute", mesh, "-o", field, "--resolution", "9", "--json", "--quiet"});
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(nlohmann::json::parse(outcome.out)["output"] == field);
+    BOOST_TEST(clsdf::Field::read(field).mesh_name == "ein Körper.off");
 }
 
 BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {
@@ -45,6 +86,13 @@ BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {
     check_refused(run_command({"compute", "a.off", "--ouptut=a.nrrd"}), 2, {"--ouptut", "did you mean --output?"});
     check_refused(run_command({"check", "a.off", "a.nrrd", "--compl"}), 2, {"did you mean --complete?"});
     check_refused(run_command({"--versoin"}), 2, {"did you mean --version?"});
+    check_refused(run_command({"help", "shap"}), 2, {"did you mean shape?"});
+    check_refused(run_command({"compute", "a.off", "--dry-run", "--sign", "nonzer"}), 2,
+                  {"--sign", "auto, nonzero", "did you mean nonzero?"});
+    check_refused(run_command({"shape", "kont", "-o", "a.off"}), 2, {"kont", "knot"});
+    const Outcome axis = run_command({"slice", "a.nrrd", "-o", "a.png", "--axis", "w"});
+    check_refused(axis, 2, {"--axis: one of x, y, z, not 'w'"});
+    BOOST_TEST(axis.error.find("did you mean") == std::string::npos);
     const Outcome nothing_near = run_command({"compute", "a.off", "-o", "a.nrrd", "--xyzzy-plugh-frotz"});
     check_refused(nothing_near, 2, {"--xyzzy-plugh-frotz", "clsdf compute --help"});
     BOOST_TEST(nothing_near.error.find("did you mean") == std::string::npos);
@@ -54,7 +102,7 @@ BOOST_AUTO_TEST_CASE(needs_a_subcommand_and_its_arguments) {
     check_refused(run_command({}), 2, {"subcommand", "--help"});
     check_refused(run_command({"compute"}), 2, {"MESH"});
     check_refused(run_command({"check", "a.off"}), 2, {"FIELD"});
-    check_refused(run_command({"shape"}), 2, {"NAME", "--list"});
+    check_refused(run_command({"shape"}), 2, {"name", "--list"});
 }
 
 BOOST_AUTO_TEST_CASE(says_which_mesh_cannot_be_read_within_a_second_and_writes_nothing) {
@@ -63,7 +111,7 @@ BOOST_AUTO_TEST_CASE(says_which_mesh_cannot_be_read_within_a_second_and_writes_n
     const auto refused = [&](const std::string& name, const std::string& content) {
         BOOST_TEST_CONTEXT("mesh " << name) {
             const std::string mesh = folder.file(name, content);
-            const Outcome outcome = run_command({"compute", mesh, "-o", output, "--json"}, no_devices);
+            const Outcome outcome = run_command({"compute", mesh, "-o", output}, no_devices);
             check_refused(outcome, 3, {name});
             BOOST_TEST(outcome.seconds < 1);
             BOOST_TEST(!std::filesystem::exists(output));

@@ -90,7 +90,10 @@ BOOST_AUTO_TEST_CASE(of_one_platform_are_told_apart_by_index_alone) {
 BOOST_AUTO_TEST_CASE(are_none_and_the_message_says_what_to_install) {
     const Outcome outcome = run_command({"devices", "--json"}, no_devices);
     BOOST_TEST(outcome.status == 4);
-    BOOST_TEST(json::parse(outcome.out).dump() == R"({"devices":[],"taken":null})");
+    const json found = json::parse(outcome.out);
+    BOOST_TEST(found["devices"].dump() == "[]");
+    BOOST_TEST(found["taken"].is_null());
+    BOOST_TEST(found["error"]["code"] == "no_device");
     for (const char* fragment : {"pocl-opencl-icd", "nvidia-opencl-icd", "mesa-opencl-icd", "intel-opencl-icd"})
         BOOST_TEST(outcome.error.find(fragment) != std::string::npos, "no '" << fragment << "' in " << outcome.error);
 }
@@ -116,6 +119,14 @@ BOOST_AUTO_TEST_CASE(compute_as_the_option_says_before_the_environment) {
     check_refused(run_command({"compute", mesh, "-o", output, "--device", "xyzzy"}), 4, {"xyzzy", best.name});
     check_refused(run_command({"compute", mesh, "-o", output}, {"CLSDF_DEVICE=xyzzy"}), 4, {"CLSDF_DEVICE", best.name});
     check_refused(run_command({"compute", mesh, "-o", output, "--device", ""}), 2, {"--device", "missing"});
+    // Before a mesh is read, and also where nothing would be computed.
+    const std::string missing = folder.file("missing.off");
+    check_refused(run_command({"compute", missing, "-o", output, "--device", "xyzzy"}), 4, {"--device xyzzy"});
+    check_refused(run_command({"compute", missing, "--dry-run", "--device", "xyzzy"}), 4, {"--device xyzzy"});
+    check_refused(run_command({"compute", missing, "--dry-run"}, {"CLSDF_DEVICE=xyzzy"}), 4, {"CLSDF_DEVICE=xyzzy"});
+    const Outcome dry = run_command({"compute", mesh, "--dry-run", "--device", index});
+    BOOST_TEST(dry.status == 0);
+    BOOST_TEST(dry.error.find("device  " + best.name) != std::string::npos);
     BOOST_TEST(!std::filesystem::exists(output));
 }
 

@@ -18,6 +18,12 @@
 
 namespace clsdf::test {
 
+/// Where the build put it; a bundle of programs on another machine says otherwise.
+inline std::string command_path() {
+    const char* const path = std::getenv("CLSDF_COMMAND");
+    return path == nullptr ? CLSDF_COMMAND : path;
+}
+
 /// What a process left: its exit status (or minus the signal that ended it) and what it printed.
 struct Outcome {
     int status = 0;
@@ -59,7 +65,7 @@ public:
 private:
     // The lists are this process' own copies, because exec takes pointers to what it could change.
     [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment) const {
-        arguments.insert(arguments.begin(), CLSDF_COMMAND);
+        arguments.insert(arguments.begin(), command_path());
         std::vector<char*> words;
         for (std::string& argument : arguments) words.push_back(argument.data());
         words.push_back(nullptr);

@@ -81,7 +81,7 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     const std::string picture = folder.file("balls.png");
     check_refused(run_command({"slice", field, "-o", picture, "--index", "21"}), 2,
                   {"no sample 21 along z", "0 to 20"});
-    check_refused(run_command({"slice", field, "-o", picture, "--axis", "w"}), 2, {"\"w\"", "x, y or z"});
+    check_refused(run_command({"slice", field, "-o", picture, "--axis", "w"}), 2, {"'w'", "x, y, z"});
     check_refused(run_command({"slice", field, "-o", picture, "--pixels", "7"}), 2,
                   {"--pixels: a whole number from 100 to 10000, not '7'"});
     check_refused(run_command({"slice", field, "-o", picture, "--index", "-1"}), 2, {"--index", "-1"});

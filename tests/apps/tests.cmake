@@ -1,18 +1,40 @@
 if(TARGET clsdf_command)
-  clsdf_test(
-    command
-    ${CMAKE_CURRENT_LIST_DIR}/bench.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/command.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/compute.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/devices.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/info.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/interruption.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/memory.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/method.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/polyhedra.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/render.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/slice.cpp)
+  set(sources bench command compute devices documents exit_status info interruption memory method polyhedra progress render slice)
+  list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
+  list(TRANSFORM sources APPEND .cpp)
+  clsdf_test(command ${sources})
   add_dependencies(test_command clsdf_command)
-  target_compile_definitions(test_command PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>")
+  target_compile_definitions(test_command PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
+                                                  CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")
   target_link_libraries(test_command PRIVATE nlohmann_json::nlohmann_json)
+endif()
+
+# What the build makes from the options is what its readers understand; those that are not there cannot be asked.
+if(TARGET clsdf_command_documents)
+  set(made ${PROJECT_BINARY_DIR}/apps/clsdf)
+  add_test(NAME completion_bash COMMAND bash ${CMAKE_CURRENT_LIST_DIR}/completion.bash ${made}/completions/clsdf
+                                        ${CMAKE_CURRENT_BINARY_DIR})
+  find_program(CLSDF_MANDOC mandoc)
+  find_program(CLSDF_MAN man)
+  find_program(CLSDF_ZSH zsh)
+  find_program(CLSDF_FISH fish)
+  mark_as_advanced(CLSDF_MANDOC CLSDF_MAN CLSDF_ZSH CLSDF_FISH)
+  if(CLSDF_MANDOC)
+    add_test(NAME manual_mandoc COMMAND sh -c "${CLSDF_MANDOC} -Tlint ${made}/manual/*.1")
+  endif()
+  if(CLSDF_MAN)
+    add_test(NAME manual_man COMMAND sh -c "${CLSDF_MAN} --warnings -Tutf8 -l ${made}/manual/*.1 2>&1 >/dev/null | grep . && exit 1; exit 0")
+  endif()
+  if(CLSDF_ZSH)
+    add_test(NAME completion_zsh COMMAND ${CLSDF_ZSH} -n ${made}/completions/_clsdf)
+  endif()
+  if(CLSDF_FISH)
+    add_test(
+      NAME completion_fish
+      COMMAND ${CLSDF_FISH} --no-config -c
+              "source ${made}/completions/clsdf.fish; and complete -C 'clsdf comp' | string match -q 'compute*'
+               and complete -C 'clsdf compute --sign nonz' | string match -q 'nonzero*'
+               and complete -C 'clsdf slice --axis ' | count | string match -q 3
+               and complete -C 'clsdf shape kn' | string match -q 'knot*'")
+  endif()
 endif()

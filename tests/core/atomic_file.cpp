@@ -3,9 +3,15 @@
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
-#include <sys/resource.h>
+#include <clsdf/unfinished_files.hpp>
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 namespace clsdf {
 
@@ -31,6 +37,32 @@ BOOST_AUTO_TEST_CASE(without_a_commit_nothing_is_left) {
         BOOST_TEST(!std::filesystem::exists(folder.file("field.raw")));
     }
     BOOST_TEST(folder.file_count() == 0U);
+}
+
+// In a process of its own, because nothing can be written there afterwards.
+BOOST_AUTO_TEST_CASE(abandoned_files_leave_nothing_and_are_not_committed_any_more) {
+    const TemporaryFolder folder;
+    const pid_t child = ::fork();
+    BOOST_REQUIRE(child >= 0);
+    if (child == 0) {
+        AtomicFile first(folder.file("first.raw"));
+        AtomicFile second(folder.file("second.raw"));
+        first.write("half a");
+        AtomicFile(folder.file("third.raw")).commit();
+        std::thread([] {
+            abandon_unfinished_files();
+            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            ::_exit(7);
+        }).detach();
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        second.commit();  // waits until the process ends
+        ::_exit(8);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    BOOST_TEST((WIFEXITED(status) && WEXITSTATUS(status) == 7));
+    BOOST_TEST(folder.file_count() == 1U);
+    BOOST_TEST(std::filesystem::exists(folder.file("third.raw")));
 }
 
 BOOST_AUTO_TEST_CASE(an_earlier_file_stays_until_the_commit) {

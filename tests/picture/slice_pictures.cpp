@@ -5,6 +5,7 @@
 #include "picture/example.hpp"
 #include "picture/rasters.hpp"
 #include "picture/text.hpp"
+#include "support/source_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -28,6 +29,7 @@ using clsdf::test::content_of;
 using clsdf::test::mean_difference;
 using clsdf::test::part;
 using clsdf::test::read_png;
+using clsdf::test::source_file;
 using clsdf::test::TemporaryFolder;
 using clsdf::test::two_balls;
 
@@ -91,7 +93,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     SlicePictures(field, {240}).write_mosaic({16, 15, 9}, path);
     if (const char* target = std::getenv("CLSDF_NEW_GOLDEN"))
         std::filesystem::copy_file(path, target, std::filesystem::copy_options::overwrite_existing);
-    const Raster golden = read_png(CLSDF_GOLDEN);
+    const Raster golden = read_png(source_file("tests/picture/golden.png"));
     const Raster now = read_png(path);
     BOOST_REQUIRE(now.width == golden.width);
     BOOST_REQUIRE(now.height == golden.height);

@@ -2,6 +2,7 @@
 
 #include "picture/example.hpp"
 #include "picture/rasters.hpp"
+#include "support/source_file.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -54,7 +55,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     SurfacePictures(field, Device::best()).write(options, path);
     if (const char* target = std::getenv("CLSDF_NEW_GOLDEN_SURFACE"))
         std::filesystem::copy_file(path, target, std::filesystem::copy_options::overwrite_existing);
-    const Raster golden = read_png(CLSDF_GOLDEN_SURFACE);
+    const Raster golden = read_png(clsdf::test::source_file("tests/picture/golden_surface.png"));
     const Raster now = read_png(path);
     BOOST_REQUIRE(now.width == golden.width);
     BOOST_REQUIRE(now.height == golden.height);

@@ -18,4 +18,5 @@
 #include <clsdf/shapes.hpp>
 #include <clsdf/sign.hpp>
 #include <clsdf/topology.hpp>
+#include <clsdf/unfinished_files.hpp>
 #include <clsdf/version.hpp>

@@ -1,0 +1,146 @@
+#include "command_line.hpp"
+
+#include "option_values.hpp"
+#include "output.hpp"
+#include "subcommands.hpp"
+#include "suggestion.hpp"
+#include "version_text.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+using clsdf::Error;
+using clsdf::ErrorCode;
+
+Command add_help(CLI::App& program);
+Command add_generate(CLI::App& program);
+
+namespace {
+
+// "--resolution N [256]": what an option takes and its default, without what excludes what.
+class HelpFormatter : public CLI::Formatter {
+public:
+    HelpFormatter() { column_width(28); }
+
+    std::string make_option_opts(const CLI::Option* option) const override {
+        std::string text;
+        if (!option->get_type_name().empty() && !option->get_positional()) text += ' ' + option->get_type_name();
+        if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + ']';
+        return text;
+    }
+
+    // With one empty line between groups, not two.
+    std::string make_help(const CLI::App* parser, std::string name, CLI::AppFormatMode mode) const override {
+        std::string text = CLI::Formatter::make_help(parser, std::move(name), mode);
+        for (std::size_t at = text.find("\n\n\n"); at != std::string::npos; at = text.find("\n\n\n", at))
+            text.erase(at, 1);
+        return text;
+    }
+
+    // Without "exactly one of the following is required".
+    std::string make_description(const CLI::App* parser) const override { return parser->get_description() + ".\n"; }
+};
+
+std::vector<std::string> known_words(const CLI::App& parser) {
+    std::vector<std::string> words;
+    for (const CLI::App* subcommand : parser.get_subcommands([](const CLI::App*) { return true; }))
+        if (!subcommand->get_group().empty()) words.push_back(subcommand->get_name());
+    for (const CLI::Option* option : parser.get_options())
+        for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+    return words;
+}
+
+// The first word that no option and no subcommand took, and what was probably meant by it.
+std::string explain_unknown_word(const CLI::App& program) {
+    const auto chosen = program.get_subcommands();
+    const CLI::App& parser = chosen.empty() ? program : *chosen.front();
+    for (const std::string& argument : parser.remaining()) {
+        const std::string word = argument.substr(0, argument.find('='));
+        const char* what = word.starts_with('-') ? "option" : chosen.empty() ? "subcommand" : "argument";
+        return fmt::format("unknown {} {}{}", what, word, did_you_mean(nearest_word(word, known_words(parser))));
+    }
+    return {};
+}
+
+std::string explain(const CLI::ParseError& error) {
+    // "--resolution: 1 required N missing"
+    const std::string text = error.what();
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && text.ends_with(" missing"))
+        return text.substr(0, text.find(':')) + ": the value is missing";
+    return text;
+}
+
+Error usage_error(const CLI::App& program, const CLI::ParseError& error) {
+    const auto chosen = program.get_subcommands();
+    const std::string unknown = explain_unknown_word(program);
+    return {ErrorCode::invalid_argument,
+            fmt::format("{}\n\"clsdf {}--help\" lists what there is.", unknown.empty() ? explain(error) : unknown,
+                        chosen.empty() ? "" : chosen.front()->get_name() + ' ')};
+}
+
+bool takes_a_file(const CLI::Option& option) {
+    const std::string takes = option.get_positional() ? option.get_name(true) : option.get_type_name();
+    return takes == "MESH" || takes == "FIELD" || takes == "PICTURE" || takes == "FILE";
+}
+
+}  // namespace
+
+CommandLine::CommandLine(Report& report)
+    : report_(report), program_("Exact signed distance fields of triangle meshes on regular grids", "clsdf") {
+    program_.formatter(std::make_shared<HelpFormatter>());
+    program_.set_help_flag("-h,--help", "print this page");
+    program_.set_version_flag("--version", version_text, "print the version, and what the program was built with");
+    program_.require_subcommand(1);
+    program_.footer(std::string("\"clsdf help SUBCOMMAND\" has the options and examples of each.\n\n"
+                                "Examples:\n"
+                                "  clsdf shape knot -o knot.off\n"
+                                "  clsdf compute knot.off -o knot.nrrd\n"
+                                "  clsdf check knot.off knot.nrrd\n"
+                                "  clsdf slice knot.nrrd -o knot.png\n"
+                                "  clsdf render knot.nrrd -o surface.png\n"
+                                "  clsdf info knot.off\n"
+                                "  clsdf devices\n\n") +
+                    exit_status_help());
+    for (const auto add_subcommand : subcommands) {
+        const Command command = add_subcommand(program_);
+        add_common_options(command);
+        add(command);
+    }
+    add(add_help(program_));
+    add(add_generate(program_));
+}
+
+void CommandLine::add(const Command& command) {
+    for (CLI::Option* option : command.parser->get_options())
+        if (takes_a_file(*option)) option->check(file_name());
+    const std::string footer = command.parser->get_footer();
+    command.parser->footer(footer + (footer.empty() ? "" : "\n\n") + exit_status_help());
+    commands_.push_back(command);
+}
+
+void CommandLine::add_common_options(const Command& command) {
+    command.parser->add_flag("--json", report_.json, "print the result, or the error, as JSON on standard output");
+    command.parser->add_flag("--quiet", report_.quiet, "print warnings and errors only");
+}
+
+ExitStatus CommandLine::run(int argument_count, char** arguments) {
+    if (argument_count <= 1) {
+        fmt::print(stderr, "{}", program_.help());
+        return ExitStatus::usage;
+    }
+    try {
+        program_.parse(argument_count, arguments);
+    } catch (const CLI::CallForVersion& request) {
+        print_result(std::string(request.what()) + '\n');
+        return ExitStatus::done;
+    } catch (const CLI::CallForHelp&) {
+        print_result(program_.help());  // of the subcommand, where one was chosen
+        return ExitStatus::done;
+    } catch (const CLI::ParseError& error) {
+        throw usage_error(program_, error);
+    }
+    for (const Command& command : commands_)
+        if (command.parser->parsed()) return command.run(report_);
+    return ExitStatus::usage;
+}

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+/// An option or an argument as its definition says it, for manual page, completions and tables.
+struct OptionDescription {
+    std::vector<std::string> names;  ///< "-o", "--output"; empty for an argument
+    std::string takes;               ///< "FILE", "x|y|z"; empty for a flag
+    std::string text;                ///< one line, without a full stop
+    std::string default_text;        ///< empty where there is none
+    bool required = false;
+
+    std::vector<std::string> words;    ///< what may stand there, where that is known
+    bool is_file = false;              ///< otherwise
+    std::vector<std::string> endings;  ///< of the file, with the dot; empty where any will do
+
+    bool is_flag() const { return takes.empty(); }
+    /// The longest name, or for an argument what it takes.
+    const std::string& name() const { return names.empty() ? takes : names.back(); }
+};
+
+struct OptionGroup {
+    std::string title;
+    std::vector<OptionDescription> options;
+};
+
+struct SubcommandDescription {
+    std::string name;  ///< of the program itself where it is that
+    std::string text;
+    std::vector<OptionDescription> arguments;
+    std::vector<OptionGroup> groups;       ///< of options
+    std::vector<std::string> explanation;  ///< paragraphs
+    std::vector<std::string> examples;     ///< lines for a shell
+
+    /// Of all groups.
+    std::vector<OptionDescription> options() const;
+};
+
+struct ProgramDescription {
+    SubcommandDescription program;
+    std::vector<SubcommandDescription> subcommands;  ///< those that the help page lists
+};
+
+ProgramDescription describe(const CLI::App& program);

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "description.hpp"
+
+#include <string>
+
+/// The document with the table of options of each subcommand between "<!-- options of NAME -->" and
+/// "<!-- end of options -->", as Markdown. Throws clsdf::Error where a subcommand has no such place, or a place none.
+std::string with_option_tables(const std::string& document, const ProgramDescription& description);

@@ -1,0 +1,123 @@
+#include "apps/process.hpp"
+#include "support/source_file.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+#include <regex>
+#include <set>
+
+using clsdf::test::content_of;
+using clsdf::test::Outcome;
+using clsdf::test::run_command;
+using clsdf::test::source_file;
+using clsdf::test::TemporaryFolder;
+
+namespace {
+
+std::set<std::string> matches(const std::string& text, const std::string& pattern) {
+    const std::regex expression(pattern);
+    std::set<std::string> result;
+    for (std::sregex_iterator match(text.begin(), text.end(), expression), end; match != end; ++match)
+        result.insert((*match)[1]);
+    return result;
+}
+
+std::set<std::string> subcommands() {
+    const std::string help = run_command({"--help"}).out;
+    const std::size_t begin = help.find("Subcommands:\n");
+    return matches(help.substr(begin, help.find("\n\n", begin) - begin), "\n  ([a-z]+)");
+}
+
+/// "--resolution": what the help page offers.
+std::set<std::string> long_options(const std::string& subcommand) {
+    return matches(run_command({subcommand, "--help"}).out, "\n  (?:-[a-z],)?(--[a-z-]+)");
+}
+
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+std::string without_backslashes(std::string text) {
+    std::erase(text, '\\');
+    return text;
+}
+
+struct Generated {
+    Generated() {
+        std::filesystem::create_directory(folder.file("out"));
+        const std::string out = folder.file("out");
+        BOOST_REQUIRE(run_command({"generate", "--manual", out, "--completions", out}).status == 0);
+    }
+    std::string file(const std::string& name) const { return content_of(folder.file("out") + '/' + name); }
+
+    TemporaryFolder folder;
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(documents)
+
+BOOST_FIXTURE_TEST_CASE(have_every_option_of_every_subcommand, Generated) {
+    const std::set<std::string> names = subcommands();
+    BOOST_REQUIRE(names.size() >= 7U);
+    const std::string bash = file("clsdf");
+    const std::string zsh = file("_clsdf");
+    const std::string fish = file("clsdf.fish");
+    const std::string pages = without_backslashes(file("clsdf.1"));
+    for (const std::string& name : names) {
+        const std::string page = without_backslashes(file("clsdf-" + name + ".1"));
+        const std::string bash_options = bash.substr(std::min(bash.size(), bash.find("        " + name + ":*)")));
+        const std::string zsh_options = zsh.substr(std::min(zsh.size(), zsh.find("            " + name + ")\n")));
+        BOOST_TEST(contains(pages, "fB" + name + "fR"), name);
+        BOOST_TEST(contains(pages, ".BR clsdf-" + name), name);
+        const std::set<std::string> options = long_options(name);
+        BOOST_REQUIRE(options.size() >= 1U);
+        for (const std::string& option : options) BOOST_TEST_CONTEXT(name << ' ' << option) {
+                BOOST_TEST(contains(page, "fB" + option + "fR"));
+                const std::string line = bash_options.substr(0, bash_options.find(";;"));
+                BOOST_TEST((contains(line, option + ' ') || contains(line, option + '\'')));
+                const std::string part = zsh_options.substr(0, zsh_options.find(";;"));
+                BOOST_TEST((contains(part, option + '[') || contains(part, option + "=[")));
+                BOOST_TEST(
+                    std::regex_search(fish, std::regex("from " + name + "'[^\n]* -l " + option.substr(2) + " ")));
+            }
+    }
+}
+
+BOOST_FIXTURE_TEST_CASE(have_the_words_that_an_option_takes_and_the_endings_of_files, Generated) {
+    BOOST_TEST(contains(file("clsdf"), "_clsdf_words 'auto nonzero parity none'"));
+    BOOST_TEST(contains(file("_clsdf"), "(auto nonzero parity none)"));
+    BOOST_TEST(contains(file("clsdf.fish"), "-l sign -x -a 'auto nonzero parity none'"));
+    for (const char* name : {"clsdf", "_clsdf", "clsdf.fish"})
+        for (const char* word : {".off", ".ply", ".nrrd", ".npy", ".png", "seashell"})
+            BOOST_TEST(contains(file(name), word), word << " in " << name);
+}
+
+BOOST_AUTO_TEST_CASE(of_the_command_have_tables_that_are_not_stale) {
+    const TemporaryFolder folder;
+    const std::string written = content_of(source_file("docs/command.md"));
+    const std::string made = folder.file("command.md", written);
+    const Outcome outcome = run_command({"generate", "--tables", made});
+    BOOST_TEST(outcome.status == 0, outcome.error);
+    BOOST_TEST((content_of(made) == written), "docs/command.md: make it anew, clsdf generate --tables docs/command.md");
+    for (const std::string& name : subcommands()) {
+        const std::size_t begin = written.find("<!-- options of " + name + " -->");
+        BOOST_REQUIRE(begin != std::string::npos);
+        const std::string table = written.substr(begin, written.find("<!-- end of options -->", begin) - begin);
+        for (const std::string& option : long_options(name))
+            if (option != "--help") BOOST_TEST(contains(table, '`' + option), name << ' ' << option);
+    }
+    const std::string other = folder.file("other.md", "nothing\n");
+    clsdf::test::check_refused(run_command({"generate", "--tables", other}), 2, {"no place for the options of"});
+}
+
+BOOST_AUTO_TEST_CASE(of_errors_name_every_code_with_its_exit_status) {
+    const std::string text = content_of(source_file("docs/errors.md"));
+    const std::set<std::string> codes =
+        matches(content_of(source_file("lib/include/clsdf/error.hpp")), "\n    ([a-z_]+), +///<");
+    BOOST_REQUIRE(codes.size() >= 9U);
+    for (const std::string& code : codes)
+        BOOST_TEST(std::regex_search(text, std::regex("\n\\| `" + code + "` \\| [2-6] \\| ")), code);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
