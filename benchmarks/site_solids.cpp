@@ -187,7 +187,7 @@ private:
         if (!(axis.norm() > 1e-9)) return {};
         axis.normalize();
         const Vector x = any_perpendicular(axis), y = axis.cross(x);
-        constexpr double far = 1e4;
+        constexpr double far = 1e7;
         std::vector<Vector2> polygon{{-far, -far}, {far, -far}, {far, far}, {-far, far}}, rest;
         for (const Vector& n : neighbours) {
             cut(polygon, {n.dot(x), n.dot(y)}, -n.dot(axis), rest);
@@ -220,13 +220,13 @@ private:
                 set_corner(solid, 1 + i, tip + half_width_ / middle.dot(rays[i]) * rays[i]);
             return;
         }
-        // A cube about half of the ball: a vertex may be proposed to any sample on its side of the surface.
+        // A cube about the ball: a vertex is nearest to no sample beyond its cone, so that it does no harm there.
         solid.shape = SiteSolid::Shape::prism;
         solid.sides = 4;
         const Vector x = half_width_ * any_perpendicular(middle), y = middle.cross(x);
         const std::array<Vector, 4> base{-x - y, x - y, x + y, -x + y};
         for (std::size_t i = 0; i < 4; ++i) {
-            set_corner(solid, i, tip + base[i]);
+            set_corner(solid, i, tip + base[i] - half_width_ * middle);
             set_corner(solid, 4 + i, tip + base[i] + half_width_ * middle);
         }
     }

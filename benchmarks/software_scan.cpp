@@ -292,7 +292,7 @@ void finish(const Grid& grid, float half_width, std::span<float> field) {
             for (float& value : field.subspan(row * length, length)) {
                 if (std::isfinite(value)) {
                     sign = std::copysign(1.0F, value);
-                    value *= voxel;
+                    value = value * voxel + 0.0F;  // no negative zero
                 } else {
                     value = sign * half_width;
                 }

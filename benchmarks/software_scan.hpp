@@ -26,7 +26,8 @@ struct SoftwareScanCounts {
 /// and the sign of the sample before it in its row, or of the row before.
 ///
 /// The mesh must be closed and manifold, its faces counter-clockwise from outside; the grid's spacing equal on all axes
-/// (else Error(unsupported)). `half_width` in the mesh's units, finite. `distance` has grid.sample_count() values.
+/// (else Error(unsupported)). `half_width` in the mesh's units, two voxels at least for signs to be
+/// right beyond the band. `distance` has grid.sample_count() values.
 SoftwareScanCounts software_scan(const Mesh& mesh, const Grid& grid, double half_width, std::size_t threads,
                                  std::span<float> distance);
 
