@@ -7,8 +7,13 @@
 
 #include "layout.h"
 
-// Arguments in memory cost more than these functions' own work.
+// Arguments in memory cost more than these functions' own work. Where a work-item is a lane, compilers for GPUs inline
+// everything by themselves; forced to, oclgrind's leaves calls in the code that it does not know.
+#if LANES == 1
+#define INLINE inline
+#else
 #define INLINE inline __attribute__((always_inline))
+#endif
 
 // A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
