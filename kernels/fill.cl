@@ -4,8 +4,7 @@
 
 // Global size: (rows of y, slices of z) of the part, from slice `first_slice` on.
 __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
-                                __global float* distance, __global uint* triangle, int with_triangle,
-                                int first_slice) {
+                                __global float* distance, __global uint* triangle, int with_triangle, int first_slice) {
     const int y = get_global_id(0), z = first_slice + get_global_id(1);
     // Offsets from the first brick's first sample.
     const int shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;

@@ -57,9 +57,10 @@ inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
     return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
 }
 
-// One work-item a triangle of [begin, end) and a strip of the part's slices. With `fill` 0 it counts crossings by row; with 1 it writes their keys, `cursors` being
-// where each row's begin. Key: 2 k + (1 where the surface faces -x there), k the first sample at or after the crossing,
-// counted from the first brick's first sample and clamped to [0, row_length].
+// One work-item a triangle of [begin, end) and a strip of the part's slices. With `fill` 0 it counts crossings by row;
+// with 1 it writes their keys, `cursors` being where each row's begin. Key: 2 k + (1 where the surface faces -x there),
+// k the first sample at or after the crossing, counted from the first brick's first sample and clamped to [0,
+// row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* cursors,
                              __global uint* keys, int fill) {
@@ -136,8 +137,8 @@ inline void sort_keys(__global uint* keys, uint count) {
 }
 
 // One work-item a row, of [begin_row, end_row), of samples of the part's bricks: its sign bits, 1 inside.
-__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, int parity, __global const uint* starts, __global uint* keys,
-                        __global uint* sign_bits) {
+__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, int parity, __global const uint* starts,
+                        __global uint* keys, __global uint* sign_bits) {
     const uint row = begin_row + get_global_id(0);
     if (row >= end_row) return;
     __global uint* bits = sign_bits + (size_t)row * layout.sign_words;

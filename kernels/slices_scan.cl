@@ -1,5 +1,6 @@
-// The distance at every sample of the pieces that cut a slice, by seven sites or by the piece's own: the polygon in which a piece cuts it gives
-// the rows, the piece's half-spaces the samples of a row, and the least key of a sample stays.
+// The distance at every sample of the pieces that cut a slice, by seven sites or by the piece's own: the polygon in
+// which a piece cuts it gives the rows, the piece's half-spaces the samples of a row, and the least key of a sample
+// stays.
 //
 // A group takes BATCH entries of the active list, and its work-items their rows, so that a large polygon is shared
 // among them. Offsets are those of the sample's brick: a sample and a triangle have the same distance, to the last bit,

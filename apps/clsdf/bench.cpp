@@ -59,9 +59,9 @@ Command add_bench(CLI::App& program) {
     parser->add_option("--meshes", options->folder, "where scripts/fetch-meshes put the meshes")
         ->type_name("FOLDER")
         ->capture_default_str();
-    takes_some_of(parser->add_option("--workload", options->workloads,
-                                     "of peers and floors, separated by commas [all]"),
-                  {"W1", "W2", "W3", "W4"});
+    takes_some_of(
+        parser->add_option("--workload", options->workloads, "of peers and floors, separated by commas [all]"),
+        {"W1", "W2", "W3", "W4"});
     takes_some_of(parser->add_option("--method", options->methods,
                                      "of peers and scaling, separated by commas [peers: all, scaling: clsdf]"),
                   {"clsdf", "once", "embree", "openvdb", "cgal"});
@@ -99,7 +99,8 @@ Command add_bench(CLI::App& program) {
     parser->add_option("--commit", options->commit, "text that the record carries")->type_name("TEXT");
     parser->add_flag("--quick", options->quick, "small grids and few calls: to see that it works, not to measure");
     std::string explanation;
-    for (const Benchmark& benchmark : benchmarks) explanation += fmt::format("{}: {}.\n", benchmark.name, benchmark.what);
+    for (const Benchmark& benchmark : benchmarks)
+        explanation += fmt::format("{}: {}.\n", benchmark.name, benchmark.what);
     parser->footer(explanation + '\n' + examples);
     return {parser, [options, parser](Report& report) {
                 make_quick(*parser, *options);

@@ -111,9 +111,23 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
     return rows;
 }
 
+/// The papers' comparisons are of their own meshes.
+void check_meshes(const BenchOptions& options) {
+    std::vector<std::string> known;
+    for (const PapersRow& row : table_1) known.emplace_back(row.mesh);
+    for (const PapersCase& c : clsdf::bench::papers_cases())
+        if (std::find(known.begin(), known.end(), c.mesh) == known.end()) known.push_back(c.mesh);
+    for (const std::string& mesh : options.meshes)
+        if (std::find(known.begin(), known.end(), mesh) == known.end())
+            throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                               fmt::format("bench papers compares meshes of the papers: one of {}, not '{}'",
+                                           fmt::join(known, ", "), mesh));
+}
+
 }  // namespace
 
 ordered_json run_bench_papers(const BenchOptions& options) {
+    check_meshes(options);
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("papers", options, device);
     result["table_1"] = count_saddles(options);

@@ -139,6 +139,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
                                sign.rule, request.outputs, request.polyhedra, request.scan};
     warn(report, sign.warning);
     warn(report, warning_of_polyhedra(layout));
+    warn(report, warning_of_format(layout, options.output));
     if (!report.quiet) print_layout(layout);
     if (options.dry_run) {
         if (!report.quiet) print_memory(layout);

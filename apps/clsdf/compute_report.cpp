@@ -131,6 +131,14 @@ std::string warning_of_empty_band(const ComputeLayout& layout, const Computation
                        human_box(box_of(layout.grid)), human_box(layout.mesh.box()));
 }
 
+std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {
+    if (fs::path(output).extension() != ".sdf" || std::isinf(layout.band.widest())) return {};
+    return fmt::format(
+        "{} cannot say that samples beyond the band carry its limit: whoever reads it takes that for "
+        "their distance; use --band full, or another format",
+        output);
+}
+
 std::string warning_of_stale_triangles(const ComputeLayout& layout, const Computation& computation) {
     const fs::path output(computation.output);
     const fs::path triangles =

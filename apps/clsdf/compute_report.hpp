@@ -39,6 +39,8 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
 /// What the user should be told; empty where nothing.
 std::string warning_of_polyhedra(const ComputeLayout& layout);
 std::string warning_of_memory(const ComputeLayout& layout);
+/// Where the output's format cannot carry the band.
+std::string warning_of_format(const ComputeLayout& layout, const std::string& output);
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);
 /// Triangles of an earlier field, which now lie beside this one.
 std::string warning_of_stale_triangles(const ComputeLayout& layout, const Computation& computation);

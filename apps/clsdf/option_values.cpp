@@ -37,7 +37,10 @@ void takes_one_of(CLI::Option* option, const std::vector<std::string>& words) {
 }
 
 void takes_some_of(CLI::Option* option, const std::vector<std::string>& words) {
-    option->check(one_of(words))->delimiter(',')->allow_extra_args(false)->type_name(fmt::format("{},...", fmt::join(words, "|")));
+    option->check(one_of(words))
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name(fmt::format("{},...", fmt::join(words, "|")));
 }
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {

@@ -138,7 +138,7 @@ ExitStatus run(RenderOptions options, Report& report) {
 Command add_render(CLI::App& program) {
     const auto options = std::make_shared<RenderOptions>();
     CLI::App* parser = program.add_subcommand("render", "Draw a field's surface, shaded, whole or cut open");
-    parser->add_option("FIELD", options->field, "the field: .nrrd or .npy")->required();
+    parser->add_option("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .sdf or .vdb")->required();
     parser->add_option("-o,--output", options->output, "the picture: .png")->type_name("PICTURE")->required();
     parser
         ->add_option("--view", options->view,

@@ -39,7 +39,7 @@ void Field::write(const std::string& path) const {
 }
 
 Field Field::read(const std::string& path) {
-    const Format& format = format_of(path, ErrorCode::unreadable_input);
+    const Format& format = format_of(path, ErrorCode::unsupported);
     try {
         return format.read(path);
     } catch (const Error& error) {

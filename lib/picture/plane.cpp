@@ -110,9 +110,9 @@ double Plane::at(double column, double row) const {
     const auto j = std::clamp<std::int64_t>(static_cast<std::int64_t>(row), 0, size[1] - 2);
     const double s = column - static_cast<double>(i);
     const double t = row - static_cast<double>(j);
-    const double below = sample(i, j) * (1 - s) + sample(i + 1, j) * s;
-    const double above = sample(i, j + 1) * (1 - s) + sample(i + 1, j + 1) * s;
-    return below * (1 - t) + above * t;
+    // Between equal values exactly theirs: beyond the band rounding would draw the line of its limit.
+    const auto between = [](double from, double to, double part) { return from + part * (to - from); };
+    return between(between(sample(i, j), sample(i + 1, j), s), between(sample(i, j + 1), sample(i + 1, j + 1), s), t);
 }
 
 Plane plane_of(const Field& field, const Slice& slice, const std::array<Axis, 2>& axes) {

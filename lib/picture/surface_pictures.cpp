@@ -132,6 +132,7 @@ void draw_legend(Canvas& canvas, const Scene& scene, const SurfaceOptions& optio
     canvas.write(name.empty() ? "Distance field" : printable(name, 48), {0, -57 * unit},
                  {1.4 * unit * text_size, Place::start, Place::end, true, false, ink});
     const double lower = std::min(scene.samples().lower(), scene.offset());
+    if (!(lower < scene.offset())) return;  // nothing lies inside to have a colour
     const bool has_sign = scene.samples().has_sign();
     const ColourBar bar{lower, scene.offset(), has_sign && lower <= -scene.field().band.inside, false,
                         has_sign ? "signed distance (mesh units)" : "distance (mesh units)"};

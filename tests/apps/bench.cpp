@@ -102,6 +102,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "--repetition", "3"}), 2,
                   {"--repetition", "--repetitions", "bench --help"});
     check_refused(run_command({"bench", "pears"}), 2, {"pears", "peers"});
+    check_refused(run_command({"bench", "papers", "armadillo"}), 2, {"armadillo", "bunny00"});
     check_refused(run_command({"bench", "peers", "--workload", "W9"}), 2, {"W9"});
 }
 

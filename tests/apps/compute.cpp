@@ -194,6 +194,17 @@ BOOST_AUTO_TEST_CASE(warns_where_no_sample_is_within_the_limits_and_names_both_b
     BOOST_TEST(outcome.error == "warning: " + warning + "\n");
 }
 
+BOOST_AUTO_TEST_CASE(warns_that_a_format_cannot_carry_the_band) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    for (const std::string band : {"10%", "full"}) {
+        const Outcome outcome = run_command(
+            {"compute", mesh, "-o", folder.file("a.sdf"), "--resolution", "12", "--band", band, "--json", "--quiet"});
+        BOOST_REQUIRE(outcome.status == 0);
+        BOOST_TEST(json::parse(outcome.out)["warnings"].size() == (band == "full" ? 0U : 1U));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(warns_that_triangles_of_an_earlier_field_lie_beside_the_new_one) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);

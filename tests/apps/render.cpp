@@ -24,6 +24,20 @@ bool is_png(const std::string& path) {
 
 BOOST_AUTO_TEST_SUITE(the_render_command)
 
+BOOST_AUTO_TEST_CASE(opens_a_solid_of_which_no_distances_are_known) {
+    const TemporaryFolder folder;
+    const std::string field = folder.file("balls.nrrd");
+    clsdf::Field balls = two_balls();
+    balls.band.inside = 0;
+    for (float& distance : balls.distance)
+        if (distance < 0) distance = -0.0F;
+    balls.write(field);
+    const Outcome outcome =
+        run_command({"render", field, "-o", folder.file("balls.png"), "--size", "60", "--cut", "z", "--quiet"});
+    BOOST_TEST(outcome.status == 0);
+    BOOST_TEST(outcome.error.empty());
+}
+
 BOOST_AUTO_TEST_CASE(draws_what_its_options_say) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");

@@ -30,6 +30,15 @@ BOOST_AUTO_TEST_CASE(has_the_samples_of_the_field_on_each_axis) {
     BOOST_TEST(z.sample(3, 5) == static_cast<double>(field.distance[field.grid.offset(3, 5, 7)]));
 }
 
+BOOST_AUTO_TEST_CASE(has_between_equal_samples_exactly_their_value) {
+    Plane plane;
+    plane.size = {2, 2};
+    for (const double value : {static_cast<double>(0.1F), 0.1, -1.0 / 3}) {
+        plane.values.assign(4, value);
+        for (int i = 0; i <= 1000; ++i) BOOST_TEST(plane.at(i / 1000.0, 1 - i / 999.0) == value);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(keeps_the_band_as_it_is_and_what_is_beyond_it_beyond) {
     const Field field = two_balls(true, 0.2);
     const auto limit = static_cast<double>(0.2F);

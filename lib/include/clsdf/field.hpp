@@ -46,7 +46,8 @@ struct Field : FieldDescription {
     /// Reads what write() wrote, with the very same grid, and such files of other programs where they say enough:
     /// float or double of either byte order, raw, on a grid parallel to the axes. What they do not state is a band
     /// without end and the sign rule `automatic`. `triangle` is empty where its file is not there.
-    /// Throws Error(unreadable_input) that names the file, the field and the value, or Error(out_of_memory).
+    /// Throws Error(unsupported) for an unknown ending, Error(unreadable_input) that names the file, the field and the
+    /// value, or Error(out_of_memory).
     static Field read(const std::string& path);
 };
 

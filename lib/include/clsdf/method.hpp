@@ -36,7 +36,8 @@ Polyhedra parse_polyhedra(const std::string& text);
 const char* name_of(Scan scan);
 Scan parse_scan(const std::string& text);
 
-/// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned ones.
+/// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned
+/// ones.
 Scan resolve_scan(Polyhedra polyhedra, Scan asked);
 
 }  // namespace clsdf
