@@ -58,7 +58,7 @@ Field read_vti(const std::string& path);
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, const Outputs& outputs);
 Field read_h5(const std::string& path);
 
-/// Of vdb.cpp, or of vdb_absent.cpp in a build without OpenVDB.
+/// Of vdb_write.cpp and vdb_read.cpp, or of vdb_absent.cpp in a build without OpenVDB.
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
 Field read_vdb(const std::string& path);

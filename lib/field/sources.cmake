@@ -18,7 +18,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/outputs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_HAS_VDB}>,vdb,vdb_absent>.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_HAS_VDB}>,vdb_write,vdb_absent>.cpp
+          $<$<BOOL:${CLSDF_HAS_VDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
           ${CMAKE_CURRENT_LIST_DIR}/vdb_file.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_document.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp

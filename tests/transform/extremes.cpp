@@ -39,7 +39,7 @@ BOOST_AUTO_TEST_CASE(solids_a_million_times_larger_than_a_voxel_are_exact) {
     }
 }
 
-// Positions are two floats: a triangle of 10^9 voxels leaves 4e-6 voxel.
+// Offsets are formed in double, from the exact numbers of the record.
 BOOST_AUTO_TEST_CASE(solids_a_billion_times_larger_than_a_voxel_are_as_good_as_their_numbers) {
     const Mesh mesh = large_tetrahedron(1e9);
     for (const Vec3& vertex : mesh.vertices()) check_exact(mesh, grid_at(vertex, 1, 7), Band::symmetric(3), guaranteed);

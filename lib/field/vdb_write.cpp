@@ -1,13 +1,13 @@
 #include "field/description.hpp"
 #include "field/formats.hpp"
 #include "field/vdb_file.hpp"
+#include "field/vdb_grids.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/version.hpp>
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Dense.h>
 #include <openvdb/tools/Prune.h>
 
 #include <algorithm>
@@ -15,23 +15,15 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include <optional>
 #include <sstream>
-
-// The only file that includes OpenVDB, whose headers take long to compile.
 
 namespace clsdf {
 namespace {
 
+using namespace vdb;
 using openvdb::Coord;
 
 constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
-constexpr const char* description_key = "clsdf";
-
-void initialise() {
-    static const bool once = (openvdb::initialize(), true);
-    static_cast<void>(once);
-}
 
 // The block of a leaf in a layer of slices, cut off at the grid's end.
 struct Block {
@@ -66,10 +58,6 @@ struct Layer {
                                                     grid_size[0] * (block.first[1] + j + grid_size[1] * k)));
     }
 };
-
-Coord coordinates(const Index3& index) {
-    return {static_cast<int>(index[0]), static_cast<int>(index[1]), static_cast<int>(index[2])};
-}
 
 /// One output on its way into a tree.
 class OutputTree {
@@ -181,14 +169,6 @@ private:
     Value background_;
     typename GridType::Ptr grid_;
 };
-
-bool is_index(const OutputKind& kind) {
-    return kind.type == ValueType::uint32 && kind.components == 1;
-}
-
-bool is_vector(const OutputKind& kind) {
-    return kind.type == ValueType::float32 && kind.components == 3;
-}
 
 std::unique_ptr<OutputTree> tree_for(const OutputKind& kind, const Fill& fill, const std::string& path) {
     constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
@@ -327,119 +307,6 @@ private:
     AtomicFile file_;
 };
 
-/// Grids as OpenVDB reads them.
-class VdbReader {
-public:
-    VdbReader(InputFile& file, bool is_ours) : input_(file), is_ours_(is_ours), file_(file.path()) {
-        file_.open(false);
-    }
-
-    openvdb::FloatGrid::Ptr distance() {
-        for (auto name = file_.beginName(); name != file_.endName(); ++name)
-            if (*name == distance_kind().name) return read<openvdb::FloatGrid>(*name);
-        for (auto name = file_.beginName(); name != file_.endName(); ++name)
-            if (file_.readGridMetadata(*name)->isType<openvdb::FloatGrid>()) return read<openvdb::FloatGrid>(*name);
-        input_.fail("it has no grid of floats");
-    }
-
-    bool has(const std::string& name) const { return file_.hasGrid(name); }
-
-    template <class GridType>
-    typename GridType::Ptr read(const std::string& name) {
-        const auto grid = openvdb::gridPtrCast<GridType>(file_.readGrid(name));
-        if (!grid) input_.fail(fmt::format("grid '{}' is of another type", name));
-        return grid;
-    }
-
-    Grid lattice(const openvdb::GridBase& grid) const {
-        if (!grid.transform().isLinear()) input_.fail("its grid is not linear; resample it");
-        const openvdb::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
-        Grid result;
-        for (int row = 0; row < 3; ++row)
-            for (int column = 0; column < 3; ++column)
-                if (row != column && matrix(row, column) != 0)
-                    input_.fail("its grid is not parallel to the axes; resample it");
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const int i = static_cast<int>(axis);
-            result.spacing[axis] = matrix(i, i);
-            result.origin[axis] = matrix(3, i);
-        }
-        return result;
-    }
-
-    // The block of samples: as stated, or around everything that is active.
-    void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Index3>& stated) const {
-        const openvdb::CoordBBox active = distance.evalActiveVoxelBoundingBox();
-        if (stated && (active.empty() || (active.min() >= Coord(0) && fits(active.max(), *stated)))) {
-            grid.size = *stated;
-            return;
-        }
-        if (active.empty()) input_.fail("no voxel of its grid is active");
-        double volume = 1;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            grid.first[axis] = active.min()[axis];
-            grid.size[axis] = std::int64_t{active.max()[axis]} - active.min()[axis] + 1;
-            volume *= static_cast<double>(grid.size[axis]);
-        }
-        constexpr double sparsest = 1e5;
-        if (!is_ours_ && volume > sparsest * static_cast<double>(distance.activeVoxelCount()))
-            input_.fail(
-                fmt::format("its active voxels are strewn over {} samples; crop it", fmt::join(grid.size, " x ")));
-    }
-
-    template <class GridType>
-    void copy(const GridType& source, const Grid& grid, std::span<std::byte> room) const {
-        using Dense = openvdb::tools::Dense<typename GridType::ValueType, openvdb::tools::LayoutXYZ>;
-        const Coord first = coordinates(grid.first);
-        const openvdb::CoordBBox box(first, first + coordinates(grid.size) - Coord(1));
-        Dense dense(box, reinterpret_cast<typename GridType::ValueType*>(room.data()));
-        openvdb::tools::copyToDense(source, dense);
-    }
-
-private:
-    static bool fits(const Coord& last, const Index3& size) {
-        return last[0] < size[0] && last[1] < size[1] && last[2] < size[2];
-    }
-
-    InputFile& input_;
-    bool is_ours_;
-    openvdb::io::File file_;
-};
-
-Field read_checked(InputFile& file, bool is_ours) {
-    initialise();
-    VdbReader reader(file, is_ours);
-    const openvdb::FloatGrid::Ptr distance = reader.distance();
-    const auto description = distance->getMetadata<openvdb::StringMetadata>(description_key);
-    const std::string source = file.path() + ": metadata 'clsdf'";
-
-    Field field;
-    const Grid lattice = reader.lattice(*distance);
-    Grid block = lattice;
-    reader.set_block(block, *distance, description ? described_size(source, description->value()) : std::nullopt);
-    block.validate();
-    const Grid in_file = block;
-    if (description) {
-        field = parse_description(source, description->value(), block).field;
-    } else {
-        const auto background = static_cast<double>(distance->background());
-        const bool has_band = distance->getGridClass() == openvdb::GRID_LEVEL_SET && background > 0;
-        field.grid = block;
-        field.band = has_band ? Band::symmetric(background) : Band::full();
-        field.sign = SignRule::automatic;
-    }
-    const std::size_t samples = field.grid.sample_count();
-    reader.copy(*distance, in_file, distance_kind().allocate(field, samples));
-    for (const OutputKind& kind : extra_kinds()) {
-        if (!reader.has(kind.name)) continue;
-        if (is_index(kind))
-            reader.copy(*reader.read<openvdb::Int32Grid>(kind.name), in_file, kind.allocate(field, samples));
-        else if (is_vector(kind))
-            reader.copy(*reader.read<openvdb::Vec3SGrid>(kind.name), in_file, kind.allocate(field, samples));
-    }
-    return field;
-}
-
 }  // namespace
 
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
@@ -452,20 +319,6 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
                                     ".nrrd, .npy or .h5",
                                     path, size));
     return std::make_unique<VdbWriter>(path, field, outputs);
-}
-
-Field read_vdb(const std::string& path) {
-    InputFile file(path);
-    const bool is_ours = check_vdb_seal(file);
-    try {
-        return read_checked(file, is_ours);
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& error) {
-        file.fail(fmt::format("OpenVDB: {}", error.what()));
-    }
 }
 
 void check_vdb(const std::string&) {}
