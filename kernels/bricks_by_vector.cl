@@ -10,11 +10,19 @@
 
 #include "blocks.h"
 #include "distance.h"
+#include "lane_polyhedra.h"
 
 #define SUBBLOCK_X (LANES / 4)
 #define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
 #define SUBBLOCKS (512 / LANES)
-#define CHUNK 256
+#define CHUNK 128
+#define LIST_ROOM (CHUNK + LANES)
+
+#if LANES == 16
+typedef ushort LaneMask;
+#else
+typedef uchar LaneMask;
+#endif
 
 #ifdef COUNT
 #define COUNT_ADD(counter, n) counters[counter] += (n)
@@ -34,55 +42,119 @@ inline float subblock_z(uint b) {
     return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
 }
 
-// Writes the items whose mask has the bit, in order; returns how many. There are masks and items, and room for what is
-// written, up to the next multiple of 16; the masks beyond `count` are 0. One for each address space.
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-#define DEFINE_CHOOSE(name, masks_space, items_space)                                                                  \
-    inline uint name(masks_space const uint* masks, items_space const uint* items, uint count, uint bit,               \
-                     masks_space uint* chosen) {                                                                       \
-        uint n = 0;                                                                                                    \
-        for (uint i = 0; i < count; i += 16) {                                                                         \
-            const ushort in = __builtin_ia32_cvtd2mask512(as_int16(vload16(0, masks + i) << (uint16)(31 - bit)));      \
-            vstore16(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(vload16(0, items + i)), (int16)(0), in)), 0, \
-                     chosen + n);                                                                                      \
-            n += popcount((uint)in);                                                                                   \
-        }                                                                                                              \
-        return n;                                                                                                      \
-    }
+// Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
+#if LANES == 16 && defined(__AVX512F__)
+#define WRITE_CHOSEN                                                                                                  \
+    vstore16(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(numbers), (int16)(0), (ushort)bits)), 0, chosen);   \
+    return popcount(bits);
 #else
-#define DEFINE_CHOOSE(name, masks_space, items_space)                                                    \
-    inline uint name(masks_space const uint* masks, items_space const uint* items, uint count, uint bit, \
-                     masks_space uint* chosen) {                                                         \
-        uint n = 0;                                                                                      \
-        for (uint i = 0; i < count; ++i) {                                                               \
-            chosen[n] = items[i];                                                                        \
-            n += (masks[i] >> bit) & 1u;                                                                 \
-        }                                                                                                \
-        return n;                                                                                        \
-    }
+#define WRITE_CHOSEN                                    \
+    uint each[LANES];                                   \
+    store_lanes(numbers, 0, each);                      \
+    uint n = 0;                                         \
+    for (; bits; bits &= bits - 1)                      \
+        chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
+    return n;
 #endif
-DEFINE_CHOOSE(choose, __global, __global)
-DEFINE_CHOOSE(choose_private, __private, __private)
+INLINE uint write_chosen(uintL numbers, uint bits, __private uint* chosen) {
+    WRITE_CHOSEN
+}
+INLINE uint write_chosen_global(uintL numbers, uint bits, __global uint* chosen) {
+    WRITE_CHOSEN
+}
 
-// The sub-blocks that a polyhedron touches. `place`: at the brick's centre; `slack`: of the greatest cap.
-INLINE ulong touched_subblocks(__global const Polyhedron* p, Place place, __private const float* caps, float slack) {
-    const Slopes slopes = slopes_of(p, place.z, p->reach_cube[2] * (0.5f * (CLSDF_BRICK - 1)), slack);
-#if LANES == 16
-    const Reach reach = widened(reach_of(p->reach_4x2x2, 1.0f), slack);
-#else
-    const Reach reach = widened(reach_of(p->reach_cube, 0.5f), slack);
-#endif
-    ulong touched = 0;
-    for (uint first = 0; first < SUBBLOCKS; first += LANES) {
-        const uintL b = LANE_NUMBERS + first;
-        const floatL i = convert_floatL(b & (SUBBLOCKS_X - 1)) * SUBBLOCK_X + (0.5f * (SUBBLOCK_X - 1) - 3.5f);
-        const floatL j = convert_floatL((b / SUBBLOCKS_X) & 3u) * 2.0f - 3.0f;
-        const floatL k = convert_floatL(b / (SUBBLOCKS_X * 4)) * 2.0f - 3.0f;
-        touched |= (ulong)touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach,
-                                              load_lanes(0, caps + first))
-                   << first;
+// The numbers list[e, e + LANES); beyond the list's end, its last.
+INLINE void load_numbers(__global const uint* list, uint e, uint count, __private uint* numbers) {
+    if (e + LANES <= count)
+        store_lanes(load_lanes(0, list + e), 0, numbers);
+    else
+        for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = list[min(e + lane, count - 1)];
+}
+
+INLINE uint lanes_in_list(uint e, uint count) {
+    return e + LANES <= count ? LANE_BITS : (1u << (count - e)) - 1;
+}
+
+// Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 touch: brick b's mask of lanes goes to
+// masks[b * stride]. Returns which bricks any of them touches.
+INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes, bool compact,
+                            __global LaneMask* masks, uint stride) {
+    Bounds reach = reach_of_lanes(p, 0.5f * (CLSDF_BRICK - 1), 0.5f * (CLSDF_BRICK - 1), 0.5f * (CLSDF_BRICK - 1));
+    const Bounds step_x = bounds_product(p->step_x, CLSDF_BRICK), step_y = bounds_product(p->step_y, CLSDF_BRICK),
+                 step_z = bounds_product(p->step_z, CLSDF_BRICK);
+    Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
+                              bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f)));
+    slice = without_reach(slice, reach, slack);
+    const floatL reach_z = reach.z + slack;
+    ulong any = 0;
+    uint b = 0;
+    for (uint z = 0; z < 4; ++z) {
+        Bounds row = slice;
+        for (uint y = 0; y < 4; ++y) {
+            Bounds at = row;
+#pragma unroll
+            for (uint x = 0; x < 4; ++x) {
+                const floatL above = reach_z + at.z, below = reach_z - at.z;
+#define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
+                const uint touched =
+                    lanes & lanes_to_bits(touches(at, fabs(at.z), WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT),
+                                                  WIDTH(CLSDF_EDGE_LEFT), reach_z, (floatL)caps[b], compact));
+#undef WIDTH
+                masks[(size_t)b * stride] = (LaneMask)touched;
+                any |= (ulong)(touched != 0) << b;
+                ++b;
+                at = bounds_sum(at, step_x);
+            }
+            row = bounds_sum(row, step_y);
+        }
+        slice = bounds_sum(slice, step_z);
     }
-    return touched;
+    return any;
+}
+
+// Appends the numbers first, first + 1, ... of those polyhedra that touch a sub-block to its list. Returns which of
+// them touch any.
+INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes, bool compact,
+                           uint first, __private uint* lists, __private uint* lengths) {
+    const float half_x = 0.5f * (SUBBLOCK_X - 1);
+    const Bounds reach = reach_of_lanes(p, half_x, 0.5f, 0.5f);
+    const Bounds step_x = bounds_product(p->step_x, SUBBLOCK_X), step_y = bounds_product(p->step_y, 2.0f),
+                 step_z = bounds_product(p->step_z, 2.0f);
+    Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
+                              bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
+    slice = without_reach(slice, reach, slack);
+    const floatL reach_z = reach.z + slack;
+    // Slopes of the side of the face on which all of the brick's samples lie; where they lie on both, or within the
+    // slack of the face, the greater ones, which bound both.
+    const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
+    const intL is_above = p->at.z - extent > slack, is_below = -p->at.z - extent > slack;
+    floatL slopes[3];
+#pragma unroll
+    for (uint edge = 0; edge < 3; ++edge)
+        slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : GREATER(p->above[edge], p->below[edge]);
+    const uintL numbers = LANE_NUMBERS + first;
+    uint any = 0, b = 0;
+    for (uint z = 0; z < 4; ++z) {
+        Bounds row = slice;
+        for (uint y = 0; y < 4; ++y) {
+            Bounds at = row;
+#pragma unroll
+            for (uint x = 0; x < SUBBLOCKS_X; ++x) {
+                const floatL height = fabs(at.z), wide = height + reach_z;
+                const uint touched =
+                    lanes & lanes_to_bits(touches(at, height, slopes[CLSDF_EDGE_BASE] * wide,
+                                                  slopes[CLSDF_EDGE_RIGHT] * wide, slopes[CLSDF_EDGE_LEFT] * wide,
+                                                  reach_z, (floatL)caps[b], compact));
+                lengths[b] += write_chosen(numbers, touched, lists + b * LIST_ROOM + lengths[b]);
+                any |= touched;
+                ++b;
+                at = bounds_sum(at, step_x);
+            }
+            row = bounds_sum(row, step_y);
+        }
+        slice = bounds_sum(slice, step_z);
+    }
+    return any;
 }
 
 // The state of a brick's samples, a vector per sub-block.
@@ -236,40 +308,37 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
 #endif
         caps[b] = brick_cap;
     }
-    // Polyhedra of the list that touch a sub-block, CHUNK at a time, and which of them each one touches.
-    uint kept[CHUNK], numbers[CHUNK], chosen[CHUNK];
-    uint masks[SUBBLOCKS / 32][CHUNK + 16];
+    // CHUNK polyhedra of the brick's list at a time, and for each sub-block the list of those that touch it.
+    uint kept[CHUNK], lists[SUBBLOCKS * LIST_ROOM], lengths[SUBBLOCKS];
     Offsets offsets[CHUNK];
-    for (uint c = 0; c < CHUNK; ++c) numbers[c] = c;
     const int3 first = brick * CLSDF_BRICK;
-    const double centre = 0.5 * (CLSDF_BRICK - 1);
-    const double x = first.x + centre, y = first.y + centre, z = first.z + centre;
+    const float centre = 0.5f * (CLSDF_BRICK - 1);
+    const double x = first.x + (double)centre, y = first.y + (double)centre, z = first.z + (double)centre;
     const float slack = brick_cap * layout.slack_rate + layout.brick_slack;
-    for (uint e = 0; e < count;) {
-        uint n = 0;
-        ulong any = 0;
-        for (; e < count && n < CHUNK; ++e) {
-            __global const Polyhedron* p = polyhedra + list[e];
-            const ulong touched =
-                touched_subblocks(p, place_at(p, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1)), caps, slack);
-            kept[n] = list[e];
-            for (uint word = 0; word < SUBBLOCKS / 32; ++word) masks[word][n] = (uint)(touched >> (32 * word));
-            n += touched != 0;
-            any |= touched;
+    for (uint begin = 0; begin < count; begin += CHUNK) {
+        const uint end = min(begin + CHUNK, count);
+        for (uint b = 0; b < SUBBLOCKS; ++b) lengths[b] = 0;
+        for (uint e = begin; e < end; e += LANES) {
+            const uint n = e - begin;
+            load_numbers(list, e, count, kept + n);
+            const LanePolyhedra p = lane_polyhedra(polyhedra, kept + n, first, centre);
+            const uint lanes = lanes_in_list(e, end);
+            uint any = p.all_compact ? list_subblocks(&p, caps, slack, lanes, true, n, lists, lengths)
+                                     : list_subblocks(&p, caps, slack, lanes, false, n, lists, lengths);
+            for (; any; any &= any - 1) {
+                const uint lane = 31 - clz(any & (0 - any));
+                offsets[n + lane] = offsets_at(polyhedra + kept[n + lane], x, y, z);
+            }
         }
-        for (uint word = 0; word < SUBBLOCKS / 32; ++word) vstore16((uint16)(0), 0, masks[word] + n);
-        for (uint c = 0; c < n; ++c) offsets[c] = offsets_at(polyhedra + kept[c], x, y, z);
-        while (any) {
-            const uint b = 63 - (uint)clz(any & (0 - any));
-            any &= any - 1;
-            const uint length = choose_private(masks[b / 32], numbers, n, b % 32, chosen);
-            evaluate(b, length, chosen, kept, offsets, polyhedra, (double3)(x, y, z), &minimum
+        for (uint b = 0; b < SUBBLOCKS; ++b) {
+            if (lengths[b] == 0) continue;
+            evaluate(b, lengths[b], lists + b * LIST_ROOM, kept, offsets, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
                      ,
                      layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif
             );
-            if (e < count) {
+            if (end < count) {
                 const float reached = sqrt(greatest_lane(minimum.squared[b]));
                 caps[b] = LESSER(reached, brick_cap);
             }
@@ -335,7 +404,8 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
 #endif
 ) {
     const size_t item = get_global_id(0);
-    __global uint* masks = scratch_masks + item * 2 * scratch_length;  // of bricks 0 to 31, of 32 to 63
+    const uint stride = scratch_length / LANES;
+    __global LaneMask* masks = (__global LaneMask*)scratch_masks + item * 64 * stride;
     __global uint* list = scratch_list + item * scratch_length;
 #ifdef COUNT
     ulong counters[CLSDF_COUNTERS] = {0, 0, 0, 0};
@@ -358,21 +428,27 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
         }
         const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
         ulong any = 0;
-        for (uint e = 0; e < count; ++e) {
-            request(polyhedra + entries[min(begin + e + 4, begin + count - 1)]);
-            const ulong touched =
-                touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE, coarse.y * CLSDF_COARSE,
-                              coarse.z * CLSDF_COARSE, CLSDF_BRICK, wanted, caps, slack);
-            masks[e] = (uint)touched;
-            masks[scratch_length + e] = (uint)(touched >> 32);
-            any |= touched;
+        for (uint e = 0; e < count; e += LANES) {
+            uint numbers[LANES];
+            load_numbers(entries + begin, e, count, numbers);
+            for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead)
+                request(polyhedra + entries[begin + ahead]);
+            const LanePolyhedra p =
+                lane_polyhedra(polyhedra, numbers, coarse * CLSDF_COARSE, 0.5f * (CLSDF_COARSE - 1));
+            const uint lanes = lanes_in_list(e, count);
+            any |= p.all_compact ? touched_bricks(&p, caps, slack, lanes, true, masks + e / LANES, stride)
+                                 : touched_bricks(&p, caps, slack, lanes, false, masks + e / LANES, stride);
         }
-        vstore16((uint16)(0), 0, masks + count);
-        vstore16((uint16)(0), 0, masks + scratch_length + count);
+        any &= wanted;
         while (any) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             any &= any - 1;
-            const uint length = choose(masks + b / 32 * scratch_length, entries + begin, count, b % 32, list);
+            uint length = 0;
+            for (uint e = 0; e < count; e += LANES) {
+                const uint bits = masks[(size_t)b * stride + e / LANES];
+                if (bits == 0) continue;
+                length += write_chosen_global(load_lanes(0, entries + begin + e), bits, list + length);
+            }
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
             const int3 relative = brick - brick_first;
             computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;

@@ -23,8 +23,9 @@ public:
         const CoarseLists& lists = inputs.lists;
         // The kernel reads and stores whole vectors at a list's end.
         constexpr std::size_t vector = 16;
-        const std::size_t longest_list =
-            (lists.lengths.empty() ? 0 : *std::max_element(lists.lengths.begin(), lists.lengths.end())) + 2 * vector;
+        const std::size_t longest =
+            lists.lengths.empty() ? 0 : *std::max_element(lists.lengths.begin(), lists.lengths.end());
+        const std::size_t longest_list = (longest + 2 * vector) / vector * vector;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         masks_ = pool->lease(work_items_ * 2 * longest_list * sizeof(cl_uint), "scratch masks");
