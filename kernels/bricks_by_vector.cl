@@ -210,16 +210,14 @@ inline void evaluate(uint b, uint count, __private const uint* chosen, __private
     COUNT_ADD(CLSDF_COUNT_LANES, (ulong)count * LANES);
 }
 
-// Puts a brick's vectors in the order of its samples, x fastest.
-inline void unpack(__private const uintL* vectors, __private uint* samples) {
-    for (uint b = 0; b < SUBBLOCKS; ++b) {
-        uint lanes[LANES];
-        store_lanes(vectors[b], 0, lanes);
-        const uint x = b % SUBBLOCKS_X * SUBBLOCK_X, y = b / SUBBLOCKS_X % 4 * 2, z = b / (SUBBLOCKS_X * 4) * 2;
-        for (uint lane = 0; lane < LANES; ++lane)
-            samples[(z + lane / (SUBBLOCK_X * 2)) * 64 + (y + lane / SUBBLOCK_X % 2) * 8 + x + lane % SUBBLOCK_X] =
-                lanes[lane];
-    }
+// Row (y, z) of a brick's samples, out of the vectors of its sub-blocks.
+INLINE uint8 row_of(__private const uint* vectors, uint y, uint z) {
+    __private const uint* part = vectors + (z / 2 * 4 + y / 2) * SUBBLOCKS_X * LANES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
+#if LANES == 16
+    return (uint8)(vload4(0, part), vload4(0, part + LANES));
+#else
+    return (uint8)(vload2(0, part), vload2(0, part + LANES), vload2(0, part + 2 * LANES), vload2(0, part + 3 * LANES));
+#endif
 }
 
 // Stores values[begin, end) of a row of a brick.
@@ -246,12 +244,6 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
                         __private ulong* counters
 #endif
 ) {
-    uint squared[512];
-    unpack((__private const uintL*)minimum->squared, squared);
-#ifdef NEAREST
-    uint nearest[512];
-    unpack(minimum->triangle, nearest);
-#endif
     const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
     const int3 begin = max(brick * CLSDF_BRICK, first) - first,
                end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
@@ -265,8 +257,8 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
                 (y - relative.y + relative_brick.y * CLSDF_BRICK);
             const uint inside =
                 (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
-            const int row = (z - relative.z) * 64 + (y - relative.y) * 8;
-            const float8 square = as_float8(vload8(0, squared + row));
+            const float8 square =
+                as_float8(row_of((__private const uint*)minimum->squared, y - relative.y, z - relative.z));
             const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
             const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
             const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
@@ -277,7 +269,8 @@ inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, _
             const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
             store_row(as_uint8(value), x0, x1, (__global uint*)distance + at + begin.x);
 #ifdef NEAREST
-            store_row(in_band ? vload8(0, nearest + row) : (uint8)CLSDF_NO_TRIANGLE, x0, x1, triangle + at + begin.x);
+            const uint8 nearest = row_of((__private const uint*)minimum->triangle, y - relative.y, z - relative.z);
+            store_row(in_band ? nearest : (uint8)CLSDF_NO_TRIANGLE, x0, x1, triangle + at + begin.x);
 #endif
 #ifdef COUNT
             int in[8];
