@@ -110,7 +110,7 @@ inline void evaluate(uint count, __local const Compacted* compacted, __global co
             const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z),
                                                               from_centre.x, from_centre.y, from_centre.z);
 #else
-            const float squared = squared_distance(p, o, from_centre.x, from_centre.y, from_centre.z);
+            const float squared = squared_distance(steps_of(p), o, from_centre.x, from_centre.y, from_centre.z);
 #endif
 #ifdef NEAREST
             const uint triangle = p->triangle;

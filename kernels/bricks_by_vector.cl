@@ -165,10 +165,17 @@ typedef struct Minimum {
 #endif
 } Minimum;
 
+// A polyhedron at a brick: what its distances take, side by side.
+typedef struct Evaluated {
+    Offsets offsets;
+    Steps steps;
+    uint triangle;
+    uint number;
+} Evaluated;
+
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
-inline void evaluate(uint b, uint count, __private const uint* chosen, __private const uint* kept,
-                     __private const Offsets* offsets, __global const Polyhedron* polyhedra, double3 centre,
-                     __private Minimum* minimum
+inline void evaluate(uint b, uint count, __private const uint* chosen, __private const Evaluated* evaluated,
+                     __global const Polyhedron* polyhedra, double3 centre, __private Minimum* minimum
 #ifdef COUNT
                      ,
                      float half_width, float slack, __private ulong* counters
@@ -183,16 +190,15 @@ inline void evaluate(uint b, uint count, __private const uint* chosen, __private
     uintL nearest = minimum->triangle[b];
 #endif
     for (uint n = 0; n < count; ++n) {
-        const uint c = chosen[n];
-        const Offsets o = offsets[c];
-        __global const Polyhedron* p = polyhedra + kept[c];
+        __private const Evaluated* e = evaluated + chosen[n];
 #ifdef LONG_BRICKS
-        const floatL squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), i, j, k);
+        const floatL squared = squared_distance_long_brick(
+            polyhedra + e->number, frame_at(polyhedra + e->number, centre.x, centre.y, centre.z), i, j, k);
 #else
-        const floatL squared = squared_distance(p, o, i, j, k);
+        const floatL squared = squared_distance(e->steps, e->offsets, i, j, k);
 #endif
 #ifdef NEAREST
-        const uint triangle = p->triangle;
+        const uint triangle = e->triangle;
         const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
         nearest = better ? (uintL)triangle : nearest;
         least = better ? squared : least;
@@ -200,7 +206,8 @@ inline void evaluate(uint b, uint count, __private const uint* chosen, __private
         least = squared < least ? squared : least;
 #endif
 #ifdef COUNT
-        counters[CLSDF_COUNT_COVERED] += popcount(covered_samples(p, o, i, j, k, half_width, slack) & LANE_BITS);
+        counters[CLSDF_COUNT_COVERED] += popcount(
+            covered_samples(polyhedra + e->number, e->offsets, i, j, k, half_width, slack) & LANE_BITS);
 #endif
     }
     minimum->squared[b] = least;
@@ -303,7 +310,7 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
     }
     // CHUNK polyhedra of the brick's list at a time, and for each sub-block the list of those that touch it.
     uint kept[CHUNK], lists[SUBBLOCKS * LIST_ROOM], lengths[SUBBLOCKS];
-    Offsets offsets[CHUNK];
+    Evaluated evaluated[CHUNK];
     const int3 first = brick * CLSDF_BRICK;
     const float centre = 0.5f * (CLSDF_BRICK - 1);
     const double x = first.x + (double)centre, y = first.y + (double)centre, z = first.z + (double)centre;
@@ -320,12 +327,17 @@ inline void compute_brick(Layout layout, int3 brick, uint count, __global const 
                                      : list_subblocks(&p, caps, slack, lanes, false, n, lists, lengths);
             for (; any; any &= any - 1) {
                 const uint lane = 31 - clz(any & (0 - any));
-                offsets[n + lane] = offsets_at(polyhedra + kept[n + lane], x, y, z);
+                __global const Polyhedron* q = polyhedra + kept[n + lane];
+                __private Evaluated* to = evaluated + n + lane;
+                to->offsets = offsets_at(q, x, y, z);
+                to->steps = steps_of(q);
+                to->triangle = q->triangle;
+                to->number = kept[n + lane];
             }
         }
         for (uint b = 0; b < SUBBLOCKS; ++b) {
             if (lengths[b] == 0) continue;
-            evaluate(b, lengths[b], lists + b * LIST_ROOM, kept, offsets, polyhedra, (double3)(x, y, z), &minimum
+            evaluate(b, lengths[b], lists + b * LIST_ROOM, evaluated, polyhedra, (double3)(x, y, z), &minimum
 #ifdef COUNT
                      ,
                      layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
