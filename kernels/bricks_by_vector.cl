@@ -45,7 +45,7 @@ inline float subblock_z(uint b) {
 // Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
 #if LANES == 16 && defined(__AVX512F__)
 #define WRITE_CHOSEN                                                                                                  \
-    vstore16(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(numbers), (int16)(0), (ushort)bits)), 0, chosen);   \
+    store_lanes(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(numbers), (int16)(0), (ushort)bits)), 0, chosen); \
     return popcount(bits);
 #else
 #define WRITE_CHOSEN                                    \
@@ -230,7 +230,7 @@ INLINE uint8 row_of(__private const uint* vectors, uint y, uint z) {
 // Stores values[begin, end) of a row of a brick.
 inline void store_row(uint8 values, int begin, int end, __global uint* row) {
     if (end - begin == 8) {
-        vstore8(values, 0, row);
+        store_eight(values, 0, row);
         return;
     }
     uint each[8];
@@ -451,7 +451,6 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
             uint length = 0;
             for (uint e = 0; e < count; e += LANES) {
                 const uint bits = masks[(size_t)b * stride + e / LANES];
-                if (bits == 0) continue;
                 length += write_chosen_global(load_lanes(0, entries + begin + e), bits, list + length);
             }
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
