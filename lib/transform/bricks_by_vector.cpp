@@ -11,6 +11,13 @@ namespace {
 // field.
 constexpr double pairs_per_core_and_launch = 40000;
 
+/// Of a work-item: minima of 64 bricks, masks of which polyhedra touch them, a list; as in bricks_by_vector.cl.
+std::size_t scratch_bytes(const BrickVariant& variant) {
+    constexpr std::size_t bricks = 64, samples = 512, widest_vector = 16, bits = 8;
+    const std::size_t minimum = samples * (variant.triangle ? sizeof(cl_float) + sizeof(cl_uint) : sizeof(cl_float));
+    return bricks * (minimum + CLSDF_LIST_PART / bits) + (CLSDF_LIST_PART + widest_vector) * sizeof(cl_uint);
+}
+
 class BricksByVector final : public BrickKernel {
 public:
     BricksByVector(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
@@ -21,15 +28,9 @@ public:
           with_triangle_(variant.triangle),
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
-        // The kernel reads and stores whole vectors at a list's end.
-        constexpr std::size_t vector = 16;
-        const std::size_t longest =
-            lists.lengths.empty() ? 0 : *std::max_element(lists.lengths.begin(), lists.lengths.end());
-        const std::size_t longest_list = (longest + 2 * vector) / vector * vector;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
-        masks_ = pool->lease(work_items_ * 2 * longest_list * sizeof(cl_uint), "scratch masks");
-        list_ = pool->lease(work_items_ * longest_list * sizeof(cl_uint), "scratch lists");
+        scratch_ = pool->lease(work_items_ * scratch_bytes(variant), "scratch of the bricks");
         std::vector<cl_uint> first_turns;
         for (const Launch& launch : launches_) first_turns.push_back(launch.begin);
         if (!first_turns.empty())
@@ -46,9 +47,7 @@ public:
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
         kernel_.setArg(arg_computed, inputs.computed);
-        kernel_.setArg(arg_masks, *masks_);
-        kernel_.setArg(arg_list, *list_);
-        kernel_.setArg(arg_list_length, static_cast<cl_uint>(longest_list));
+        kernel_.setArg(arg_scratch, *scratch_);
         if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
         warm_up(context.queue(), inputs.computed);
     }
@@ -72,7 +71,7 @@ public:
     }
 
     std::size_t device_bytes() const override {
-        return BrickKernel::device_bytes() + turns_.bytes() + first_turns_.bytes() + masks_.bytes() + list_.bytes();
+        return BrickKernel::device_bytes() + turns_.bytes() + first_turns_.bytes() + scratch_.bytes();
     }
 
 private:
@@ -89,9 +88,7 @@ private:
         arg_polyhedra,
         arg_sign_bits,
         arg_computed,
-        arg_masks,
-        arg_list,
-        arg_list_length,
+        arg_scratch,
         arg_distance,
         arg_optional  // the triangles, then the counters, where asked for
     };
@@ -112,8 +109,7 @@ private:
     cl::Kernel kernel_;
     device::BufferPool::Lease turns_;
     device::BufferPool::Lease first_turns_;
-    device::BufferPool::Lease masks_;
-    device::BufferPool::Lease list_;
+    device::BufferPool::Lease scratch_;
 };
 
 }  // namespace
