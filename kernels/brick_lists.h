@@ -22,24 +22,19 @@ typedef uchar LaneMask;
 
 // Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
 #if LANES == 16 && defined(__AVX512F__)
-#define WRITE_CHOSEN                                                                                                  \
+#define WRITE_CHOSEN                                                                                                   \
     store_lanes(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(numbers), (int16)(0), (ushort)bits)), 0, chosen); \
     return popcount(bits);
 #else
-#define WRITE_CHOSEN                                    \
-    uint each[LANES];                                   \
-    store_lanes(numbers, 0, each);                      \
-    uint n = 0;                                         \
-    for (; bits; bits &= bits - 1)                      \
-        chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
+#define WRITE_CHOSEN                                                                \
+    uint each[LANES];                                                               \
+    store_lanes(numbers, 0, each);                                                  \
+    uint n = 0;                                                                     \
+    for (; bits; bits &= bits - 1) chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
     return n;
 #endif
-INLINE uint write_chosen(uintL numbers, uint bits, __private uint* chosen) {
-    WRITE_CHOSEN
-}
-INLINE uint write_chosen_global(uintL numbers, uint bits, __global uint* chosen) {
-    WRITE_CHOSEN
-}
+INLINE uint write_chosen(uintL numbers, uint bits, __private uint* chosen){WRITE_CHOSEN} INLINE uint
+    write_chosen_global(uintL numbers, uint bits, __global uint* chosen){WRITE_CHOSEN}
 
 // Brick b of a coarse brick.
 INLINE int3 brick_in_coarse(uint b) {
@@ -97,8 +92,8 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
 
 // Appends the numbers first, first + 1, ... of those polyhedra that touch a sub-block to its list. Returns which of
 // them touch any.
-INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes,
-                           uint first, __private uint* lists, __private uint* lengths) {
+INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes, uint first,
+                           __private uint* lists, __private uint* lengths) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
     const Bounds reach = reach_of_lanes(p, half_x, 0.5f, 0.5f);
     const Bounds step_x = bounds_product(p->step_x, SUBBLOCK_X), step_y = bounds_product(p->step_y, 2.0f),
@@ -125,9 +120,9 @@ INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, 
             for (uint x = 0; x < SUBBLOCKS_X; ++x) {
                 const floatL height = fabs(at.z), wide = height + reach_z;
                 const uint touched =
-                    lanes & lanes_to_bits(touches(at, height, slopes[CLSDF_EDGE_BASE] * wide,
-                                                  slopes[CLSDF_EDGE_RIGHT] * wide, slopes[CLSDF_EDGE_LEFT] * wide,
-                                                  reach_z, (floatL)caps[b], p->all_compact));
+                    lanes &
+                    lanes_to_bits(touches(at, height, slopes[CLSDF_EDGE_BASE] * wide, slopes[CLSDF_EDGE_RIGHT] * wide,
+                                          slopes[CLSDF_EDGE_LEFT] * wide, reach_z, (floatL)caps[b], p->all_compact));
                 lengths[b] += write_chosen(numbers, touched, lists + b * LIST_ROOM + lengths[b]);
                 any |= touched;
                 ++b;

@@ -45,8 +45,8 @@ INLINE Evaluated evaluated_at(__global const Polyhedron* polyhedra, uint number,
 
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
 inline void evaluate(uint b, uint count, __private const uint* chosen, __private const Evaluated* evaluated,
-                     __global const Polyhedron* polyhedra, double3 centre, __global Minimum* minimum,
-                     Layout layout, __private ulong* counters) {
+                     __global const Polyhedron* polyhedra, double3 centre, __global Minimum* minimum, Layout layout,
+                     __private ulong* counters) {
     const uintL lane = LANE_NUMBERS;
     const floatL i = convert_floatL(lane & (SUBBLOCK_X - 1)) + subblock_x(b);
     const floatL j = convert_floatL((lane / SUBBLOCK_X) & 1u) + subblock_y(b);
@@ -73,8 +73,8 @@ inline void evaluate(uint b, uint count, __private const uint* chosen, __private
 #endif
 #ifdef COUNT
         const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
-        counters[CLSDF_COUNT_COVERED] += popcount(
-            covered_samples(polyhedra + e->number, e->offsets, i, j, k, layout.half_width, slack) & LANE_BITS);
+        counters[CLSDF_COUNT_COVERED] +=
+            popcount(covered_samples(polyhedra + e->number, e->offsets, i, j, k, layout.half_width, slack) & LANE_BITS);
 #endif
     }
     minimum->squared[b] = least;
@@ -136,7 +136,8 @@ inline void write_brick(Layout layout, int3 brick, __global const Minimum* minim
                end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
     const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
     const int3 relative_brick = brick - vload3(0, layout.brick_first);
-    computed[((size_t)relative_brick.z * layout.bricks[1] + relative_brick.y) * layout.bricks[0] + relative_brick.x] = 1;
+    computed[((size_t)relative_brick.z * layout.bricks[1] + relative_brick.y) * layout.bricks[0] + relative_brick.x] =
+        1;
     for (int z = begin.z; z < end.z; ++z)
         for (int y = begin.y; y < end.y; ++y) {
             // The rows of sign bits cover whole bricks.

@@ -36,8 +36,7 @@ inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes 
     for (uint b = 0; b < SUBBLOCKS; ++b) {
         const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f,
                     k = (float)((b >> 2) * 2) - 3.0f;
-        touched |= touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach, cap)
-                   << b;
+        touched |= touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach, cap) << b;
     }
     return touched;
 }

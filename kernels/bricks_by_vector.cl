@@ -91,8 +91,8 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
 
 // A work-item's own memory.
 typedef struct Scratch {
-    Minimum minima[64];
-    LaneMask masks[64 * CLSDF_LIST_PART / LANES];  // of brick b: a mask for each LANES polyhedra, from b * LIST_PART / LANES
+    LaneMask
+        masks[64 * CLSDF_LIST_PART / LANES];  // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
     uint list[CLSDF_LIST_PART + LANES];
 } Scratch;
 
@@ -124,8 +124,8 @@ inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const 
 
 inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries, float coarse_cap,
                                  __global const Polyhedron* polyhedra, __global const uint* sign_bits,
-                                 __global uchar* computed, __global Scratch* scratch, Output output,
-                                 __private ulong* counters) {
+                                 __global uchar* computed, __global Scratch* scratch, __global Minimum* minima,
+                                 Output output, __private ulong* counters) {
     const ulong in_part = bricks_of_part(layout, coarse);
     const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
     float caps[64];
@@ -139,9 +139,11 @@ inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __globa
         for (; any; any &= any - 1) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
-            const uint chosen = choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
-            __global Minimum* minimum = scratch->minima + (is_short ? 0 : b);
-            lower_minimum(layout, brick, chosen, scratch->list, caps[b], !(begun >> b & 1), polyhedra, minimum, counters);
+            const uint chosen =
+                choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
+            __global Minimum* minimum = minima + (is_short ? 0 : b);
+            lower_minimum(layout, brick, chosen, scratch->list, caps[b], !(begun >> b & 1), polyhedra, minimum,
+                          counters);
             begun |= 1ul << b;
             if (is_short)
                 write_brick(layout, brick, minimum, sign_bits, computed, output, counters);
@@ -151,8 +153,8 @@ inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __globa
     }
     for (ulong rest = is_short ? 0 : begun; rest; rest &= rest - 1) {
         const uint b = 63 - (uint)clz(rest & (0 - rest));
-        write_brick(layout, coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b), scratch->minima + b, sign_bits,
-                    computed, output, counters);
+        write_brick(layout, coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b), minima + b, sign_bits, computed,
+                    output, counters);
     }
 }
 
@@ -162,7 +164,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
                                __global const uint* starts, uint parts, __global const uint* entries,
                                __global const float* coarse_caps, __global const Polyhedron* polyhedra,
                                __global const uint* sign_bits, __global uchar* computed, __global Scratch* all_scratch,
-                               __global float* distance
+                               __global Minimum* all_minima, uint minima_per_item, __global float* distance
 #ifdef NEAREST
                                ,
                                __global uint* triangle
@@ -174,6 +176,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
 ) {
     const size_t item = get_global_id(0);
     __global Scratch* scratch = all_scratch + item;
+    __global Minimum* minima = all_minima + item * minima_per_item;  // 64 where a list is long, else 1
     ulong counters[CLSDF_COUNTERS] = {0};
     Output output;
     output.distance = distance;
@@ -189,7 +192,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
         const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
         compute_coarse_brick(layout, coarse, count, entries + begin,
                              coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, sign_bits,
-                             computed, scratch, output, counters);
+                             computed, scratch, minima, output, counters);
     }
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) all_counters[item * CLSDF_COUNTERS + c] += counters[c];

@@ -24,8 +24,8 @@ INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, fl
 
 // The numbers of a polyhedron that the distance takes beside the offsets.
 typedef struct Steps {
-    float x[3], y[3], z[3];                // of (X, Y, Z), along the lattice's axes
-    float along_right, along_left;         // normals of the slanted edges
+    float x[3], y[3], z[3];         // of (X, Y, Z), along the lattice's axes
+    float along_right, along_left;  // normals of the slanted edges
     float across_right, across_left;
 } Steps;
 

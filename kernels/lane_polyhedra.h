@@ -28,9 +28,9 @@
 
 // rows[i].s[j] <-> rows[j].s[i], for LANES rows: each round shuffles the first half of the rows into the second.
 #if LANES == 16
-#define ZIP_LOW(a, b)                                                                                              \
+#define ZIP_LOW(a, b) \
     (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
-#define ZIP_HIGH(a, b)                                                                                             \
+#define ZIP_HIGH(a, b) \
     (float16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se, a.sf, b.sf)
 #define ZIP_ROUNDS 4
 #else
@@ -52,8 +52,8 @@ INLINE void transpose(__private floatL* rows) {
     }
 }
 
-// What bounds the polyhedra, at one point: Z, the distances outward of the base (-Y) and of the slanted edges, and of the
-// ends of the base along X. All are affine in the sample: the same struct holds a step.
+// What bounds the polyhedra, at one point: Z, the distances outward of the base (-Y) and of the slanted edges, and of
+// the ends of the base along X. All are affine in the sample: the same struct holds a step.
 typedef struct Bounds {
     floatL z, base, right, left, beyond_right, beyond_left;
 } Bounds;
@@ -79,9 +79,9 @@ INLINE Bounds bounds_product(Bounds a, float factor) {
 }
 
 typedef struct LanePolyhedra {
-    Bounds at;                             // the centre of a group of blocks
-    Bounds step_x, step_y, step_z;         // of one sample
-    floatL above[3], below[3];             // slopes by edge
+    Bounds at;                      // the centre of a group of blocks
+    Bounds step_x, step_y, step_z;  // of one sample
+    floatL above[3], below[3];      // slopes by edge
     bool all_compact;
 } LanePolyhedra;
 
@@ -99,15 +99,15 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     const floatL along_right = words[WORD_NORMAL_ALONG], along_left = words[WORD_NORMAL_ALONG + 1];
     const floatL across_right = words[WORD_NORMAL_ACROSS], across_left = words[WORD_NORMAL_ACROSS + 1];
     LanePolyhedra p;
-#define SET_STEP(step, gradient)                                                     \
-    {                                                                                \
-        const floatL x = words[gradient], y = words[gradient + 1];                   \
-        p.step.z = words[gradient + 2];                                              \
-        p.step.base = -y;                                                            \
-        p.step.right = along_right * x + across_right * y;                           \
-        p.step.left = across_left * y - along_left * x;                              \
-        p.step.beyond_right = x;                                                     \
-        p.step.beyond_left = -x;                                                     \
+#define SET_STEP(step, gradient)                                   \
+    {                                                              \
+        const floatL x = words[gradient], y = words[gradient + 1]; \
+        p.step.z = words[gradient + 2];                            \
+        p.step.base = -y;                                          \
+        p.step.right = along_right * x + across_right * y;         \
+        p.step.left = across_left * y - along_left * x;            \
+        p.step.beyond_right = x;                                   \
+        p.step.beyond_left = -x;                                   \
     }
     SET_STEP(step_x, WORD_GRADIENT_X)
     SET_STEP(step_y, WORD_GRADIENT_Y)
@@ -117,8 +117,8 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     const floatL i = convert_floatL(first.x - as_intL(words[WORD_ORIGIN])) + centre;
     const floatL j = convert_floatL(first.y - as_intL(words[WORD_ORIGIN + 1])) + centre;
     const floatL k = convert_floatL(first.z - as_intL(words[WORD_ORIGIN + 2])) + centre;
-#define FRAME(n)                                                                                                 \
-    (words[WORD_GRADIENT_X + n] * i +                                                                            \
+#define FRAME(n)                      \
+    (words[WORD_GRADIENT_X + n] * i + \
      (words[WORD_GRADIENT_Y + n] * j + (words[WORD_GRADIENT_Z + n] * k + words[WORD_CONSTANT + n])))
     const floatL x = FRAME(0), y = FRAME(1);
     p.at.z = FRAME(2);
@@ -159,9 +159,10 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
 // How far blocks that extend half_x, half_y and half_z samples from their centres reach along each bound.
 INLINE Bounds reach_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z) {
     Bounds reach;
-#define REACH(bound)                                                                                         \
-    reach.bound = (fabs(p->step_x.bound) * half_x + (fabs(p->step_y.bound) * half_y + fabs(p->step_z.bound) * half_z)) * \
-                  (1.0f + 1.0e-6f)
+#define REACH(bound)                                                                                           \
+    reach.bound =                                                                                              \
+        (fabs(p->step_x.bound) * half_x + (fabs(p->step_y.bound) * half_y + fabs(p->step_z.bound) * half_z)) * \
+        (1.0f + 1.0e-6f)
     REACH(z);
     REACH(base);
     REACH(right);

@@ -47,11 +47,10 @@ typedef uint uintL;
 #define store_lanes(value, offset, p) ((p)[offset] = (value))
 #elif defined(__clang__)
 // PoCL's vstore16 is three stores and two shuffles, its vstore8 two and one; a vector without alignment is one store.
-#define DEFINE_STORE(name, Vector, Element, count, space)                                                   \
-    typedef Vector __attribute__((aligned(4))) Unaligned_##name##_##Vector##_##space;                       \
-    inline __attribute__((overloadable, always_inline)) void name(Vector value, size_t offset,              \
-                                                                  __##space Element* p) {                   \
-        *(__##space Unaligned_##name##_##Vector##_##space*)(p + count * offset) = value;                    \
+#define DEFINE_STORE(name, Vector, Element, count, space)                                                              \
+    typedef Vector __attribute__((aligned(4))) Unaligned_##name##_##Vector##_##space;                                  \
+    inline __attribute__((overloadable, always_inline)) void name(Vector value, size_t offset, __##space Element* p) { \
+        *(__##space Unaligned_##name##_##Vector##_##space*)(p + count * offset) = value;                               \
     }
 DEFINE_STORE(store_lanes, floatL, float, LANES, private)
 DEFINE_STORE(store_lanes, floatL, float, LANES, global)
