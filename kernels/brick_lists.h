@@ -20,17 +20,33 @@ typedef ushort LaneMask;
 typedef uchar LaneMask;
 #endif
 
-// Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
+// The lanes whose bit is set, in order, at the front of the vector.
 #if LANES == 16 && defined(__AVX512F__)
-#define WRITE_CHOSEN                                                                                                   \
-    store_lanes(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(numbers), (int16)(0), (ushort)bits)), 0, chosen); \
+#define HAS_PACKED
+INLINE uintL packed(uintL values, uint bits) {
+    return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
+}
+#elif LANES == 8 && defined(__AVX2__) && defined(__BMI2__)
+#define HAS_PACKED
+INLINE uintL packed(uintL values, uint bits) {
+    const ulong bytes = __builtin_ia32_pdep_di(bits, 0x0101010101010101ul) * 0xFFul;
+    const ulong lanes = __builtin_ia32_pext_di(0x0706050403020100ul, bytes);
+    return as_uint8(__builtin_ia32_permvarsi256(as_int8(values), convert_int8(as_uchar8(lanes))));
+}
+#endif
+
+// Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
+#ifdef HAS_PACKED
+#define WRITE_CHOSEN                                   \
+    store_lanes(packed(numbers, bits), 0, chosen);     \
     return popcount(bits);
 #else
-#define WRITE_CHOSEN                                                                \
-    uint each[LANES];                                                               \
-    store_lanes(numbers, 0, each);                                                  \
-    uint n = 0;                                                                     \
-    for (; bits; bits &= bits - 1) chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
+#define WRITE_CHOSEN                                     \
+    uint each[LANES];                                    \
+    store_lanes(numbers, 0, each);                       \
+    uint n = 0;                                          \
+    for (; bits; bits &= bits - 1)                       \
+        chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
     return n;
 #endif
 INLINE uint write_chosen(uintL numbers, uint bits, __private uint* chosen){WRITE_CHOSEN} INLINE uint
