@@ -37,16 +37,15 @@ INLINE uintL packed(uintL values, uint bits) {
 
 // Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
 #ifdef HAS_PACKED
-#define WRITE_CHOSEN                                   \
-    store_lanes(packed(numbers, bits), 0, chosen);     \
+#define WRITE_CHOSEN                               \
+    store_lanes(packed(numbers, bits), 0, chosen); \
     return popcount(bits);
 #else
-#define WRITE_CHOSEN                                     \
-    uint each[LANES];                                    \
-    store_lanes(numbers, 0, each);                       \
-    uint n = 0;                                          \
-    for (; bits; bits &= bits - 1)                       \
-        chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
+#define WRITE_CHOSEN                                                                \
+    uint each[LANES];                                                               \
+    store_lanes(numbers, 0, each);                                                  \
+    uint n = 0;                                                                     \
+    for (; bits; bits &= bits - 1) chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
     return n;
 #endif
 INLINE uint write_chosen(uintL numbers, uint bits, __private uint* chosen){WRITE_CHOSEN} INLINE uint

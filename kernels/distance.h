@@ -14,12 +14,10 @@
 
 // The formulas above; `past` is t minus the length of the slanted edge.
 INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL t, floatL past) {
-    const floatL before = LESSER(t, 0.0f);
-    const floatL end = GREATER(past, before);
-    const floatL out = GREATER(r, 0.0f);
-    const floatL corner = GREATER(beyond, 0.0f);
-    const floatL in_plane = y < 0.0f ? corner * corner + y * y : end * end + out * out;
-    return in_plane + z * z;
+    const intL below = y < 0.0f;
+    const floatL along = GREATER(below ? beyond : past, below ? (floatL)0.0f : LESSER(t, 0.0f));
+    const floatL outward = below ? y : GREATER(r, 0.0f);
+    return along * along + outward * outward + z * z;
 }
 
 // The numbers of a polyhedron that the distance takes beside the offsets.
