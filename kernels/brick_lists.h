@@ -20,36 +20,25 @@ typedef ushort LaneMask;
 typedef uchar LaneMask;
 #endif
 
-// The lanes whose bit is set, in order, at the front of the vector.
+// The lanes whose bit is set, in order, at the front of the vector. What lies behind them does not matter.
 #if LANES == 16 && defined(__AVX512F__)
-#define HAS_PACKED
 INLINE uintL packed(uintL values, uint bits) {
     return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
 }
 #elif LANES == 8 && defined(__AVX2__) && defined(__BMI2__)
-#define HAS_PACKED
 INLINE uintL packed(uintL values, uint bits) {
     const ulong bytes = __builtin_ia32_pdep_di(bits, 0x0101010101010101ul) * 0xFFul;
     const ulong lanes = __builtin_ia32_pext_di(0x0706050403020100ul, bytes);
     return as_uint8(__builtin_ia32_permvarsi256(as_int8(values), convert_int8(as_uchar8(lanes))));
 }
-#endif
-
-// Writes the lanes of `numbers` whose bit is set, in order; returns how many. There is room for all lanes.
-#ifdef HAS_PACKED
-#define WRITE_CHOSEN                               \
-    store_lanes(packed(numbers, bits), 0, chosen); \
-    return popcount(bits);
 #else
-#define WRITE_CHOSEN                                                                \
-    uint each[LANES];                                                               \
-    store_lanes(numbers, 0, each);                                                  \
-    uint n = 0;                                                                     \
-    for (; bits; bits &= bits - 1) chosen[n++] = each[31 - clz(bits & (0 - bits))]; \
-    return n;
+INLINE uintL packed(uintL values, uint bits) {
+    uint each[LANES];
+    store_lanes(values, 0, each);
+    for (uint n = 0; bits; bits &= bits - 1) each[n++] = each[31 - clz(bits & (0 - bits))];
+    return load_lanes(0, each);
+}
 #endif
-INLINE uint write_chosen(uintL numbers, uint bits, __private uint* chosen){WRITE_CHOSEN} INLINE uint
-    write_chosen_global(uintL numbers, uint bits, __global uint* chosen){WRITE_CHOSEN}
 
 // Brick b of a coarse brick.
 INLINE int3 brick_in_coarse(uint b) {
@@ -138,7 +127,8 @@ INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, 
                     lanes &
                     lanes_to_bits(touches(at, height, slopes[CLSDF_EDGE_BASE] * wide, slopes[CLSDF_EDGE_RIGHT] * wide,
                                           slopes[CLSDF_EDGE_LEFT] * wide, reach_z, (floatL)caps[b], p->all_compact));
-                lengths[b] += write_chosen(numbers, touched, lists + b * LIST_ROOM + lengths[b]);
+                store_lanes(packed(numbers, touched), 0, lists + b * LIST_ROOM + lengths[b]);
+                lengths[b] += popcount(touched);
                 any |= touched;
                 ++b;
                 at = bounds_sum(at, step_x);
@@ -150,11 +140,14 @@ INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, 
     return any;
 }
 
-// The entries of a list that masks choose.
+// The entries of a list that masks choose; returns how many. There is room for a vector beyond them.
 INLINE uint choose(uint count, __global const uint* entries, __global const LaneMask* masks, __global uint* chosen) {
     uint length = 0;
-    for (uint e = 0; e < count; e += LANES)
-        length += write_chosen_global(load_lanes(0, entries + e), masks[e / LANES], chosen + length);
+    for (uint e = 0; e < count; e += LANES) {
+        const uint bits = masks[e / LANES];
+        store_lanes(packed(load_lanes(0, entries + e), bits), 0, chosen + length);
+        length += popcount(bits);
+    }
     return length;
 }
 
