@@ -14,14 +14,26 @@ typedef struct Reach {
     float x, y, z, right, left;
 } Reach;
 
-inline Reach reach_of(__global const float* reach, float scale) {
+// Of blocks that reach half_x, half_y and half_z samples from their centre.
+INLINE Reach reach_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
+    const float widen = 1.0f + 1.0e-6f;
+    const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
+    const float4 normal = vload4(0, p->normal_along);  // along right, left, across right, left
+    const float3 x = (float3)(gx.x, gy.x, gz.x), y = (float3)(gx.y, gy.y, gz.y);
+    const float3 right = fabs(normal.x * x + normal.z * y), left = fabs(normal.w * y - normal.y * x);
+    const float3 frame = fabs(gx) * half_x + (fabs(gy) * half_y + fabs(gz) * half_z);
     Reach r;
-    r.x = scale * reach[0];
-    r.y = scale * reach[1];
-    r.z = scale * reach[2];
-    r.right = scale * reach[3];
-    r.left = scale * reach[4];
+    r.x = widen * frame.x;
+    r.y = widen * frame.y;
+    r.z = widen * frame.z;
+    r.right = widen * (right.x * half_x + (right.y * half_y + right.z * half_z));
+    r.left = widen * (left.x * half_x + (left.y * half_y + left.z * half_z));
     return r;
+}
+
+// Of cubes.
+INLINE Reach reach_of_cube(__global const Polyhedron* p, float half_side) {
+    return reach_of(p, half_side, half_side, half_side);
 }
 
 // The same, enlarged by the slack of a test.
@@ -103,7 +115,7 @@ INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, fl
                            __private const float* caps, float slack) {
     // The blocks' centres lie at most 1.5 sides from the centre of the group.
     const Place place = place_at(p, x, y, z, 2.0f * side - 0.5f);
-    const Reach reach = widened(reach_of(p->reach_cube, 0.5f * (side - 1.0f)), slack);
+    const Reach reach = widened(reach_of_cube(p, 0.5f * (side - 1.0f)), slack);
     // A vector's blocks, as the first one's; the vectors differ by a translation.
     const floatL zero = 0.0f;
     const Centres lanes = centres_of(p, place, convert_floatL(LANE_NUMBERS & 3u) * side,

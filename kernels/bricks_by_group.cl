@@ -31,27 +31,12 @@ inline int3 sample_of(uint b, uint lane) {
 
 // The sub-blocks that a polyhedron touches, 16 bits.
 inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes slopes, float cap, float slack) {
-    // Half of a sub-block's width: 1.5, 1.5 and 0.5 samples.
-    const float along_right = p->normal_along[CLSDF_HALF_RIGHT], across_right = p->normal_across[CLSDF_HALF_RIGHT];
-    const float along_left = p->normal_along[CLSDF_HALF_LEFT], across_left = p->normal_across[CLSDF_HALF_LEFT];
-    const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
-    const float widen = 1.0f + 1.0e-6f;
-    Reach reach;
-    reach.x = widen * (1.5f * fabs(gx.x) + 1.5f * fabs(gy.x) + 0.5f * fabs(gz.x));
-    reach.y = widen * (1.5f * fabs(gx.y) + 1.5f * fabs(gy.y) + 0.5f * fabs(gz.y));
-    reach.z = widen * (1.5f * fabs(gx.z) + 1.5f * fabs(gy.z) + 0.5f * fabs(gz.z));
-    reach.right = widen * (1.5f * fabs(along_right * gx.x + across_right * gx.y) +
-                           1.5f * fabs(along_right * gy.x + across_right * gy.y) +
-                           0.5f * fabs(along_right * gz.x + across_right * gz.y));
-    reach.left = widen * (1.5f * fabs(across_left * gx.y - along_left * gx.x) +
-                          1.5f * fabs(across_left * gy.y - along_left * gy.x) +
-                          0.5f * fabs(across_left * gz.y - along_left * gz.x));
+    const Reach reach = widened(reach_of(p, 1.5f, 1.5f, 0.5f), slack);
     uint touched = 0;
     for (uint b = 0; b < SUBBLOCKS; ++b) {
         const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f,
                     k = (float)((b >> 2) * 2) - 3.0f;
-        touched |= touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), widened(reach, slack), cap)
-                   << b;
+        touched |= touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach, cap) << b;
     }
     return touched;
 }
@@ -124,7 +109,7 @@ inline void evaluate(uint count, __local const Compacted* compacted, __global co
             const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z),
                                                               from_centre.x, from_centre.y, from_centre.z);
 #else
-            const float squared = squared_distance(p, o, from_centre.x, from_centre.y, from_centre.z);
+            const float squared = squared_distance(steps_of(p), o, from_centre.x, from_centre.y, from_centre.z);
 #endif
 #ifdef NEAREST
             const uint triangle = p->triangle;
@@ -214,7 +199,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
             polyhedron = entries[e + item];
             __global const Polyhedron* p = polyhedra + polyhedron;
             const Place place = place_at(p, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
-            const Reach reach = reach_of(p->reach_cube, 0.5f * (CLSDF_BRICK - 1));
+            const Reach reach = reach_of_cube(p, 0.5f * (CLSDF_BRICK - 1));
             if (touched_blocks(p, place, centres_of(p, place, 0.0f, 0.0f, 0.0f), widened(reach, slack), cap))
                 subblocks = touched_subblocks(p, place, slopes_of(p, place.z, reach.z, slack), cap, slack);
             if (subblocks != 0) o = offsets_at(p, x, y, z);

@@ -1,291 +1,62 @@
 // The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
-//   coarse brick: an upper bound of the distance for each of its bricks (cap); a mask of touched bricks per polyhedron;
-//   brick:        its list; for CHUNK polyhedra at a time, a mask of touched sub-blocks (one vector of samples each);
-//   sub-block:    its list; the distance to each triangle of it, the minimum kept in registers.
+//   coarse brick: an upper bound of the distance for each of its bricks (cap); masks of the polyhedra that touch each;
+//   brick:        its list; for CHUNK polyhedra at a time, the lists of its sub-blocks (one vector of samples each);
+//   sub-block:    the distance to each triangle of its list, the minimum kept in registers.
+//
+// Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
+// minima wait in memory until the last of them.
 //
 // Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal
 // that distances take double (distance.h); COUNT counts work.
 
-#include "blocks.h"
-#include "distance.h"
+#include "brick_lists.h"
+#include "brick_minimum.h"
 
-#define SUBBLOCK_X (LANES / 4)
-#define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
-#define SUBBLOCKS (512 / LANES)
-#define CHUNK 256
-
-#ifdef COUNT
-#define COUNT_ADD(counter, n) counters[counter] += (n)
-#else
-#define COUNT_ADD(counter, n)
-#endif
-
-// Sub-blocks are SUBBLOCK_X x 2 x 2 samples; number b of a brick lies at (b % SUBBLOCKS_X, b / SUBBLOCKS_X % 4, ...).
-// Offsets of its first sample from the brick's centre:
-inline float subblock_x(uint b) {
-    return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f;
-}
-inline float subblock_y(uint b) {
-    return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f;
-}
-inline float subblock_z(uint b) {
-    return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
-}
-
-// Writes the items whose mask has the bit, in order; returns how many. There are masks and items, and room for what is
-// written, up to the next multiple of 16; the masks beyond `count` are 0. One for each address space.
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-#define DEFINE_CHOOSE(name, masks_space, items_space)                                                                  \
-    inline uint name(masks_space const uint* masks, items_space const uint* items, uint count, uint bit,               \
-                     masks_space uint* chosen) {                                                                       \
-        uint n = 0;                                                                                                    \
-        for (uint i = 0; i < count; i += 16) {                                                                         \
-            const ushort in = __builtin_ia32_cvtd2mask512(as_int16(vload16(0, masks + i) << (uint16)(31 - bit)));      \
-            vstore16(as_uint16(__builtin_ia32_compresssi512_mask(as_int16(vload16(0, items + i)), (int16)(0), in)), 0, \
-                     chosen + n);                                                                                      \
-            n += popcount((uint)in);                                                                                   \
-        }                                                                                                              \
-        return n;                                                                                                      \
-    }
-#else
-#define DEFINE_CHOOSE(name, masks_space, items_space)                                                    \
-    inline uint name(masks_space const uint* masks, items_space const uint* items, uint count, uint bit, \
-                     masks_space uint* chosen) {                                                         \
-        uint n = 0;                                                                                      \
-        for (uint i = 0; i < count; ++i) {                                                               \
-            chosen[n] = items[i];                                                                        \
-            n += (masks[i] >> bit) & 1u;                                                                 \
-        }                                                                                                \
-        return n;                                                                                        \
-    }
-#endif
-DEFINE_CHOOSE(choose, __global, __global)
-DEFINE_CHOOSE(choose_private, __private, __private)
-
-// The sub-blocks that a polyhedron touches. `place`: at the brick's centre; `slack`: of the greatest cap.
-INLINE ulong touched_subblocks(__global const Polyhedron* p, Place place, __private const float* caps, float slack) {
-    const Slopes slopes = slopes_of(p, place.z, p->reach_cube[2] * (0.5f * (CLSDF_BRICK - 1)), slack);
-#if LANES == 16
-    const Reach reach = widened(reach_of(p->reach_4x2x2, 1.0f), slack);
-#else
-    const Reach reach = widened(reach_of(p->reach_cube, 0.5f), slack);
-#endif
-    ulong touched = 0;
-    for (uint first = 0; first < SUBBLOCKS; first += LANES) {
-        const uintL b = LANE_NUMBERS + first;
-        const floatL i = convert_floatL(b & (SUBBLOCKS_X - 1)) * SUBBLOCK_X + (0.5f * (SUBBLOCK_X - 1) - 3.5f);
-        const floatL j = convert_floatL((b / SUBBLOCKS_X) & 3u) * 2.0f - 3.0f;
-        const floatL k = convert_floatL(b / (SUBBLOCKS_X * 4)) * 2.0f - 3.0f;
-        touched |= (ulong)touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach,
-                                              load_lanes(0, caps + first))
-                   << first;
-    }
-    return touched;
-}
-
-// The state of a brick's samples, a vector per sub-block.
-typedef struct Minimum {
-    floatL squared[SUBBLOCKS];
-#ifdef NEAREST
-    uintL triangle[SUBBLOCKS];
-#endif
-} Minimum;
-
-// The distance from the samples of sub-block b to the triangles of a list, into the minimum.
-inline void evaluate(uint b, uint count, __private const uint* chosen, __private const uint* kept,
-                     __private const Offsets* offsets, __global const Polyhedron* polyhedra, double3 centre,
-                     __private Minimum* minimum
-#ifdef COUNT
-                     ,
-                     float half_width, float slack, __private ulong* counters
-#endif
-) {
-    const uintL lane = LANE_NUMBERS;
-    const floatL i = convert_floatL(lane & (SUBBLOCK_X - 1)) + subblock_x(b);
-    const floatL j = convert_floatL((lane / SUBBLOCK_X) & 1u) + subblock_y(b);
-    const floatL k = convert_floatL(lane / (SUBBLOCK_X * 2)) + subblock_z(b);
-    floatL least = minimum->squared[b];
-#ifdef NEAREST
-    uintL nearest = minimum->triangle[b];
-#endif
-    for (uint n = 0; n < count; ++n) {
-        const uint c = chosen[n];
-        const Offsets o = offsets[c];
-        __global const Polyhedron* p = polyhedra + kept[c];
-#ifdef LONG_BRICKS
-        const floatL squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z), i, j, k);
-#else
-        const floatL squared = squared_distance(p, o, i, j, k);
-#endif
-#ifdef NEAREST
-        const uint triangle = p->triangle;
-        const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
-        nearest = better ? (uintL)triangle : nearest;
-        least = better ? squared : least;
-#else
-        least = squared < least ? squared : least;
-#endif
-#ifdef COUNT
-        counters[CLSDF_COUNT_COVERED] += popcount(covered_samples(p, o, i, j, k, half_width, slack) & LANE_BITS);
-#endif
-    }
-    minimum->squared[b] = least;
-#ifdef NEAREST
-    minimum->triangle[b] = nearest;
-#endif
-    COUNT_ADD(CLSDF_COUNT_LANES, (ulong)count * LANES);
-}
-
-// Puts a brick's vectors in the order of its samples, x fastest.
-inline void unpack(__private const uintL* vectors, __private uint* samples) {
-    for (uint b = 0; b < SUBBLOCKS; ++b) {
-        uint lanes[LANES];
-        store_lanes(vectors[b], 0, lanes);
-        const uint x = b % SUBBLOCKS_X * SUBBLOCK_X, y = b / SUBBLOCKS_X % 4 * 2, z = b / (SUBBLOCKS_X * 4) * 2;
-        for (uint lane = 0; lane < LANES; ++lane)
-            samples[(z + lane / (SUBBLOCK_X * 2)) * 64 + (y + lane / SUBBLOCK_X % 2) * 8 + x + lane % SUBBLOCK_X] =
-                lanes[lane];
-    }
-}
-
-// Stores values[begin, end) of a row of a brick.
-inline void store_row(uint8 values, int begin, int end, __global uint* row) {
-    if (end - begin == 8) {
-        vstore8(values, 0, row);
-        return;
-    }
-    uint each[8];
-    vstore8(values, 0, each);
-    for (int x = begin; x < end; ++x) row[x - begin] = each[x];
-}
-
-// Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the
-// fill.
-inline void write_brick(Layout layout, int3 brick, __private Minimum* minimum, __global const uint* sign_bits,
-                        __global float* distance
-#ifdef NEAREST
-                        ,
-                        __global uint* triangle
-#endif
-#ifdef COUNT
-                        ,
-                        __private ulong* counters
-#endif
-) {
-    uint squared[512];
-    unpack((__private const uintL*)minimum->squared, squared);
-#ifdef NEAREST
-    uint nearest[512];
-    unpack(minimum->triangle, nearest);
-#endif
-    const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
-    const int3 begin = max(brick * CLSDF_BRICK, first) - first,
-               end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
-    const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
-    const int3 relative_brick = brick - vload3(0, layout.brick_first);
-    for (int z = begin.z; z < end.z; ++z)
-        for (int y = begin.y; y < end.y; ++y) {
-            // The rows of sign bits cover whole bricks.
-            const size_t bit_row =
-                (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
-                (y - relative.y + relative_brick.y * CLSDF_BRICK);
-            const uint inside =
-                (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
-            const int row = (z - relative.z) * 64 + (y - relative.y) * 8;
-            const float8 square = as_float8(vload8(0, squared + row));
-            const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
-            const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
-            const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
-            const int8 in_band = square <= limit;
-            const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
-            const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
-            const size_t at = ((size_t)z * size.y + y) * size.x;
-            const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
-            store_row(as_uint8(value), x0, x1, (__global uint*)distance + at + begin.x);
-#ifdef NEAREST
-            store_row(in_band ? vload8(0, nearest + row) : (uint8)CLSDF_NO_TRIANGLE, x0, x1, triangle + at + begin.x);
-#endif
-#ifdef COUNT
-            int in[8];
-            vstore8(in_band, 0, in);
-            for (int x = x0; x < x1; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
-#endif
-        }
-}
-
-// Computes one brick from its list. `cap` bounds the distance of its samples, or is the band's half width.
-inline void compute_brick(Layout layout, int3 brick, uint count, __global const uint* list, float brick_cap,
-                          __global const Polyhedron* polyhedra, __global const uint* sign_bits, __global float* distance
-#ifdef NEAREST
-                          ,
-                          __global uint* triangle
-#endif
-#ifdef COUNT
-                          ,
-                          __private ulong* counters
-#endif
-) {
-    Minimum minimum;
+// Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width.
+inline void lower_minimum(Layout layout, int3 brick, uint count, __global const uint* list, float cap, bool is_first,
+                          __global const Polyhedron* polyhedra, __global Minimum* minimum, __private ulong* counters) {
     float caps[SUBBLOCKS];
     for (uint b = 0; b < SUBBLOCKS; ++b) {
-        minimum.squared[b] = INFINITY;
+        if (is_first) {
+            minimum->squared[b] = INFINITY;
 #ifdef NEAREST
-        minimum.triangle[b] = CLSDF_NO_TRIANGLE;
+            minimum->triangle[b] = CLSDF_NO_TRIANGLE;
 #endif
-        caps[b] = brick_cap;
-    }
-    // Polyhedra of the list that touch a sub-block, CHUNK at a time, and which of them each one touches.
-    uint kept[CHUNK], numbers[CHUNK], chosen[CHUNK];
-    uint masks[SUBBLOCKS / 32][CHUNK + 16];
-    Offsets offsets[CHUNK];
-    for (uint c = 0; c < CHUNK; ++c) numbers[c] = c;
-    const int3 first = brick * CLSDF_BRICK;
-    const double centre = 0.5 * (CLSDF_BRICK - 1);
-    const double x = first.x + centre, y = first.y + centre, z = first.z + centre;
-    const float slack = brick_cap * layout.slack_rate + layout.brick_slack;
-    for (uint e = 0; e < count;) {
-        uint n = 0;
-        ulong any = 0;
-        for (; e < count && n < CHUNK; ++e) {
-            __global const Polyhedron* p = polyhedra + list[e];
-            const ulong touched =
-                touched_subblocks(p, place_at(p, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1)), caps, slack);
-            kept[n] = list[e];
-            for (uint word = 0; word < SUBBLOCKS / 32; ++word) masks[word][n] = (uint)(touched >> (32 * word));
-            n += touched != 0;
-            any |= touched;
+            caps[b] = cap;
+        } else {
+            caps[b] = cap_of_subblock(minimum, b, cap);
         }
-        for (uint word = 0; word < SUBBLOCKS / 32; ++word) vstore16((uint16)(0), 0, masks[word] + n);
-        for (uint c = 0; c < n; ++c) offsets[c] = offsets_at(polyhedra + kept[c], x, y, z);
-        while (any) {
-            const uint b = 63 - (uint)clz(any & (0 - any));
-            any &= any - 1;
-            const uint length = choose_private(masks[b / 32], numbers, n, b % 32, chosen);
-            evaluate(b, length, chosen, kept, offsets, polyhedra, (double3)(x, y, z), &minimum
-#ifdef COUNT
-                     ,
-                     layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
-#endif
-            );
-            if (e < count) {
-                const float reached = sqrt(greatest_lane(minimum.squared[b]));
-                caps[b] = LESSER(reached, brick_cap);
+    }
+    uint numbers[CHUNK], lists[SUBBLOCKS * LIST_ROOM], lengths[SUBBLOCKS];
+    Evaluated evaluated[CHUNK];
+    const int3 first = brick * CLSDF_BRICK;
+    const float centre = 0.5f * (CLSDF_BRICK - 1);
+    const double3 at = convert_double3(first) + (double)centre;
+    const float slack = cap * layout.slack_rate + layout.brick_slack;
+    for (uint begin = 0; begin < count; begin += CHUNK) {
+        const uint end = min(begin + CHUNK, count);
+        for (uint b = 0; b < SUBBLOCKS; ++b) lengths[b] = 0;
+        for (uint e = begin; e < end; e += LANES) {
+            const uint n = e - begin;
+            load_numbers(list, e, end, numbers + n);
+            const LanePolyhedra p = lane_polyhedra(polyhedra, numbers + n, first, centre);
+            uint any = list_subblocks(&p, caps, slack, lanes_in_list(e, end), n, lists, lengths);
+            for (; any; any &= any - 1) {
+                const uint c = n + 31 - clz(any & (0 - any));
+                evaluated[c] = evaluated_at(polyhedra, numbers[c], at);
             }
         }
+        for (uint b = 0; b < SUBBLOCKS; ++b) {
+            if (lengths[b] == 0) continue;
+            evaluate(b, lengths[b], lists + b * LIST_ROOM, evaluated, polyhedra, at, minimum, layout, counters);
+            if (end < count) caps[b] = cap_of_subblock(minimum, b, cap);
+        }
     }
-    COUNT_ADD(CLSDF_COUNT_BRICK_PAIRS, count);
-    write_brick(layout, brick, &minimum, sign_bits, distance
-#ifdef NEAREST
-                ,
-                triangle
-#endif
 #ifdef COUNT
-                ,
-                counters
+    counters[CLSDF_COUNT_BRICK_PAIRS] += count;
 #endif
-    );
 }
 
 // Upper bounds of the distance for the samples of each of a coarse brick's 64 bricks: the distance of the brick's
@@ -318,13 +89,82 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
     }
 }
 
+// A work-item's own memory.
+typedef struct Scratch {
+    LaneMask
+        masks[64 * CLSDF_LIST_PART / LANES];  // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
+    uint list[CLSDF_LIST_PART + LANES];
+} Scratch;
+
+// Which of the 64 bricks of a coarse brick lie in the part.
+inline ulong bricks_of_part(Layout layout, int3 coarse) {
+    const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
+    ulong in_part = 0;
+    for (uint b = 0; b < 64; ++b) {
+        const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b) - brick_first;
+        in_part |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
+    }
+    return in_part;
+}
+
+// Which bricks the polyhedra of a part of a list touch; of each brick, which of them.
+inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                         __private const float* caps, float slack, __global const Polyhedron* polyhedra,
+                         __global LaneMask* masks) {
+    ulong any = 0;
+    for (uint e = 0; e < count; e += LANES) {
+        uint numbers[LANES];
+        load_numbers(entries, e, count, numbers);
+        for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead) request(polyhedra + entries[ahead]);
+        const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, coarse * CLSDF_COARSE, 0.5f * (CLSDF_COARSE - 1));
+        any |= touched_bricks(&p, caps, slack, lanes_in_list(e, count), masks + e / LANES, CLSDF_LIST_PART / LANES);
+    }
+    return any;
+}
+
+inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries, float coarse_cap,
+                                 __global const Polyhedron* polyhedra, __global const uint* sign_bits,
+                                 __global uchar* computed, __global Scratch* scratch, __global Minimum* minima,
+                                 Output output, __private ulong* counters) {
+    const ulong in_part = bricks_of_part(layout, coarse);
+    const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
+    float caps[64];
+    brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, caps);
+    const bool is_short = count <= CLSDF_LIST_PART;
+    ulong begun = 0;
+    for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
+        const uint length = min(count - begin, (uint)CLSDF_LIST_PART);
+        ulong any =
+            in_part & list_bricks(layout, coarse, length, entries + begin, caps, slack, polyhedra, scratch->masks);
+        for (; any; any &= any - 1) {
+            const uint b = 63 - (uint)clz(any & (0 - any));
+            const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
+            const uint chosen =
+                choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
+            __global Minimum* minimum = minima + (is_short ? 0 : b);
+            lower_minimum(layout, brick, chosen, scratch->list, caps[b], !(begun >> b & 1), polyhedra, minimum,
+                          counters);
+            begun |= 1ul << b;
+            if (is_short)
+                write_brick(layout, brick, minimum, sign_bits, computed, output, counters);
+            else
+                caps[b] = cap_of_brick(minimum, caps[b]);
+        }
+    }
+    for (ulong rest = is_short ? 0 : begun; rest; rest &= rest - 1) {
+        const uint b = 63 - (uint)clz(rest & (0 - rest));
+        write_brick(layout, coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b), minima + b, sign_bits, computed,
+                    output, counters);
+    }
+}
+
 // Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's
 // first.
 __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order,
                                __global const uint* starts, uint parts, __global const uint* entries,
                                __global const float* coarse_caps, __global const Polyhedron* polyhedra,
-                               __global const uint* sign_bits, __global uchar* computed, __global uint* scratch_masks,
-                               __global uint* scratch_list, uint scratch_length, __global float* distance
+                               __global const uint* sign_bits, __global uchar* computed, __global Scratch* all_scratch,
+                               __global Minimum* all_minima, uint minima_per_item, __global float* distance
 #ifdef NEAREST
                                ,
                                __global uint* triangle
@@ -335,58 +175,24 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
 #endif
 ) {
     const size_t item = get_global_id(0);
-    __global uint* masks = scratch_masks + item * 2 * scratch_length;  // of bricks 0 to 31, of 32 to 63
-    __global uint* list = scratch_list + item * scratch_length;
-#ifdef COUNT
-    ulong counters[CLSDF_COUNTERS] = {0, 0, 0, 0};
+    __global Scratch* scratch = all_scratch + item;
+    __global Minimum* minima = all_minima + item * minima_per_item;  // 64 where a list is long, else 1
+    ulong counters[CLSDF_COUNTERS] = {0};
+    Output output;
+    output.distance = distance;
+#ifdef NEAREST
+    output.triangle = triangle;
 #endif
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
-    const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     for (;;) {
         const uint turn = atomic_inc(turns + launch);
         if (turn >= end) break;
         const uint number = order[turn];
         const uint begin = starts[number * parts], count = starts[(number + 1) * parts] - begin;
         const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
-        const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
-        float caps[64];
-        brick_caps(layout, coarse, count, entries + begin, polyhedra, coarse_cap, caps);
-        ulong wanted = 0;
-        for (uint b = 0; b < 64; ++b) {
-            const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4) - brick_first;
-            wanted |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
-        }
-        const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
-        ulong any = 0;
-        for (uint e = 0; e < count; ++e) {
-            request(polyhedra + entries[min(begin + e + 4, begin + count - 1)]);
-            const ulong touched =
-                touched_group(polyhedra + entries[begin + e], coarse.x * CLSDF_COARSE, coarse.y * CLSDF_COARSE,
-                              coarse.z * CLSDF_COARSE, CLSDF_BRICK, wanted, caps, slack);
-            masks[e] = (uint)touched;
-            masks[scratch_length + e] = (uint)(touched >> 32);
-            any |= touched;
-        }
-        vstore16((uint16)(0), 0, masks + count);
-        vstore16((uint16)(0), 0, masks + scratch_length + count);
-        while (any) {
-            const uint b = 63 - (uint)clz(any & (0 - any));
-            any &= any - 1;
-            const uint length = choose(masks + b / 32 * scratch_length, entries + begin, count, b % 32, list);
-            const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3, (b >> 2) & 3, b >> 4);
-            const int3 relative = brick - brick_first;
-            computed[((size_t)relative.z * bricks.y + relative.y) * bricks.x + relative.x] = 1;
-            compute_brick(layout, brick, length, list, caps[b], polyhedra, sign_bits, distance
-#ifdef NEAREST
-                          ,
-                          triangle
-#endif
-#ifdef COUNT
-                          ,
-                          counters
-#endif
-            );
-        }
+        compute_coarse_brick(layout, coarse, count, entries + begin,
+                             coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, sign_bits,
+                             computed, scratch, minima, output, counters);
     }
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) all_counters[item * CLSDF_COUNTERS + c] += counters[c];

@@ -14,27 +14,43 @@
 
 // The formulas above; `past` is t minus the length of the slanted edge.
 INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL t, floatL past) {
-    const floatL before = LESSER(t, 0.0f);
-    const floatL end = GREATER(past, before);
-    const floatL out = GREATER(r, 0.0f);
-    const floatL corner = GREATER(beyond, 0.0f);
-    const floatL in_plane = y < 0.0f ? corner * corner + y * y : end * end + out * out;
-    return in_plane + z * z;
+    const intL below = y < 0.0f;
+    const floatL along = GREATER(below ? beyond : past, below ? (floatL)0.0f : LESSER(t, 0.0f));
+    const floatL outward = below ? y : GREATER(r, 0.0f);
+    return along * along + outward * outward + z * z;
+}
+
+// The numbers of a polyhedron that the distance takes beside the offsets.
+typedef struct Steps {
+    float x[3], y[3], z[3];         // of (X, Y, Z), along the lattice's axes
+    float along_right, along_left;  // normals of the slanted edges
+    float across_right, across_left;
+} Steps;
+
+INLINE Steps steps_of(__global const Polyhedron* p) {
+    const float4 normal = vload4(0, p->normal_along);
+    const Steps s = {{p->gradient_x[0], p->gradient_x[1], p->gradient_x[2]},
+                     {p->gradient_y[0], p->gradient_y[1], p->gradient_y[2]},
+                     {p->gradient_z[0], p->gradient_z[1], p->gradient_z[2]},
+                     normal.x,
+                     normal.y,
+                     normal.z,
+                     normal.w};
+    return s;
 }
 
 // Squared distance from the samples (i, j, k) away from the point of the offsets, in squared units.
-INLINE floatL squared_distance(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k) {
-    const floatL dx = i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]);
-    const floatL dy = i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]);
-    const floatL dz = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + o.z_low));
+INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
+    const floatL dx = i * s.x[0] + (j * s.y[0] + k * s.z[0]);
+    const floatL dy = i * s.x[1] + (j * s.y[1] + k * s.z[1]);
+    const floatL dz = i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low));
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
 
     const intL right = o.x + dx >= 0.0f;
     const floatL away = right ? dx : -dx;
-    const floatL along = right ? (floatL)p->normal_along[CLSDF_HALF_RIGHT] : (floatL)p->normal_along[CLSDF_HALF_LEFT];
-    const floatL across =
-        right ? (floatL)p->normal_across[CLSDF_HALF_RIGHT] : (floatL)p->normal_across[CLSDF_HALF_LEFT];
+    const floatL along = right ? (floatL)s.along_right : (floatL)s.along_left;
+    const floatL across = right ? (floatL)s.across_right : (floatL)s.across_left;
     const floatL dr = along * away + across * dy;
     const floatL dt = along * dy - across * away;
     const floatL beyond = (right ? (floatL)o.beyond_right : (floatL)o.beyond_left) + away;

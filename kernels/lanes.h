@@ -13,10 +13,10 @@ typedef uint16 uintL;
 #define LANE_BITS 0xFFFFu
 #define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define load_lanes vload16
-#define store_lanes vstore16
 #define convert_floatL convert_float16
 #define convert_doubleL convert_double16
 #define as_uintL as_uint16
+#define as_intL as_int16
 #elif LANES == 8
 typedef float8 floatL;
 typedef double8 doubleL;
@@ -26,10 +26,10 @@ typedef uint8 uintL;
 #define LANE_BITS 0xFFu
 #define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define load_lanes vload8
-#define store_lanes vstore8
 #define convert_floatL convert_float8
 #define convert_doubleL convert_double8
 #define as_uintL as_uint8
+#define as_intL as_int8
 #elif LANES == 1
 typedef float floatL;
 typedef double doubleL;
@@ -39,9 +39,32 @@ typedef uint uintL;
 #define LANE_BITS 1u
 #define LANE_NUMBERS 0u
 #define load_lanes(offset, p) ((p)[offset])
-#define store_lanes(value, offset, p) ((p)[offset] = (value))
 #define convert_floatL convert_float
 #define convert_doubleL convert_double
+#endif
+
+#if LANES == 1
+#define store_lanes(value, offset, p) ((p)[offset] = (value))
+#elif defined(__clang__)
+// PoCL's vstore16 is three stores and two shuffles, its vstore8 two and one; a vector without alignment is one store.
+#define DEFINE_STORE(name, Vector, Element, count, space)                                                              \
+    typedef Vector __attribute__((aligned(4))) Unaligned_##name##_##Vector##_##space;                                  \
+    inline __attribute__((overloadable, always_inline)) void name(Vector value, size_t offset, __##space Element* p) { \
+        *(__##space Unaligned_##name##_##Vector##_##space*)(p + count * offset) = value;                               \
+    }
+DEFINE_STORE(store_lanes, floatL, float, LANES, private)
+DEFINE_STORE(store_lanes, floatL, float, LANES, global)
+DEFINE_STORE(store_lanes, uintL, uint, LANES, private)
+DEFINE_STORE(store_lanes, uintL, uint, LANES, global)
+DEFINE_STORE(store_eight, uint8, uint, 8, global)
+DEFINE_STORE(store_eight, float8, float, 8, global)
+#undef DEFINE_STORE
+#elif LANES == 16
+#define store_lanes vstore16
+#define store_eight vstore8
+#else
+#define store_lanes vstore8
+#define store_eight vstore8
 #endif
 
 // Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the

@@ -11,6 +11,9 @@
 #define CLSDF_COARSE 32
 #define CLSDF_BRICKS_PER_COARSE 4
 
+// How many polyhedra of a coarse brick's list the vector body takes at a time.
+#define CLSDF_LIST_PART 2048
+
 // The nearest triangle of a sample beyond the band.
 #define CLSDF_NO_TRIANGLE 0xFFFFFFFFu
 

@@ -54,6 +54,7 @@ using clsdf_uint32 = std::uint32_t;
 #define CLSDF_NEAR_LENGTH 500
 
 typedef struct Polyhedron {
+    // What tests read, 32 words, so that several polyhedra can be transposed into lanes (lane_polyhedra.h).
     // Columns: [0] of X, [1] of Y, [2] of Z. Columns are read as vectors of four, the fourth being the next member.
     float gradient_x[3];
     float gradient_y[3];
@@ -62,22 +63,14 @@ typedef struct Polyhedron {
     float base[2];           // by half: distance from the altitude's foot to the end of the base, >= 0
     float normal_along[2];   // by half: component of the slanted edge's outward normal away from the altitude, >= 0
     float normal_across[2];  // by half: its component along Y, >= 0
-
-    clsdf_uint32 flags;
-    clsdf_uint32 triangle;  // index in the caller's order; of a point site: one of its vertex's triangles
-    clsdf_int32 origin_x;   // of the integer origin, in samples of the lattice
+    float slope_above[3];    // by edge, on the side Z > 0; widened by the rounding of a float
+    float slope_below[3];    // by edge, on the side Z < 0
+    float foot[3];           // of the altitude, from the integer origin, along the lattice's axes
+    clsdf_int32 origin_x;    // of the integer origin, in samples of the lattice
     clsdf_int32 origin_y;
     clsdf_int32 origin_z;
-
-    float slope_above[3];  // by edge, on the side Z > 0; widened by the rounding of a float
-    float slope_below[3];  // by edge, on the side Z < 0
-
-    // Reach of a block of samples along X, Y, Z and the outward normals of the right and left slanted edge: half of the
-    // block's width in that direction.
-    float reach_cube[5];   // of a cube, per sample of half its side: |g_x| + |g_y| + |g_z|
-    float reach_4x2x2[5];  // of 4 x 2 x 2 samples: 1.5 |g_x| + 0.5 |g_y| + 0.5 |g_z|
-
-    float foot[3];  // of the altitude, from the integer origin, along the lattice's axes
+    clsdf_uint32 flags;
+    clsdf_uint32 triangle;  // index in the caller's order; of a point site: one of its vertex's triangles
 
     double exact_gradient_x[3];
     double exact_gradient_y[3];
@@ -90,10 +83,10 @@ typedef struct Polyhedron {
 } Polyhedron;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(Polyhedron) == 320);
-static_assert(offsetof(Polyhedron, flags) == 72);
-static_assert(offsetof(Polyhedron, slope_above) == 92);
-static_assert(offsetof(Polyhedron, exact_gradient_x) == 168);
+static_assert(sizeof(Polyhedron) == 280);
+static_assert(offsetof(Polyhedron, slope_above) == 72);
+static_assert(offsetof(Polyhedron, flags) == 120);
+static_assert(offsetof(Polyhedron, exact_gradient_x) == 128);
 }  // namespace clsdf
 #endif
 

@@ -138,7 +138,7 @@ inline void scan_row(Layout layout, Piece piece, __global const PiecePlane* plan
                                        : squared_distance_to_site_long_brick(p, frame, piece.site, i, j, k);
 #else
             const floatL squared = piece.site == CLSDF_SITE_NEAREST
-                                       ? squared_distance(p, offsets, i, j, k)
+                                       ? squared_distance(steps_of(p), offsets, i, j, k)
                                        : squared_distance_to_site(p, offsets, piece.site, i, j, k);
 #endif
             COUNT_ADD(CLSDF_SLICES_EVALUATED, LANES);

@@ -13,9 +13,11 @@ namespace clsdf::device {
 namespace {
 
 /// A smaller device can be tried out on a larger one.
-void limit_by_environment(const char* name, std::size_t& bytes) {
+template <typename Number>
+void limit_by_environment(const char* name, Number& number) {
     if (const char* limit = std::getenv(name))
-        if (const std::size_t most = std::strtoull(limit, nullptr, 10); most > 0) bytes = std::min(bytes, most);
+        if (const std::size_t most = std::strtoull(limit, nullptr, 10); most > 0)
+            number = static_cast<Number>(std::min<std::size_t>(number, most));
 }
 
 /// All that the compiled program depends on.
@@ -64,6 +66,7 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
     limit_by_environment("CLSDF_MAX_ALLOCATION", capabilities.largest_allocation);
     limit_by_environment("CLSDF_MAX_MEMORY", capabilities.memory);
+    limit_by_environment("CLSDF_MAX_FLOAT_WIDTH", capabilities.float_width);
     return capabilities;
 }
 

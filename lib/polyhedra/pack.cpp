@@ -19,11 +19,6 @@ clsdf_int32 nearest_sample(double samples) {
     return static_cast<clsdf_int32>(std::nearbyint(std::clamp(samples, -limit, limit)));
 }
 
-/// Steps along (i, j, k) of the lattice, of a quantity whose metric gradient is given.
-Vector steps(const Vector& gradient, const LatticeView& lattice) {
-    return gradient.cwiseProduct(to_vector(lattice.spacing_in_units)).cwiseAbs();
-}
-
 bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
     const auto is_flat = [](float slope) { return slope <= 1; };
     return std::min(frame.normal_along[0], frame.normal_along[1]) > 0.15 &&
@@ -63,20 +58,6 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
     pack_axis(2, polyhedron.exact_gradient_z, polyhedron.gradient_z);
 }
 
-void pack_reaches(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
-    const auto slanted = [&](std::size_t half) {
-        const double along = half == CLSDF_HALF_RIGHT ? frame.normal_along[half] : -frame.normal_along[half];
-        return Vector(along * frame.along + frame.normal_across[half] * frame.across);
-    };
-    const Vector directions[] = {frame.along, frame.across, frame.normal, slanted(CLSDF_HALF_RIGHT),
-                                 slanted(CLSDF_HALF_LEFT)};
-    for (std::size_t i = 0; i < 5; ++i) {
-        const Vector step = steps(directions[i], lattice);
-        polyhedron.reach_cube[i] = widened(step.sum());
-        polyhedron.reach_4x2x2[i] = widened(1.5 * step.x() + 0.5 * step.y() + 0.5 * step.z());
-    }
-}
-
 }  // namespace
 
 Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_t triangle,
@@ -84,7 +65,6 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
     Polyhedron polyhedron{};
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
-    pack_reaches(frame, lattice, polyhedron);
     polyhedron.exact_altitude = frame.altitude();
     for (std::size_t half = 0; half < 2; ++half) {
         store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);

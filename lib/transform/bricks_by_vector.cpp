@@ -11,6 +11,20 @@ namespace {
 // field.
 constexpr double pairs_per_core_and_launch = 40000;
 
+constexpr std::size_t bricks_per_coarse = 64;
+constexpr std::size_t samples_per_brick = 512;
+
+/// Of a work-item, as in bricks_by_vector.cl: masks of the polyhedra that touch each brick, and a list.
+constexpr std::size_t scratch_bytes() {
+    constexpr std::size_t widest_vector = 16, bits = 8;
+    return bricks_per_coarse * CLSDF_LIST_PART / bits + (CLSDF_LIST_PART + widest_vector) * sizeof(cl_uint);
+}
+
+/// The minima of one brick.
+std::size_t minimum_bytes(const BrickVariant& variant) {
+    return samples_per_brick * (variant.triangle ? sizeof(cl_float) + sizeof(cl_uint) : sizeof(cl_float));
+}
+
 class BricksByVector final : public BrickKernel {
 public:
     BricksByVector(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
@@ -21,14 +35,13 @@ public:
           with_triangle_(variant.triangle),
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
-        // The kernel reads and stores whole vectors at a list's end.
-        constexpr std::size_t vector = 16;
-        const std::size_t longest_list =
-            (lists.lengths.empty() ? 0 : *std::max_element(lists.lengths.begin(), lists.lengths.end())) + 2 * vector;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
-        masks_ = pool->lease(work_items_ * 2 * longest_list * sizeof(cl_uint), "scratch masks");
-        list_ = pool->lease(work_items_ * longest_list * sizeof(cl_uint), "scratch lists");
+        const bool has_long_list = std::any_of(lists.lengths.begin(), lists.lengths.end(),
+                                               [](std::size_t length) { return length > CLSDF_LIST_PART; });
+        const std::size_t minima_per_item = has_long_list ? bricks_per_coarse : 1;
+        scratch_ = pool->lease(work_items_ * scratch_bytes(), "scratch of the bricks");
+        minima_ = pool->lease(work_items_ * minima_per_item * minimum_bytes(variant), "minima of the bricks");
         std::vector<cl_uint> first_turns;
         for (const Launch& launch : launches_) first_turns.push_back(launch.begin);
         if (!first_turns.empty())
@@ -45,9 +58,9 @@ public:
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
         kernel_.setArg(arg_computed, inputs.computed);
-        kernel_.setArg(arg_masks, *masks_);
-        kernel_.setArg(arg_list, *list_);
-        kernel_.setArg(arg_list_length, static_cast<cl_uint>(longest_list));
+        kernel_.setArg(arg_scratch, *scratch_);
+        kernel_.setArg(arg_minima, *minima_);
+        kernel_.setArg(arg_minima_per_item, static_cast<cl_uint>(minima_per_item));
         if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
         warm_up(context.queue(), inputs.computed);
     }
@@ -71,7 +84,7 @@ public:
     }
 
     std::size_t device_bytes() const override {
-        return BrickKernel::device_bytes() + turns_.bytes() + first_turns_.bytes() + masks_.bytes() + list_.bytes();
+        return BrickKernel::device_bytes() + turns_.bytes() + first_turns_.bytes() + scratch_.bytes() + minima_.bytes();
     }
 
 private:
@@ -88,9 +101,9 @@ private:
         arg_polyhedra,
         arg_sign_bits,
         arg_computed,
-        arg_masks,
-        arg_list,
-        arg_list_length,
+        arg_scratch,
+        arg_minima,
+        arg_minima_per_item,
         arg_distance,
         arg_optional  // the triangles, then the counters, where asked for
     };
@@ -111,8 +124,8 @@ private:
     cl::Kernel kernel_;
     device::BufferPool::Lease turns_;
     device::BufferPool::Lease first_turns_;
-    device::BufferPool::Lease masks_;
-    device::BufferPool::Lease list_;
+    device::BufferPool::Lease scratch_;
+    device::BufferPool::Lease minima_;
 };
 
 }  // namespace

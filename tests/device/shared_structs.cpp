@@ -47,8 +47,6 @@ const std::vector<Agreement> agreements{
     CLSDF_OFFSET(Polyhedron, origin_z),
     CLSDF_OFFSET(Polyhedron, slope_above),
     CLSDF_OFFSET(Polyhedron, slope_below),
-    CLSDF_OFFSET(Polyhedron, reach_cube),
-    CLSDF_OFFSET(Polyhedron, reach_4x2x2),
     CLSDF_OFFSET(Polyhedron, foot),
     CLSDF_OFFSET(Polyhedron, exact_gradient_x),
     CLSDF_OFFSET(Polyhedron, exact_gradient_y),

@@ -283,41 +283,6 @@ BOOST_AUTO_TEST_CASE(compact_polyhedra_are_bounded_by_their_lateral_planes_alone
     BOOST_TEST(compact > frusta.polyhedra.size() / 2);
 }
 
-BOOST_AUTO_TEST_CASE(reaches_bound_the_frame_over_blocks_of_samples) {
-    const Mesh mesh = single_triangle({0, 0, 0}, {20, 3, 1}, {4, 11, 5});
-    const Polyhedron record = leaned_frusta(mesh, {{0, 0, 0}, 1, {1, 1.5, 3}}, half_width, slack).polyhedra.front();
-    const PointwisePolyhedron polyhedron(record, half_width, slack);
-    const auto coordinates = [&](const Vec3& point) {
-        const auto [x, y, z] = polyhedron.frame(point);
-        const auto high = [&](std::size_t i) {
-            return std::array{static_cast<double>(record.normal_along[i]),
-                              static_cast<double>(record.normal_across[i])};
-        };
-        const auto [along_right, across_right] = high(CLSDF_HALF_RIGHT);
-        const auto [along_left, across_left] = high(CLSDF_HALF_LEFT);
-        return std::array{x, y, z, along_right * x + across_right * y, -along_left * x + across_left * y};
-    };
-    std::array<double, 5> cube{};
-    std::array<double, 5> block{};
-    const auto centre = coordinates({0, 0, 0});
-    for (const double i : {-1.0, 1.0})
-        for (const double j : {-1.0, 1.0})
-            for (const double k : {-1.0, 1.0}) {
-                const auto corner = coordinates({i, j, k});
-                const auto end = coordinates({1.5 * i, 0.5 * j, 0.5 * k});
-                for (std::size_t n = 0; n < 5; ++n) {
-                    cube[n] = std::max(cube[n], corner[n] - centre[n]);
-                    block[n] = std::max(block[n], end[n] - centre[n]);
-                }
-            }
-    for (std::size_t n = 0; n < 5; ++n) {
-        BOOST_TEST(static_cast<double>(record.reach_cube[n]) >= cube[n] * (1 - 1e-7));
-        BOOST_TEST(static_cast<double>(record.reach_cube[n]) <= cube[n] * (1 + 3e-6));
-        BOOST_TEST(static_cast<double>(record.reach_4x2x2[n]) >= block[n] * (1 - 1e-7));
-        BOOST_TEST(static_cast<double>(record.reach_4x2x2[n]) <= block[n] * (1 + 3e-6));
-    }
-}
-
 BOOST_AUTO_TEST_SUITE_END()
 
 }  // namespace

@@ -99,3 +99,17 @@ BOOST_AUTO_TEST_CASE(vectors_of_eight_compute_exactly) {
         check(knot, grid, Band::symmetric(3 * grid.voxel()));
     }
 }
+
+// Lists of coarse bricks that are taken in parts, between which minima wait in memory.
+BOOST_AUTO_TEST_CASE(vectors_compute_long_lists_exactly) {
+    const Mesh mesh = tilted(make_shape("sphere6"));
+    const Grid grid = grid_around(mesh, 40, 3);
+    for (const Band& band : {Band::symmetric(2.5 * grid.voxel()), Band::full()}) {
+        const Field field = compute(mesh, grid, band, KernelBody::by_vector);
+        BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
+        DistanceTransform narrow(with_float_width(8), mesh, {.body = KernelBody::by_vector, .count = true});
+        const Field by_eight = narrow(grid, band, {.triangle = true});
+        check_exact(mesh, by_eight, guaranteed);
+        check_agreement(field, by_eight);
+    }
+}

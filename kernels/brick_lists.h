@@ -1,0 +1,154 @@
+// Lists by vectors of polyhedra: which bricks of a coarse brick, and which sub-blocks of a brick, each one touches.
+#ifndef CLSDF_BRICK_LISTS_H
+#define CLSDF_BRICK_LISTS_H
+
+#include "lane_polyhedra.h"
+
+// Sub-blocks are SUBBLOCK_X x 2 x 2 samples, a vector; number b of a brick is the b-th with x running fastest.
+#define SUBBLOCK_X (LANES / 4)
+#define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
+#define SUBBLOCKS (512 / LANES)
+
+// How many polyhedra of a brick's list are taken at a time.
+#define CHUNK 128
+#define LIST_ROOM (CHUNK + LANES)
+
+// A bit a lane.
+#if LANES == 16
+typedef ushort LaneMask;
+#else
+typedef uchar LaneMask;
+#endif
+
+// The lanes whose bit is set, in order, at the front of the vector. What lies behind them does not matter.
+#if LANES == 16 && defined(__AVX512F__)
+INLINE uintL packed(uintL values, uint bits) {
+    return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
+}
+#elif LANES == 8 && defined(__AVX2__) && defined(__BMI2__)
+INLINE uintL packed(uintL values, uint bits) {
+    const ulong bytes = __builtin_ia32_pdep_di(bits, 0x0101010101010101ul) * 0xFFul;
+    const ulong lanes = __builtin_ia32_pext_di(0x0706050403020100ul, bytes);
+    return as_uint8(__builtin_ia32_permvarsi256(as_int8(values), convert_int8(as_uchar8(lanes))));
+}
+#else
+INLINE uintL packed(uintL values, uint bits) {
+    uint each[LANES];
+    store_lanes(values, 0, each);
+    for (uint n = 0; bits; bits &= bits - 1) each[n++] = each[31 - clz(bits & (0 - bits))];
+    return load_lanes(0, each);
+}
+#endif
+
+// Brick b of a coarse brick.
+INLINE int3 brick_in_coarse(uint b) {
+    return (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
+}
+
+// The numbers list[e, e + LANES); beyond the list's end, its last.
+INLINE void load_numbers(__global const uint* list, uint e, uint count, __private uint* numbers) {
+    if (e + LANES <= count)
+        store_lanes(load_lanes(0, list + e), 0, numbers);
+    else
+        for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = list[min(e + lane, count - 1)];
+}
+
+INLINE uint lanes_in_list(uint e, uint count) {
+    return e + LANES <= count ? LANE_BITS : (1u << (count - e)) - 1;
+}
+
+// Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 touch: brick b's mask of lanes goes to
+// masks[b * stride]. Returns which bricks any of them touches.
+INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes,
+                            __global LaneMask* masks, uint stride) {
+    Bounds reach = reach_of_lanes(p, 0.5f * (CLSDF_BRICK - 1), 0.5f * (CLSDF_BRICK - 1), 0.5f * (CLSDF_BRICK - 1));
+    const Bounds step_x = bounds_product(p->step_x, CLSDF_BRICK), step_y = bounds_product(p->step_y, CLSDF_BRICK),
+                 step_z = bounds_product(p->step_z, CLSDF_BRICK);
+    Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
+                              bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f)));
+    slice = without_reach(slice, reach, slack);
+    const floatL reach_z = reach.z + slack;
+    ulong any = 0;
+    uint b = 0;
+    for (uint z = 0; z < 4; ++z) {
+        Bounds row = slice;
+        for (uint y = 0; y < 4; ++y) {
+            Bounds at = row;
+#pragma unroll
+            for (uint x = 0; x < 4; ++x) {
+                const floatL above = reach_z + at.z, below = reach_z - at.z;
+#define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
+                const uint touched =
+                    lanes & lanes_to_bits(touches(at, fabs(at.z), WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT),
+                                                  WIDTH(CLSDF_EDGE_LEFT), reach_z, (floatL)caps[b], p->all_compact));
+#undef WIDTH
+                masks[(size_t)b * stride] = (LaneMask)touched;
+                any |= (ulong)(touched != 0) << b;
+                ++b;
+                at = bounds_sum(at, step_x);
+            }
+            row = bounds_sum(row, step_y);
+        }
+        slice = bounds_sum(slice, step_z);
+    }
+    return any;
+}
+
+// Appends the numbers first, first + 1, ... of those polyhedra that touch a sub-block to its list. Returns which of
+// them touch any.
+INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes, uint first,
+                           __private uint* lists, __private uint* lengths) {
+    const float half_x = 0.5f * (SUBBLOCK_X - 1);
+    const Bounds reach = reach_of_lanes(p, half_x, 0.5f, 0.5f);
+    const Bounds step_x = bounds_product(p->step_x, SUBBLOCK_X), step_y = bounds_product(p->step_y, 2.0f),
+                 step_z = bounds_product(p->step_z, 2.0f);
+    Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
+                              bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
+    slice = without_reach(slice, reach, slack);
+    const floatL reach_z = reach.z + slack;
+    // Slopes of the side of the face on which all of the brick's samples lie; where they lie on both, or within the
+    // slack of the face, the greater ones, which bound both.
+    const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
+    const intL is_above = p->at.z - extent > slack, is_below = -p->at.z - extent > slack;
+    floatL slopes[3];
+#pragma unroll
+    for (uint edge = 0; edge < 3; ++edge)
+        slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : GREATER(p->above[edge], p->below[edge]);
+    const uintL numbers = LANE_NUMBERS + first;
+    uint any = 0, b = 0;
+    for (uint z = 0; z < 4; ++z) {
+        Bounds row = slice;
+        for (uint y = 0; y < 4; ++y) {
+            Bounds at = row;
+#pragma unroll
+            for (uint x = 0; x < SUBBLOCKS_X; ++x) {
+                const floatL height = fabs(at.z), wide = height + reach_z;
+                const uint touched =
+                    lanes &
+                    lanes_to_bits(touches(at, height, slopes[CLSDF_EDGE_BASE] * wide, slopes[CLSDF_EDGE_RIGHT] * wide,
+                                          slopes[CLSDF_EDGE_LEFT] * wide, reach_z, (floatL)caps[b], p->all_compact));
+                store_lanes(packed(numbers, touched), 0, lists + b * LIST_ROOM + lengths[b]);
+                lengths[b] += popcount(touched);
+                any |= touched;
+                ++b;
+                at = bounds_sum(at, step_x);
+            }
+            row = bounds_sum(row, step_y);
+        }
+        slice = bounds_sum(slice, step_z);
+    }
+    return any;
+}
+
+// The entries of a list that masks choose; returns how many. There is room for a vector beyond them.
+INLINE uint choose(uint count, __global const uint* entries, __global const LaneMask* masks, __global uint* chosen) {
+    uint length = 0;
+    for (uint e = 0; e < count; e += LANES) {
+        const uint bits = masks[e / LANES];
+        store_lanes(packed(load_lanes(0, entries + e), bits), 0, chosen + length);
+        length += popcount(bits);
+    }
+    return length;
+}
+
+#endif

@@ -1,0 +1,172 @@
+// The least distance of each sample of a brick: from lists by sub-block into the field.
+#ifndef CLSDF_BRICK_MINIMUM_H
+#define CLSDF_BRICK_MINIMUM_H
+
+#include "blocks.h"
+#include "brick_lists.h"
+#include "distance.h"
+
+// Offsets of the first sample of sub-block b from the brick's centre.
+inline float subblock_x(uint b) {
+    return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f;
+}
+inline float subblock_y(uint b) {
+    return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f;
+}
+inline float subblock_z(uint b) {
+    return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
+}
+
+// The state of a brick's samples, a vector per sub-block.
+typedef struct Minimum {
+    floatL squared[SUBBLOCKS];
+#ifdef NEAREST
+    uintL triangle[SUBBLOCKS];
+#endif
+} Minimum;
+
+// A polyhedron at a brick: what its distances take, side by side.
+typedef struct Evaluated {
+    Offsets offsets;
+    Steps steps;
+    uint triangle;
+    uint number;
+} Evaluated;
+
+INLINE Evaluated evaluated_at(__global const Polyhedron* polyhedra, uint number, double3 at) {
+    __global const Polyhedron* p = polyhedra + number;
+    Evaluated e;
+    e.offsets = offsets_at(p, at.x, at.y, at.z);
+    e.steps = steps_of(p);
+    e.triangle = p->triangle;
+    e.number = number;
+    return e;
+}
+
+// The distance from the samples of sub-block b to the triangles of a list, into the minimum.
+inline void evaluate(uint b, uint count, __private const uint* chosen, __private const Evaluated* evaluated,
+                     __global const Polyhedron* polyhedra, double3 centre, __global Minimum* minimum, Layout layout,
+                     __private ulong* counters) {
+    const uintL lane = LANE_NUMBERS;
+    const floatL i = convert_floatL(lane & (SUBBLOCK_X - 1)) + subblock_x(b);
+    const floatL j = convert_floatL((lane / SUBBLOCK_X) & 1u) + subblock_y(b);
+    const floatL k = convert_floatL(lane / (SUBBLOCK_X * 2)) + subblock_z(b);
+    floatL least = minimum->squared[b];
+#ifdef NEAREST
+    uintL nearest = minimum->triangle[b];
+#endif
+    for (uint n = 0; n < count; ++n) {
+        __private const Evaluated* e = evaluated + chosen[n];
+#ifdef LONG_BRICKS
+        const floatL squared = squared_distance_long_brick(
+            polyhedra + e->number, frame_at(polyhedra + e->number, centre.x, centre.y, centre.z), i, j, k);
+#else
+        const floatL squared = squared_distance(e->steps, e->offsets, i, j, k);
+#endif
+#ifdef NEAREST
+        const uint triangle = e->triangle;
+        const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
+        nearest = better ? (uintL)triangle : nearest;
+        least = better ? squared : least;
+#else
+        least = squared < least ? squared : least;
+#endif
+#ifdef COUNT
+        const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
+        counters[CLSDF_COUNT_COVERED] +=
+            popcount(covered_samples(polyhedra + e->number, e->offsets, i, j, k, layout.half_width, slack) & LANE_BITS);
+#endif
+    }
+    minimum->squared[b] = least;
+#ifdef NEAREST
+    minimum->triangle[b] = nearest;
+#endif
+#ifdef COUNT
+    counters[CLSDF_COUNT_LANES] += (ulong)count * LANES;
+#endif
+}
+
+// What is written.
+typedef struct Output {
+    __global float* distance;
+#ifdef NEAREST
+    __global uint* triangle;
+#endif
+} Output;
+
+// Upper bounds of the distances in a sub-block and in a brick, as far as they are computed.
+INLINE float cap_of_subblock(__global const Minimum* minimum, uint b, float cap) {
+    const float reached = sqrt(greatest_lane(minimum->squared[b]));
+    return LESSER(reached, cap);
+}
+inline float cap_of_brick(__global const Minimum* minimum, float cap) {
+    floatL greatest = minimum->squared[0];
+    for (uint b = 1; b < SUBBLOCKS; ++b) greatest = GREATER(greatest, minimum->squared[b]);
+    const float reached = sqrt(greatest_lane(greatest));
+    return LESSER(reached, cap);
+}
+
+// Row (y, z) of a brick's samples, out of the vectors of its sub-blocks.
+INLINE uint8 row_of(__global const uint* vectors, uint y, uint z) {
+    __global const uint* part = vectors + (z / 2 * 4 + y / 2) * SUBBLOCKS_X * LANES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
+#if LANES == 16
+    return (uint8)(vload4(0, part), vload4(0, part + LANES));
+#else
+    return (uint8)(vload2(0, part), vload2(0, part + LANES), vload2(0, part + 2 * LANES), vload2(0, part + 3 * LANES));
+#endif
+}
+
+// Stores values[begin, end) of a row of a brick.
+inline void store_row(uint8 values, int begin, int end, __global uint* row) {
+    if (end - begin == 8) {
+        store_eight(values, 0, row);
+        return;
+    }
+    uint each[8];
+    vstore8(values, 0, each);
+    for (int x = begin; x < end; ++x) row[x - begin] = each[x];
+}
+
+// Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the
+// fill.
+inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum, __global const uint* sign_bits,
+                        __global uchar* computed, Output output, __private ulong* counters) {
+    const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
+    const int3 begin = max(brick * CLSDF_BRICK, first) - first,
+               end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
+    const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
+    const int3 relative_brick = brick - vload3(0, layout.brick_first);
+    computed[((size_t)relative_brick.z * layout.bricks[1] + relative_brick.y) * layout.bricks[0] + relative_brick.x] =
+        1;
+    for (int z = begin.z; z < end.z; ++z)
+        for (int y = begin.y; y < end.y; ++y) {
+            // The rows of sign bits cover whole bricks.
+            const size_t bit_row =
+                (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
+                (y - relative.y + relative_brick.y * CLSDF_BRICK);
+            const uint inside =
+                (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
+            const float8 square =
+                as_float8(row_of((__global const uint*)minimum->squared, y - relative.y, z - relative.z));
+            const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
+            const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
+            const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
+            const int8 in_band = square <= limit;
+            const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
+            const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
+            const size_t at = ((size_t)z * size.y + y) * size.x;
+            const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
+            store_row(as_uint8(value), x0, x1, (__global uint*)output.distance + at + begin.x);
+#ifdef NEAREST
+            const uint8 nearest = row_of((__global const uint*)minimum->triangle, y - relative.y, z - relative.z);
+            store_row(in_band ? nearest : (uint8)CLSDF_NO_TRIANGLE, x0, x1, output.triangle + at + begin.x);
+#endif
+#ifdef COUNT
+            int in[8];
+            vstore8(in_band, 0, in);
+            for (int x = x0; x < x1; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
+#endif
+        }
+}
+
+#endif
