@@ -7,11 +7,11 @@
 // voxel, hence so can the sign. Where the row meets the triangle is interpolated in double with the edge functions as
 // weights: all are of one sign, nothing cancels. (The triangle's plane would be extrapolated on steep triangles.)
 //
-// Crossings are counted by row, scanned, scattered, sorted by row; a running sum of their orientation is the winding
-// number.
+// Crossings are found once, as records in no order, and counted by row. The counts scanned, the records are scattered
+// to their rows and sorted there; a running sum of their orientation is the winding number.
 
-#include "layout.h"
-#include "sweep_vertex.h"
+#include "frame.h"
+#include "sweep.h"
 
 typedef struct Wide {  // hi 2^64 + lo
     long hi;
@@ -57,26 +57,60 @@ inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
     return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
 }
 
-// One work-item a triangle of [begin, end) and a strip of the part's slices. With `fill` 0 it counts crossings by row;
-// with 1 it writes their keys, `cursors` being where each row's begin. Key: 2 k + (1 where the surface faces -x there),
-// k the first sample at or after the crossing, counted from the first brick's first sample and clamped to [0,
-// row_length].
-__kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
-                             __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* cursors,
-                             __global uint* keys, int fill) {
-    const uint t = begin + get_global_id(0);
-    const uint strip = get_global_id(1), strips = get_global_size(1);
-    if (t >= end) return;
-    SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]], c = vertices[triangles[3 * t + 2]];
-    const long low_y = min(a.y, min(b.y, c.y)), high_y = max(a.y, max(b.y, c.y));
-    const long low_z = min(a.z, min(b.z, c.z)), high_z = max(a.z, max(b.z, c.z));
-    const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
-    const long rows_y = (long)layout.bricks[1] * CLSDF_BRICK, rows_z = (long)layout.bricks[2] * CLSDF_BRICK;
-    const long begin_y = max(first_y, -((-low_y) >> bits_y)), end_y = min(first_y + rows_y - 1, high_y >> bits_y);
-    const long begin_z = max(first_z + rows_z * strip / strips, -((-low_z) >> bits_z)),
-               end_z = min(first_z + rows_z * (strip + 1) / strips - 1, high_z >> bits_z);
-    if (begin_y > end_y || begin_z > end_z) return;
+// The rows (y, z) of the part that a box holds, limits included.
+typedef struct RowRange {
+    long begin_y, end_y, begin_z, end_z;
+} RowRange;
 
+INLINE RowRange rows_within(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, int bits_y, int bits_z) {
+    const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
+    const long last_y = first_y + (long)layout.bricks[1] * CLSDF_BRICK - 1,
+               last_z = first_z + (long)layout.bricks[2] * CLSDF_BRICK - 1;
+    RowRange rows;
+    rows.begin_y = max(first_y, -(-min(a.y, min(b.y, c.y)) >> bits_y));
+    rows.end_y = min(last_y, max(a.y, max(b.y, c.y)) >> bits_y);
+    rows.begin_z = max(first_z, -(-min(a.z, min(b.z, c.z)) >> bits_z));
+    rows.end_z = min(last_z, max(a.z, max(b.z, c.z)) >> bits_z);
+    return rows;
+}
+
+INLINE ulong row_count(RowRange rows) {
+    return rows.begin_y > rows.end_y || rows.begin_z > rows.end_z
+               ? 0
+               : (ulong)(rows.end_y - rows.begin_y + 1) * (ulong)(rows.end_z - rows.begin_z + 1);
+}
+
+// Where a work-item's crossings go: records [next, end) are its own.
+typedef struct Writer {
+    __global uint* row_counts;
+    __global SweepRecord* records;
+    uint capacity;
+    __global SweepTotals* totals;
+    uint next, end;
+} Writer;
+
+INLINE void write_crossing(__private Writer* writer, uint row, uint key) {
+    if (writer->next == writer->end) {
+        writer->next = atomic_add(&writer->totals->records, CLSDF_RECORD_BLOCK);
+        writer->end = writer->next + CLSDF_RECORD_BLOCK;
+    }
+    const uint place = atomic_inc(writer->row_counts + row);
+    if (writer->next < writer->capacity) {
+        __global SweepRecord* record = writer->records + writer->next;
+        record->row = row;
+        record->key = key;
+        record->place = place;
+    }
+    ++writer->next;
+}
+
+INLINE void leave_records(Writer writer) {
+    for (uint n = writer.next; n < min(writer.end, writer.capacity); ++n) writer.records[n].row = CLSDF_NO_ROW;
+}
+
+// The crossings of some rows of a triangle's box.
+INLINE void find_crossings(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, RowRange rows, int bits_y,
+                           int bits_z, __private Writer* writer) {
     const Wide area = twice_area(a, b, c);
     if (area.hi == 0 && area.lo == 0) return;
     const uint faces_back = area.hi < 0;
@@ -85,22 +119,77 @@ __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const
         b = c;
         c = swap;
     }
-    const bool wide = high_y - low_y >= (1L << 30) || high_z - low_z >= (1L << 30);
+    const bool wide = max(a.y, max(b.y, c.y)) - min(a.y, min(b.y, c.y)) >= (1L << 30) ||
+                      max(a.z, max(b.z, c.z)) - min(a.z, min(b.z, c.z)) >= (1L << 30);
     const long first_x = (long)layout.brick_first[0] * CLSDF_BRICK, row_length = (long)layout.bricks[0] * CLSDF_BRICK;
-    for (long z = begin_z; z <= end_z; ++z)
-        for (long y = begin_y; y <= end_y; ++y) {
+    const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
+    const long rows_y = (long)layout.bricks[1] * CLSDF_BRICK;
+    for (long z = rows.begin_z; z <= rows.end_z; ++z)
+        for (long y = rows.begin_y; y <= rows.end_y; ++y) {
             double wa, wb, wc;
             if (!left_of(b, c, y << bits_y, z << bits_z, wide, &wa) ||
                 !left_of(c, a, y << bits_y, z << bits_z, wide, &wb) ||
                 !left_of(a, b, y << bits_y, z << bits_z, wide, &wc))
                 continue;
-            const size_t row = (size_t)(z - first_z) * rows_y + (y - first_y);
-            const uint slot = atomic_inc(cursors + row);
-            if (!fill) continue;
             const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
             const double sample = clamp(ceil(x) - (double)first_x, 0.0, (double)row_length);
-            keys[slot] = 2 * (uint)sample + faces_back;
+            write_crossing(writer, (uint)((z - first_z) * rows_y + (y - first_y)), 2 * (uint)sample + faces_back);
         }
+}
+
+// Each work-item takes a range of the triangles [begin, end): those with few rows now, the numbers of the others to
+// `large`. Keys: 2 k + (1 where the surface faces -x), k the first sample at or after the crossing, counted from the
+// first brick's first sample and clamped to [0, row_length].
+__kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
+                             __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
+                             uint capacity, __global SweepRecord* records, __global SweepTotals* totals,
+                             __global uint* large) {
+    const uint part = get_global_id(0), parts = get_global_size(0), count = end - begin;
+    const uint own_end = begin + (uint)((ulong)count * (part + 1) / parts);
+    Writer writer = {row_counts, records, capacity, totals, 0, 0};
+    for (uint t = begin + (uint)((ulong)count * part / parts); t < own_end; ++t) {
+        const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
+                          c = vertices[triangles[3 * t + 2]];
+        const RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
+        const ulong number = row_count(rows);
+        if (number == 0) continue;
+        if (number > CLSDF_LARGE_ROWS) {
+            large[atomic_inc(&totals->large)] = t;
+            atomic_add(&totals->large_blocks, (uint)(number / CLSDF_LARGE_ROWS));
+            atomic_max(&totals->largest_rows, (uint)number);
+            continue;
+        }
+        find_crossings(layout, a, b, c, rows, bits_y, bits_z, &writer);
+    }
+    leave_records(writer);
+}
+
+// One work-item a triangle of large[begin, end) and a strip of its slices.
+__kernel void sign_crossings_of_large(Layout layout, uint begin, uint end, __global const uint* triangles,
+                                      __global const SweepVertex* vertices, int bits_y, int bits_z,
+                                      __global uint* row_counts, uint capacity, __global SweepRecord* records,
+                                      __global SweepTotals* totals, __global const uint* large) {
+    const uint i = begin + get_global_id(0);
+    const uint strip = get_global_id(1), strips = get_global_size(1);
+    if (i >= end) return;
+    const uint t = large[i];
+    const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
+                      c = vertices[triangles[3 * t + 2]];
+    RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
+    const long begin_z = rows.begin_z, slices = rows.end_z - begin_z + 1;
+    rows.begin_z = begin_z + slices * strip / strips;
+    rows.end_z = begin_z + slices * (strip + 1) / strips - 1;
+    Writer writer = {row_counts, records, capacity, totals, 0, 0};
+    find_crossings(layout, a, b, c, rows, bits_y, bits_z, &writer);
+    leave_records(writer);
+}
+
+// One work-item a record: its key to its row, of which `starts` holds where the keys begin.
+__kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* records, __global const uint* starts,
+                           __global uint* keys) {
+    const uint n = begin + get_global_id(0);
+    if (n >= end || records[n].row == CLSDF_NO_ROW) return;
+    keys[starts[records[n].row] + records[n].place] = records[n].key;
 }
 
 // Sorts keys[0, count); rows have few crossings as a rule, and n log n operations where they have many.
@@ -136,31 +225,34 @@ inline void sort_keys(__global uint* keys, uint count) {
     }
 }
 
-// One work-item a row, of [begin_row, end_row), of samples of the part's bricks: its sign bits, 1 inside.
-__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, int parity, __global const uint* starts,
-                        __global uint* keys, __global uint* sign_bits) {
-    const uint row = begin_row + get_global_id(0);
-    if (row >= end_row) return;
-    __global uint* bits = sign_bits + (size_t)row * layout.sign_words;
-    const uint begin = starts[row], count = starts[row + 1] - begin;
-    __global uint* own = keys + begin;
-    sort_keys(own, count);
-    uint next = 0;
-    int winding = 0;
-    for (int word = 0; word < layout.sign_words; ++word) {
-        // Runs of samples between crossings; a word without any is written at once.
-        uint value = 0;
-        uint from = 0;  // bit of the word from which `winding` holds
-        while (next < count && (own[next] >> 1) < (uint)(word + 1) * 32) {
-            const uint at = (own[next] >> 1) - (uint)word * 32;
-            const bool inside = parity ? (winding & 1) : winding != 0;
-            if (inside && at > from) value |= (at - from == 32 ? 0xFFFFFFFFu : ((1u << (at - from)) - 1u)) << from;
-            from = at;
-            winding += (own[next] & 1u) ? 1 : -1;
-            ++next;
+INLINE void set_bits(__global uint* bits, uint begin, uint end) {
+    while (begin < end) {
+        const uint from = begin & 31, count = min(32 - from, end - begin);
+        bits[begin >> 5] |= 0xFFFFFFFFu >> (32 - count) << from;
+        begin += count;
+    }
+}
+
+// Each work-item takes `rows_per_item` of the rows [begin_row, end_row) of samples of the part's bricks: their sign
+// bits, 1 inside.
+__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, uint rows_per_item, int parity,
+                        __global const uint* starts, __global uint* keys, __global uint* sign_bits) {
+    const uint first = min(begin_row + (uint)get_global_id(0) * rows_per_item, end_row),
+               last = min(first + rows_per_item, end_row);
+    const uint words = layout.sign_words;
+    // Most rows meet no surface.
+    for (size_t word = (size_t)first * words; word < (size_t)last * words; ++word) sign_bits[word] = 0;
+    for (uint row = first; row < last; ++row) {
+        const uint begin = starts[row], count = starts[row + 1] - begin;
+        if (count == 0) continue;
+        __global uint* own = keys + begin;
+        sort_keys(own, count);
+        __global uint* bits = sign_bits + (size_t)row * words;
+        int winding = 0;
+        for (uint n = 0; n < count; ++n) {
+            winding += (own[n] & 1u) ? 1 : -1;
+            if (parity ? (winding & 1) : winding != 0)
+                set_bits(bits, own[n] >> 1, n + 1 < count ? own[n + 1] >> 1 : words * 32);
         }
-        const bool inside = parity ? (winding & 1) : winding != 0;
-        if (inside && from < 32) value |= 0xFFFFFFFFu << from;
-        bits[word] = value;
     }
 }

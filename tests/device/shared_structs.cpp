@@ -4,7 +4,7 @@
 #include "device/kernel_text.hpp"
 #include "layout.h"
 #include "render.h"
-#include "sweep_vertex.h"
+#include "sweep.h"
 
 #include <boost/test/unit_test.hpp>
 
@@ -82,6 +82,13 @@ const std::vector<Agreement> agreements{
     CLSDF_OFFSET(SweepVertex, y),
     CLSDF_OFFSET(SweepVertex, z),
     CLSDF_OFFSET(SweepVertex, x),
+    CLSDF_SIZE(SweepRecord),
+    CLSDF_OFFSET(SweepRecord, key),
+    CLSDF_OFFSET(SweepRecord, place),
+    CLSDF_SIZE(SweepTotals),
+    CLSDF_OFFSET(SweepTotals, large),
+    CLSDF_OFFSET(SweepTotals, large_blocks),
+    CLSDF_OFFSET(SweepTotals, largest_rows),
     CLSDF_SIZE(RenderView),
     CLSDF_OFFSET(RenderView, direction),
     CLSDF_OFFSET(RenderView, direction_down),
@@ -105,7 +112,7 @@ const std::vector<Agreement> agreements{
 
 BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
     std::string text =
-        device::kernel_text("layout.h") + device::kernel_text("sweep_vertex.h") + device::kernel_text("render.h");
+        device::kernel_text("layout.h") + device::kernel_text("sweep.h") + device::kernel_text("render.h");
     text += "__kernel void measure(__global uint* found) {\n";
     for (std::size_t i = 0; i < agreements.size(); ++i)
         text += "    found[" + std::to_string(i) + "] = (uint)(" + agreements[i].expression + ");\n";
