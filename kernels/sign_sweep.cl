@@ -36,25 +36,41 @@ inline double wide_to_double(Wide w) {
     return (double)w.hi * 18446744073709551616.0 + (double)w.lo;
 }
 
-// Whether the sample (y, z), or its symbolic displacement where it lies on the line, is left of p -> q; the edge
-// function is returned through `weight`. Products of 63 bits are enough where the triangle is small; `wide` takes 128.
-inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, bool wide, __private double* weight) {
-    const long dy = q.y - p.y, dz = q.z - p.z;
-    int sign;
-    if (wide) {
-        const Wide e = wide_difference(wide_product(dy, z - p.z), wide_product(dz, y - p.y));
-        *weight = wide_to_double(e);
-        sign = e.hi < 0 ? -1 : (e.hi > 0 || e.lo > 0 ? 1 : 0);
-    } else {
-        const long e = dy * (z - p.z) - dz * (y - p.y);
-        *weight = (double)e;
-        sign = e < 0 ? -1 : (e > 0 ? 1 : 0);
-    }
-    return sign > 0 || (sign == 0 && (dz < 0 || (dz == 0 && dy > 0)));
-}
-
 inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
     return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
+}
+
+// Whether the symbolic displacement of a sample on the line p -> q is left of it.
+INLINE bool is_displaced_left(SweepVertex p, SweepVertex q) {
+    return q.z < p.z || (q.z == p.z && q.y > p.y);
+}
+
+// Whether the sample (y, z), or its displacement where it lies on the line, is left of p -> q; the edge function is
+// returned through `weight`.
+inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, __private double* weight) {
+    const Wide e = wide_difference(wide_product(q.y - p.y, z - p.z), wide_product(q.z - p.z, y - p.y));
+    *weight = wide_to_double(e);
+    return e.hi > 0 || (e.hi == 0 && e.lo > 0) || (e.hi == 0 && e.lo == 0 && is_displaced_left(p, q));
+}
+
+// The same where the triangle is so small that 64 bits are enough, for samples that follow each other along y. The
+// value is the edge function, less one where a sample on the line is not left of it, so that its sign alone tells.
+// Unsigned, because the last step may leave the triangle's box and the range of a long.
+typedef struct Edge {
+    ulong value, step;
+    bool lessened;
+} Edge;
+
+INLINE Edge edge_at(SweepVertex p, SweepVertex q, long y, long z, int bits_y) {
+    Edge edge;
+    edge.lessened = !is_displaced_left(p, q);
+    edge.step = (ulong)(q.z - p.z) << bits_y;
+    edge.value = (ulong)(q.y - p.y) * (ulong)(z - p.z) - (ulong)(q.z - p.z) * (ulong)(y - p.y) - edge.lessened;
+    return edge;
+}
+
+INLINE double weight_of(Edge edge) {
+    return (double)(long)(edge.value + edge.lessened);
 }
 
 // The rows (y, z) of the part that a box holds, limits included.
@@ -108,33 +124,59 @@ INLINE void leave_records(Writer writer) {
     for (uint n = writer.next; n < min(writer.end, writer.capacity); ++n) writer.records[n].row = CLSDF_NO_ROW;
 }
 
+// The crossing of a row with the triangle, of which the weights say where it lies.
+INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, double wa, double wb, double wc,
+                           uint row, uint faces_back, __private Writer* writer) {
+    const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
+    const double sample =
+        clamp(ceil(x) - (double)(layout.brick_first[0] * CLSDF_BRICK), 0.0, (double)(layout.bricks[0] * CLSDF_BRICK));
+    write_crossing(writer, row, 2 * (uint)sample + faces_back);
+}
+
 // The crossings of some rows of a triangle's box.
 INLINE void find_crossings(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, RowRange rows, int bits_y,
                            int bits_z, __private Writer* writer) {
-    const Wide area = twice_area(a, b, c);
-    if (area.hi == 0 && area.lo == 0) return;
-    const uint faces_back = area.hi < 0;
+    const bool wide = max(a.y, max(b.y, c.y)) - min(a.y, min(b.y, c.y)) >= (1L << 30) ||
+                      max(a.z, max(b.z, c.z)) - min(a.z, min(b.z, c.z)) >= (1L << 30);
+    long orientation;
+    if (wide) {
+        const Wide area = twice_area(a, b, c);
+        orientation = area.hi != 0 ? area.hi : area.lo != 0;
+    } else {
+        orientation = (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
+    }
+    if (orientation == 0) return;
+    const uint faces_back = orientation < 0;
     if (faces_back) {
         const SweepVertex swap = b;
         b = c;
         c = swap;
     }
-    const bool wide = max(a.y, max(b.y, c.y)) - min(a.y, min(b.y, c.y)) >= (1L << 30) ||
-                      max(a.z, max(b.z, c.z)) - min(a.z, min(b.z, c.z)) >= (1L << 30);
-    const long first_x = (long)layout.brick_first[0] * CLSDF_BRICK, row_length = (long)layout.bricks[0] * CLSDF_BRICK;
-    const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
-    const long rows_y = (long)layout.bricks[1] * CLSDF_BRICK;
-    for (long z = rows.begin_z; z <= rows.end_z; ++z)
-        for (long y = rows.begin_y; y <= rows.end_y; ++y) {
-            double wa, wb, wc;
-            if (!left_of(b, c, y << bits_y, z << bits_z, wide, &wa) ||
-                !left_of(c, a, y << bits_y, z << bits_z, wide, &wb) ||
-                !left_of(a, b, y << bits_y, z << bits_z, wide, &wc))
-                continue;
-            const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
-            const double sample = clamp(ceil(x) - (double)first_x, 0.0, (double)row_length);
-            write_crossing(writer, (uint)((z - first_z) * rows_y + (y - first_y)), 2 * (uint)sample + faces_back);
+    const int first_y = layout.brick_first[1] * CLSDF_BRICK, first_z = layout.brick_first[2] * CLSDF_BRICK,
+              rows_y = layout.bricks[1] * CLSDF_BRICK;
+    for (long z = rows.begin_z; z <= rows.end_z; ++z) {
+        uint row = (uint)(z - first_z) * (uint)rows_y + (uint)(rows.begin_y - first_y);
+        if (wide) {
+            for (long y = rows.begin_y; y <= rows.end_y; ++y, ++row) {
+                double wa, wb, wc;
+                if (left_of(b, c, y << bits_y, z << bits_z, &wa) && left_of(c, a, y << bits_y, z << bits_z, &wb) &&
+                    left_of(a, b, y << bits_y, z << bits_z, &wc))
+                    write_weighted(layout, a, b, c, wa, wb, wc, row, faces_back, writer);
+            }
+        } else {
+            Edge of_a = edge_at(b, c, rows.begin_y << bits_y, z << bits_z, bits_y),
+                 of_b = edge_at(c, a, rows.begin_y << bits_y, z << bits_z, bits_y),
+                 of_c = edge_at(a, b, rows.begin_y << bits_y, z << bits_z, bits_y);
+            for (long y = rows.begin_y; y <= rows.end_y; ++y, ++row) {
+                if ((long)(of_a.value | of_b.value | of_c.value) >= 0)
+                    write_weighted(layout, a, b, c, weight_of(of_a), weight_of(of_b), weight_of(of_c), row, faces_back,
+                                   writer);
+                of_a.value -= of_a.step;
+                of_b.value -= of_b.step;
+                of_c.value -= of_c.step;
+            }
         }
+    }
 }
 
 // Each work-item takes a range of the triangles [begin, end): those with few rows now, the numbers of the others to
@@ -225,12 +267,19 @@ inline void sort_keys(__global uint* keys, uint count) {
     }
 }
 
+// Bits [begin, end) of a row, which are 0 so far.
 INLINE void set_bits(__global uint* bits, uint begin, uint end) {
-    while (begin < end) {
-        const uint from = begin & 31, count = min(32 - from, end - begin);
-        bits[begin >> 5] |= 0xFFFFFFFFu >> (32 - count) << from;
-        begin += count;
+    if (begin >= end) return;
+    uint word = begin >> 5;
+    const uint last = (end - 1) >> 5;
+    const uint from_begin = 0xFFFFFFFFu << (begin & 31), to_end = 0xFFFFFFFFu >> (31 - ((end - 1) & 31));
+    if (word == last) {
+        bits[word] |= from_begin & to_end;
+        return;
     }
+    bits[word] |= from_begin;
+    while (++word < last) bits[word] = 0xFFFFFFFFu;
+    bits[last] |= to_end;
 }
 
 // Each work-item takes `rows_per_item` of the rows [begin_row, end_row) of samples of the part's bricks: their sign

@@ -13,7 +13,7 @@ namespace {
 
 // Records that there is room for at first, for each row on average. Where there are more crossings, they are found
 // twice.
-constexpr std::size_t records_per_row = 8;
+constexpr std::size_t records_per_row = 4;
 
 // Measured on a core, and rounded up.
 constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle

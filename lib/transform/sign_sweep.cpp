@@ -45,14 +45,15 @@ device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const st
     auto lease = pool->lease(bytes, "vertices of the sign's sweep");
     auto* vertices =
         static_cast<SweepVertex*>(queue.enqueueMapBuffer(*lease, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes));
+    const double scale_y = std::ldexp(1.0, bits_y), scale_z = std::ldexp(1.0, bits_z);
     std::atomic<std::size_t> too_far{positions.size()};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
         for (std::size_t v = range.begin(); v != range.end(); ++v) {
             const auto sample = [&](std::size_t axis) {
                 return (positions[v][axis] - grid.origin[axis]) / grid.spacing[axis];
             };
-            const double y = std::nearbyint(std::ldexp(sample(1), bits_y));
-            const double z = std::nearbyint(std::ldexp(sample(2), bits_z));
+            const double y = std::nearbyint(sample(1) * scale_y);
+            const double z = std::nearbyint(sample(2) * scale_z);
             // A vertex that is not finite is in no triangle, or the mesh would not be.
             if (!(std::abs(y) < snapped_limit) || !(std::abs(z) < snapped_limit)) {
                 if (std::isfinite(y) && std::isfinite(z)) too_far = v;
@@ -78,6 +79,10 @@ device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& 
                                       std::size_t rows, const cl::Buffer& starts, const ShortLaunches& launches) {
     constexpr const char* what = "crossings of the surface by rows of samples";
     const std::size_t count = scan(context, programs.scan, pool, *crossings.row_counts, starts, rows, what);
+    // Their number is one of 32 bits; the counts' sum is not.
+    if (count > crossings.record_count)
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
     auto keys = pool->lease(count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
     cl::Kernel scatter(programs.sign_sweep, "sign_scatter");
     scatter.setArg(2, *crossings.records);
