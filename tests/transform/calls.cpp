@@ -111,6 +111,33 @@ BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
     BOOST_TEST(std::count(triangle.end() - 7, triangle.end(), 77U) == 7);
 }
 
+// Runs of samples beyond the band are stored by lines of memory.
+BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere) {
+    for (const Index3& size : {Index3{71, 40, 33}, Index3{64, 24, 40}, Index3{9, 5, 70}}) {
+        Grid grid = around_mesh();
+        grid.first = {3, -5, 2};
+        grid.size = size;
+        const Band band = Band::symmetric(grid.voxel());
+        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+            const Field expected = compute(mesh(), grid, band, body);
+            check_exact(mesh(), expected);
+            DistanceTransform transform(test_device(), mesh(), {.body = body});
+            constexpr float guard = -12345.0F;
+            for (const std::size_t begin : {1U, 2U, 3U, 4U, 8U, 15U, 16U}) {
+                const std::size_t count = grid.sample_count();
+                std::vector<float> distance(begin + count + 1, guard);
+                std::vector<std::uint32_t> triangle(begin + count + 1, 77);
+                transform.compute(
+                    grid, band, {std::span(distance).subspan(begin, count), std::span(triangle).subspan(begin, count)});
+                BOOST_TEST(std::equal(expected.distance.begin(), expected.distance.end(), &distance[begin]));
+                BOOST_TEST(std::equal(expected.triangle.begin(), expected.triangle.end(), &triangle[begin]));
+                BOOST_TEST((distance[begin - 1] == guard && distance.back() == guard));
+                BOOST_TEST((triangle[begin - 1] == 77U && triangle.back() == 77U));
+            }
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {
     const Grid grid = around_mesh();
     DistanceTransform transform(test_device(), mesh());
