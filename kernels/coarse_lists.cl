@@ -67,7 +67,7 @@ INLINE int3 index_below(int3 origin, float3 offset) {
     const float3 limited = clamp(offset, -2.0e9f, 2.0e9f);
     const int3 truncated = convert_int3(limited);
     const int3 below = truncated + (convert_float3(truncated) > limited);  // true is -1
-    return clamp(add_sat(origin, below), -0x7FFFFF00, 0x7FFFFF00);
+    return clamp(add_sat(origin, below), (int3)(-0x7FFFFF00), (int3)(0x7FFFFF00));
 }
 
 // The coarse bricks of the lattice that the box of the triangle, enlarged by the half width, overlaps; limits included.
