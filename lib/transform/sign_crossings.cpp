@@ -11,8 +11,8 @@ namespace clsdf::transform {
 
 namespace {
 
-// Records that there is room for at first, for each row on average. Where there are more crossings, they are found
-// twice.
+// Crossings that there is room for at first, for each row on average (see sign_bytes_of_slice). Where there are more
+// crossings, they are found twice.
 constexpr std::size_t records_per_row = 4;
 
 // Measured on a core, and rounded up.
@@ -46,6 +46,9 @@ public:
             kernel->setArg(11, *large_);
         }
     }
+
+    /// Records that the first launch's work-items may leave over.
+    std::size_t left_over() const { return parts_ * CLSDF_RECORD_BLOCK; }
 
     /// How many records it took, also where there was room for fewer.
     std::size_t find(const Crossings& crossings, std::size_t capacity) {
@@ -108,9 +111,9 @@ Crossings find_crossings(device::Context& context, const Programs& programs,
     Search search(context, programs, pool, layout, mesh, launches);
     Crossings crossings;
     crossings.row_counts = pool->lease(rows * sizeof(cl_uint), "counts of the sign's crossings");
-    const std::size_t at_first =
-        std::min(records_per_row * rows, context.capabilities().largest_allocation / sizeof(SweepRecord));
-    for (std::size_t capacity = std::min<std::size_t>(at_first, std::numeric_limits<cl_uint>::max());;
+    const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),
+                                                   std::numeric_limits<cl_uint>::max());
+    for (std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);;
          capacity = crossings.record_count) {
         context.queue().enqueueFillBuffer(*crossings.row_counts, cl_uint{0}, 0, rows * sizeof(cl_uint));
         crossings.records = {};  // the smaller one goes back first
