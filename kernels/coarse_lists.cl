@@ -154,16 +154,32 @@ INLINE void hold_none(__private Held* held) {
     held->bricks = 0;
 }
 
-// Counts the bricks of the touches that are held, or, with `fill`, writes the polyhedra to their lists. next: each
-// brick's count or next entry.
-INLINE void add_held(__private Held* held, int3 size, __global uint* next, int fill, __global uint* entries) {
+// A part's counter, or next entry, of each coarse brick. Those of work-items that run side by side on a GPU lie beside
+// each other; the cores of a processor would write to the same lines of memory.
+typedef struct Histogram {
+    __global uint* first;
+    size_t stride;
+} Histogram;
+
+INLINE Histogram histogram_of(__global uint* histograms, size_t bricks, uint part, uint parts) {
+#if LANES == 1
+    const Histogram histogram = {histograms + part, parts};
+#else
+    const Histogram histogram = {histograms + part * bricks, 1};
+#endif
+    return histogram;
+}
+
+// Counts the bricks of the touches that are held, or, with `fill`, writes the polyhedra to their lists.
+INLINE void add_held(__private Held* held, int3 size, Histogram next, int fill, __global uint* entries) {
     const uintL low = load_lanes(0, held->low), high = load_lanes(0, held->high);
     for (ulong rest = held->bricks; rest; rest &= rest - 1) {
         const int b = 63 - (int)clz(rest & (0 - rest));
         const int brick = held->base + ((b >> 4) * size.y + (b >> 2 & 3)) * size.x + (b & 3);
         uint touching = lanes_to_bits((((b < 32 ? low : high) >> (uint)(b & 31)) & 1u) != 0u);
-        uint slot = next[brick];
-        next[brick] = slot + popcount(touching);
+        __global uint* own = next.first + brick * next.stride;
+        uint slot = *own;
+        *own = slot + popcount(touching);
         if (!fill) continue;
         for (; touching; touching &= touching - 1)
             entries[slot++] = held->polyhedra[31 - (int)clz(touching & (0 - touching))];
@@ -171,8 +187,7 @@ INLINE void add_held(__private Held* held, int3 size, __global uint* next, int f
     hold_none(held);
 }
 
-INLINE void add_touch(__private Held* held, Touch touch, int3 size, __global uint* next, int fill,
-                      __global uint* entries) {
+INLINE void add_touch(__private Held* held, Touch touch, int3 size, Histogram next, int fill, __global uint* entries) {
     if (held->count == LANES || held->base != touch.base) add_held(held, size, next, fill, entries);
     held->base = touch.base;
     held->polyhedra[held->count] = touch.polyhedron;
@@ -208,9 +223,10 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
     const uint part = get_global_id(0), parts = get_global_size(0);
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const size_t bricks = (size_t)size.x * size.y * size.z;
-    __global uint* next = histograms + part * bricks;
+    const Histogram next = histogram_of(histograms, bricks, part, parts);
     if (step == 0)
-        for (size_t brick = 0; brick < bricks; ++brick) next[brick] = fill ? starts[brick * parts + part] : 0;
+        for (size_t brick = 0; brick < bricks; ++brick)
+            next.first[brick * next.stride] = fill ? starts[brick * parts + part] : 0;
 
     Held held;
     held.base = 0;
@@ -269,5 +285,5 @@ __kernel void coarse_lists(Layout layout, uint count, __global const Polyhedron*
     if (fill) return;
     touch_counts[part] = n;
     if (step + 1 == steps)
-        for (size_t brick = 0; brick < bricks; ++brick) counts[brick * parts + part] = next[brick];
+        for (size_t brick = 0; brick < bricks; ++brick) counts[brick * parts + part] = next.first[brick * next.stride];
 }
