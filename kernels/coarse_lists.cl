@@ -5,12 +5,7 @@
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 
 #include "blocks.h"
-
-// A point of the surface: the foot of a polyhedron's altitude.
-typedef struct SurfacePoint {
-    int origin[3];  // in samples of the lattice
-    float foot[3];  // from there, in units
-} SurfacePoint;
+#include "coarse.h"
 
 // Every `stride`-th polyhedron's point.
 __kernel void coarse_points(uint stride, uint count, __global const Polyhedron* polyhedra,
@@ -130,13 +125,6 @@ INLINE ulong touched_coarse_bricks(Layout layout, __global const Polyhedron* p, 
     return touched_group(p, start.x * CLSDF_COARSE, start.y * CLSDF_COARSE, start.z * CLSDF_COARSE, CLSDF_COARSE,
                          wanted, caps, greatest * layout.slack_rate + layout.coarse_slack);
 }
-
-// What a polyhedron touches of a group of 4 x 4 x 4 coarse bricks.
-typedef struct Touch {
-    uint polyhedron;
-    int base;      // the number, among the part's coarse bricks, of the group's first; negative where it lies before
-    ulong bricks;  // bit b: x = b & 3, y = b >> 2 & 3, z = b >> 4 of the group
-} Touch;
 
 // Touches of one group that wait to be counted, or written to the lists, together: neighbours in the order of the
 // polyhedra touch the same bricks.

@@ -1,5 +1,6 @@
 #include "transform/coarse_lists.hpp"
 
+#include "coarse.h"
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
 #include "transform/scan.hpp"
@@ -18,8 +19,6 @@ constexpr std::size_t cap_points = 4096;
 // What polyhedra touch is kept from counting to filling by groups of coarse bricks, so many for each polyhedron on
 // average. Where there are more, they are found twice.
 constexpr std::size_t kept_touches = 4;
-constexpr std::size_t touch_bytes = 16;
-constexpr std::size_t point_bytes = 24;
 
 // Coarse bricks whose bounds lie together: 4 x 4 x 4.
 constexpr std::size_t coarse_group_size = 64;
@@ -55,7 +54,7 @@ void bound_coarse_bricks(device::Context& context, const Programs& programs,
     }
     const std::size_t stride = std::max<std::size_t>(1, polyhedron_count / cap_points);
     const std::size_t count = (polyhedron_count + stride - 1) / stride;
-    const auto points = pool->lease(count * point_bytes, "points of the surface");
+    const auto points = pool->lease(count * sizeof(SurfacePoint), "points of the surface");
     cl::Kernel gather(programs.coarse_lists, "coarse_points");
     gather.setArg(0, static_cast<cl_uint>(stride));
     gather.setArg(1, static_cast<cl_uint>(count));
@@ -106,9 +105,10 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         const auto histograms = pool->lease(counters * sizeof(cl_uint), "histograms of the coarse lists");
         const auto counts = pool->lease(counters * sizeof(cl_uint), "counts of the coarse lists");
         lists.starts = pool->lease((counters + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        const std::size_t capacity = std::min((kept_touches * polyhedron_count + lists.parts - 1) / lists.parts,
-                                              context.capabilities().largest_allocation / (lists.parts * touch_bytes));
-        const auto touches = pool->lease(lists.parts * capacity * touch_bytes, "touches of the coarse lists");
+        const std::size_t capacity =
+            std::min((kept_touches * polyhedron_count + lists.parts - 1) / lists.parts,
+                     context.capabilities().largest_allocation / (lists.parts * sizeof(Touch)));
+        const auto touches = pool->lease(lists.parts * capacity * sizeof(Touch), "touches of the coarse lists");
         const auto touch_counts = pool->lease(lists.parts * sizeof(cl_uint), "touches of the coarse lists");
         cl::Kernel kernel(programs.coarse_lists, "coarse_lists");
         kernel.setArg(0, layout);
