@@ -19,7 +19,7 @@ typedef struct SurfacePoint {
 // What a polyhedron touches of a group of 4 x 4 x 4 coarse bricks.
 typedef struct Touch {
     clsdf_uint32 polyhedron;
-    clsdf_int32 base;     // the number, among the part's coarse bricks, of the group's first; negative if it lies before
+    clsdf_int32 base;  // the number, among the part's coarse bricks, of the group's first; negative if it lies before
     clsdf_uint64 bricks;  // bit b: x = b & 3, y = b >> 2 & 3, z = b >> 4 of the group
 } Touch;
 

@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <thread>
 
@@ -135,6 +136,17 @@ BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere) {
                 BOOST_TEST((triangle[begin - 1] == 77U && triangle.back() == 77U));
             }
         }
+    }
+}
+
+// One row's end and the next one's begin lie beside each other in memory, both in empty bricks, with different signs.
+BOOST_AUTO_TEST_CASE(rows_may_begin_outside_and_end_inside) {
+    const Mesh solid = cube(1);
+    const Grid grid = grid_at({0.01, 0.02, 0.03}, 0.05, 40).part({0, 10, 10}, {41, 61, 20});
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        const Field field = compute(solid, grid, Band::symmetric(0.1), body);
+        BOOST_TEST(!std::signbit(field.distance.front()));
+        BOOST_TEST(check_exact(solid, field).band_samples > 0U);
     }
 }
 
