@@ -4,7 +4,8 @@
 #include "lanes.h"
 
 // Whether a line of LANES samples may be stored past the caches: nobody reads a field's empty part soon. (Measured on
-// two cores, 512 MB: 20 ms through the caches, which read each line before they write it, and 7 past them.)
+// two cores, 512 MB: 20 ms through the caches, which read each line before they write it, and 9 to 14 past them, which
+// is what the memory takes.)
 #if LANES > 1 && defined(__has_builtin)
 #if __has_builtin(__builtin_nontemporal_store)
 #define STORES_PAST_CACHES
