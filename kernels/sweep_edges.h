@@ -1,4 +1,5 @@
-// On which side of a triangle's edge, seen along x, a sample lies: exact integers, of 128 bits where the triangle is large.
+// On which side of a triangle's edge, seen along x, a sample lies: exact integers, of 128 bits where the triangle is
+// large.
 #ifndef CLSDF_SWEEP_EDGES_H
 #define CLSDF_SWEEP_EDGES_H
 

@@ -20,17 +20,14 @@ void* allocate_large_memory(std::size_t bytes) {
     const std::size_t whole_pages = (bytes + huge_page - 1) / huge_page * huge_page;
     void* memory = whole_pages < bytes ? nullptr : std::aligned_alloc(huge_page, whole_pages);
     if (memory == nullptr) throw std::bad_alloc();
-    ask_for_huge_pages(memory, whole_pages);
+    advise_huge_pages(memory, whole_pages);
     return memory;
 }
 
-void ask_for_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef __linux__
-    void* begin = memory;
-    std::size_t space = bytes;
-    // An advice, for whole pages within the array: nothing is lost where it is not taken.
-    if (std::align(huge_page, huge_page, begin, space) != nullptr)
-        madvise(begin, space / huge_page * huge_page, MADV_HUGEPAGE);
+    if (std::align(huge_page, huge_page, memory, bytes) == nullptr) return;
+    madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);  // nothing is lost where it is not taken
 #endif
 }
 

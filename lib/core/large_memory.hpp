@@ -13,8 +13,8 @@ constexpr std::size_t large_memory_bytes = std::size_t{4} << 20;
 void* allocate_large_memory(std::size_t bytes);
 void free_large_memory(void* memory) noexcept;
 
-/// Asks for huge pages under an array that has not been touched yet.
-void ask_for_huge_pages(void* memory, std::size_t bytes) noexcept;
+/// Asks for huge pages in memory from elsewhere that nothing was written to yet.
+void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 
 /// A vector of this size, on huge pages where the system gives them, and without what a vector keeps in store when it
 /// grows.
@@ -23,7 +23,7 @@ void resize_on_huge_pages(std::vector<Value>& values, std::size_t size) {
     if (values.capacity() < size) {
         std::vector<Value>().swap(values);
         values.reserve(size);
-        ask_for_huge_pages(values.data(), size * sizeof(Value));
+        advise_huge_pages(values.data(), size * sizeof(Value));
     }
     values.resize(size);
 }
