@@ -7,100 +7,170 @@
 // voxel, hence so can the sign. Where the row meets the triangle is interpolated in double with the edge functions as
 // weights: all are of one sign, nothing cancels. (The triangle's plane would be extrapolated on steep triangles.)
 //
-// Crossings are counted by row, scanned, scattered, sorted by row; a running sum of their orientation is the winding
-// number.
+// Crossings are found once, as records in no order, and counted by row. The counts scanned, the records are scattered
+// to their rows and sorted there; a running sum of their orientation is the winding number.
 
-#include "layout.h"
-#include "sweep_vertex.h"
+#include "sweep_edges.h"
 
-typedef struct Wide {  // hi 2^64 + lo
-    long hi;
-    ulong lo;
-} Wide;
+// The rows (y, z) of the part that a box holds, limits included.
+typedef struct RowRange {
+    long begin_y, end_y, begin_z, end_z;
+} RowRange;
 
-inline Wide wide_product(long a, long b) {
-    Wide w;
-    w.hi = mul_hi(a, b);
-    w.lo = (ulong)a * (ulong)b;
-    return w;
-}
-
-inline Wide wide_difference(Wide a, Wide b) {
-    Wide w;
-    w.lo = a.lo - b.lo;
-    w.hi = a.hi - b.hi - (a.lo < b.lo ? 1 : 0);
-    return w;
-}
-
-inline double wide_to_double(Wide w) {
-    return (double)w.hi * 18446744073709551616.0 + (double)w.lo;
-}
-
-// Whether the sample (y, z), or its symbolic displacement where it lies on the line, is left of p -> q; the edge
-// function is returned through `weight`. Products of 63 bits are enough where the triangle is small; `wide` takes 128.
-inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, bool wide, __private double* weight) {
-    const long dy = q.y - p.y, dz = q.z - p.z;
-    int sign;
-    if (wide) {
-        const Wide e = wide_difference(wide_product(dy, z - p.z), wide_product(dz, y - p.y));
-        *weight = wide_to_double(e);
-        sign = e.hi < 0 ? -1 : (e.hi > 0 || e.lo > 0 ? 1 : 0);
-    } else {
-        const long e = dy * (z - p.z) - dz * (y - p.y);
-        *weight = (double)e;
-        sign = e < 0 ? -1 : (e > 0 ? 1 : 0);
-    }
-    return sign > 0 || (sign == 0 && (dz < 0 || (dz == 0 && dy > 0)));
-}
-
-inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
-    return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
-}
-
-// One work-item a triangle of [begin, end) and a strip of the part's slices. With `fill` 0 it counts crossings by row;
-// with 1 it writes their keys, `cursors` being where each row's begin. Key: 2 k + (1 where the surface faces -x there),
-// k the first sample at or after the crossing, counted from the first brick's first sample and clamped to [0,
-// row_length].
-__kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
-                             __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* cursors,
-                             __global uint* keys, int fill) {
-    const uint t = begin + get_global_id(0);
-    const uint strip = get_global_id(1), strips = get_global_size(1);
-    if (t >= end) return;
-    SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]], c = vertices[triangles[3 * t + 2]];
-    const long low_y = min(a.y, min(b.y, c.y)), high_y = max(a.y, max(b.y, c.y));
-    const long low_z = min(a.z, min(b.z, c.z)), high_z = max(a.z, max(b.z, c.z));
+INLINE RowRange rows_within(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, int bits_y, int bits_z) {
     const long first_y = (long)layout.brick_first[1] * CLSDF_BRICK, first_z = (long)layout.brick_first[2] * CLSDF_BRICK;
-    const long rows_y = (long)layout.bricks[1] * CLSDF_BRICK, rows_z = (long)layout.bricks[2] * CLSDF_BRICK;
-    const long begin_y = max(first_y, -((-low_y) >> bits_y)), end_y = min(first_y + rows_y - 1, high_y >> bits_y);
-    const long begin_z = max(first_z + rows_z * strip / strips, -((-low_z) >> bits_z)),
-               end_z = min(first_z + rows_z * (strip + 1) / strips - 1, high_z >> bits_z);
-    if (begin_y > end_y || begin_z > end_z) return;
+    const long last_y = first_y + (long)layout.bricks[1] * CLSDF_BRICK - 1,
+               last_z = first_z + (long)layout.bricks[2] * CLSDF_BRICK - 1;
+    RowRange rows;
+    rows.begin_y = max(first_y, -(-min(a.y, min(b.y, c.y)) >> bits_y));
+    rows.end_y = min(last_y, max(a.y, max(b.y, c.y)) >> bits_y);
+    rows.begin_z = max(first_z, -(-min(a.z, min(b.z, c.z)) >> bits_z));
+    rows.end_z = min(last_z, max(a.z, max(b.z, c.z)) >> bits_z);
+    return rows;
+}
 
-    const Wide area = twice_area(a, b, c);
-    if (area.hi == 0 && area.lo == 0) return;
-    const uint faces_back = area.hi < 0;
+INLINE ulong row_count(RowRange rows) {
+    return rows.begin_y > rows.end_y || rows.begin_z > rows.end_z
+               ? 0
+               : (ulong)(rows.end_y - rows.begin_y + 1) * (ulong)(rows.end_z - rows.begin_z + 1);
+}
+
+// Where a work-item's crossings go: records [next, end) are its own.
+typedef struct Writer {
+    __global uint* row_counts;
+    __global SweepRecord* records;
+    uint capacity;
+    __global SweepTotals* totals;
+    uint next, end;
+} Writer;
+
+INLINE void write_crossing(__private Writer* writer, uint row, uint key) {
+    if (writer->next == writer->end) {
+        writer->next = atomic_add(&writer->totals->records, CLSDF_RECORD_BLOCK);
+        writer->end = writer->next + CLSDF_RECORD_BLOCK;
+    }
+    const uint place = atomic_inc(writer->row_counts + row);
+    if (writer->next < writer->capacity) {
+        __global SweepRecord* record = writer->records + writer->next;
+        record->row = row;
+        record->key = key;
+        record->place = place;
+    }
+    ++writer->next;
+}
+
+INLINE void leave_records(Writer writer) {
+    for (uint n = writer.next; n < min(writer.end, writer.capacity); ++n) writer.records[n].row = CLSDF_NO_ROW;
+}
+
+// The crossing of a row with the triangle, of which the weights say where it lies.
+INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, double wa, double wb, double wc,
+                           uint row, uint faces_back, __private Writer* writer) {
+    const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
+    const double sample =
+        clamp(ceil(x) - (double)(layout.brick_first[0] * CLSDF_BRICK), 0.0, (double)(layout.bricks[0] * CLSDF_BRICK));
+    write_crossing(writer, row, 2 * (uint)sample + faces_back);
+}
+
+// The crossings of some rows of a triangle's box.
+INLINE void find_crossings(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, RowRange rows, int bits_y,
+                           int bits_z, __private Writer* writer) {
+    const bool wide = max(a.y, max(b.y, c.y)) - min(a.y, min(b.y, c.y)) >= (1L << 30) ||
+                      max(a.z, max(b.z, c.z)) - min(a.z, min(b.z, c.z)) >= (1L << 30);
+    long orientation;
+    if (wide) {
+        const Wide area = twice_area(a, b, c);
+        orientation = area.hi != 0 ? area.hi : area.lo != 0;
+    } else {
+        orientation = (b.y - a.y) * (c.z - a.z) - (b.z - a.z) * (c.y - a.y);
+    }
+    if (orientation == 0) return;
+    const uint faces_back = orientation < 0;
     if (faces_back) {
         const SweepVertex swap = b;
         b = c;
         c = swap;
     }
-    const bool wide = high_y - low_y >= (1L << 30) || high_z - low_z >= (1L << 30);
-    const long first_x = (long)layout.brick_first[0] * CLSDF_BRICK, row_length = (long)layout.bricks[0] * CLSDF_BRICK;
-    for (long z = begin_z; z <= end_z; ++z)
-        for (long y = begin_y; y <= end_y; ++y) {
-            double wa, wb, wc;
-            if (!left_of(b, c, y << bits_y, z << bits_z, wide, &wa) ||
-                !left_of(c, a, y << bits_y, z << bits_z, wide, &wb) ||
-                !left_of(a, b, y << bits_y, z << bits_z, wide, &wc))
-                continue;
-            const size_t row = (size_t)(z - first_z) * rows_y + (y - first_y);
-            const uint slot = atomic_inc(cursors + row);
-            if (!fill) continue;
-            const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
-            const double sample = clamp(ceil(x) - (double)first_x, 0.0, (double)row_length);
-            keys[slot] = 2 * (uint)sample + faces_back;
+    const int first_y = layout.brick_first[1] * CLSDF_BRICK, first_z = layout.brick_first[2] * CLSDF_BRICK,
+              rows_y = layout.bricks[1] * CLSDF_BRICK;
+    for (long z = rows.begin_z; z <= rows.end_z; ++z) {
+        uint row = (uint)(z - first_z) * (uint)rows_y + (uint)(rows.begin_y - first_y);
+        if (wide) {
+            for (long y = rows.begin_y; y <= rows.end_y; ++y, ++row) {
+                double wa, wb, wc;
+                if (left_of(b, c, y << bits_y, z << bits_z, &wa) && left_of(c, a, y << bits_y, z << bits_z, &wb) &&
+                    left_of(a, b, y << bits_y, z << bits_z, &wc))
+                    write_weighted(layout, a, b, c, wa, wb, wc, row, faces_back, writer);
+            }
+        } else {
+            Edge of_a = edge_at(b, c, rows.begin_y << bits_y, z << bits_z, bits_y),
+                 of_b = edge_at(c, a, rows.begin_y << bits_y, z << bits_z, bits_y),
+                 of_c = edge_at(a, b, rows.begin_y << bits_y, z << bits_z, bits_y);
+            for (long y = rows.begin_y; y <= rows.end_y; ++y, ++row) {
+                if ((long)(of_a.value | of_b.value | of_c.value) >= 0)
+                    write_weighted(layout, a, b, c, weight_of(of_a), weight_of(of_b), weight_of(of_c), row, faces_back,
+                                   writer);
+                of_a.value -= of_a.step;
+                of_b.value -= of_b.step;
+                of_c.value -= of_c.step;
+            }
         }
+    }
+}
+
+// Each work-item takes a range of the triangles [begin, end): those with few rows now, the numbers of the others to
+// `large`. Keys: 2 k + (1 where the surface faces -x), k the first sample at or after the crossing, counted from the
+// first brick's first sample and clamped to [0, row_length].
+__kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
+                             __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
+                             uint capacity, __global SweepRecord* records, __global SweepTotals* totals,
+                             __global uint* large) {
+    const uint part = get_global_id(0), parts = get_global_size(0), count = end - begin;
+    const uint own_end = begin + (uint)((ulong)count * (part + 1) / parts);
+    Writer writer = {row_counts, records, capacity, totals, 0, 0};
+    for (uint t = begin + (uint)((ulong)count * part / parts); t < own_end; ++t) {
+        const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
+                          c = vertices[triangles[3 * t + 2]];
+        const RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
+        const ulong number = row_count(rows);
+        if (number == 0) continue;
+        if (number > CLSDF_LARGE_ROWS) {
+            large[atomic_inc(&totals->large)] = t;
+            atomic_add(&totals->large_blocks, (uint)(number / CLSDF_LARGE_ROWS));
+            atomic_max(&totals->largest_rows, (uint)number);
+            continue;
+        }
+        find_crossings(layout, a, b, c, rows, bits_y, bits_z, &writer);
+    }
+    leave_records(writer);
+}
+
+// One work-item a triangle of large[begin, end) and a strip of its slices.
+__kernel void sign_crossings_of_large(Layout layout, uint begin, uint end, __global const uint* triangles,
+                                      __global const SweepVertex* vertices, int bits_y, int bits_z,
+                                      __global uint* row_counts, uint capacity, __global SweepRecord* records,
+                                      __global SweepTotals* totals, __global const uint* large) {
+    const uint i = begin + get_global_id(0);
+    const uint strip = get_global_id(1), strips = get_global_size(1);
+    if (i >= end) return;
+    const uint t = large[i];
+    const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
+                      c = vertices[triangles[3 * t + 2]];
+    RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);
+    const long begin_z = rows.begin_z, slices = rows.end_z - begin_z + 1;
+    rows.begin_z = begin_z + slices * strip / strips;
+    rows.end_z = begin_z + slices * (strip + 1) / strips - 1;
+    Writer writer = {row_counts, records, capacity, totals, 0, 0};
+    find_crossings(layout, a, b, c, rows, bits_y, bits_z, &writer);
+    leave_records(writer);
+}
+
+// One work-item a record: its key to its row, of which `starts` holds where the keys begin.
+__kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* records, __global const uint* starts,
+                           __global uint* keys) {
+    const uint n = begin + get_global_id(0);
+    if (n >= end || records[n].row == CLSDF_NO_ROW) return;
+    keys[starts[records[n].row] + records[n].place] = records[n].key;
 }
 
 // Sorts keys[0, count); rows have few crossings as a rule, and n log n operations where they have many.
@@ -136,31 +206,41 @@ inline void sort_keys(__global uint* keys, uint count) {
     }
 }
 
-// One work-item a row, of [begin_row, end_row), of samples of the part's bricks: its sign bits, 1 inside.
-__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, int parity, __global const uint* starts,
-                        __global uint* keys, __global uint* sign_bits) {
-    const uint row = begin_row + get_global_id(0);
-    if (row >= end_row) return;
-    __global uint* bits = sign_bits + (size_t)row * layout.sign_words;
-    const uint begin = starts[row], count = starts[row + 1] - begin;
-    __global uint* own = keys + begin;
-    sort_keys(own, count);
-    uint next = 0;
-    int winding = 0;
-    for (int word = 0; word < layout.sign_words; ++word) {
-        // Runs of samples between crossings; a word without any is written at once.
-        uint value = 0;
-        uint from = 0;  // bit of the word from which `winding` holds
-        while (next < count && (own[next] >> 1) < (uint)(word + 1) * 32) {
-            const uint at = (own[next] >> 1) - (uint)word * 32;
-            const bool inside = parity ? (winding & 1) : winding != 0;
-            if (inside && at > from) value |= (at - from == 32 ? 0xFFFFFFFFu : ((1u << (at - from)) - 1u)) << from;
-            from = at;
-            winding += (own[next] & 1u) ? 1 : -1;
-            ++next;
+// Bits [begin, end) of a row, which are 0 so far.
+INLINE void set_bits(__global uint* bits, uint begin, uint end) {
+    if (begin >= end) return;
+    uint word = begin >> 5;
+    const uint last = (end - 1) >> 5;
+    const uint from_begin = 0xFFFFFFFFu << (begin & 31), to_end = 0xFFFFFFFFu >> (31 - ((end - 1) & 31));
+    if (word == last) {
+        bits[word] |= from_begin & to_end;
+        return;
+    }
+    bits[word] |= from_begin;
+    while (++word < last) bits[word] = 0xFFFFFFFFu;
+    bits[last] |= to_end;
+}
+
+// Each work-item takes `rows_per_item` of the rows [begin_row, end_row) of samples of the part's bricks: their sign
+// bits, 1 inside.
+__kernel void sign_rows(Layout layout, uint begin_row, uint end_row, uint rows_per_item, int parity,
+                        __global const uint* starts, __global uint* keys, __global uint* sign_bits) {
+    const uint first = min(begin_row + (uint)get_global_id(0) * rows_per_item, end_row),
+               last = min(first + rows_per_item, end_row);
+    const uint words = layout.sign_words;
+    // Most rows meet no surface.
+    for (size_t word = (size_t)first * words; word < (size_t)last * words; ++word) sign_bits[word] = 0;
+    for (uint row = first; row < last; ++row) {
+        const uint begin = starts[row], count = starts[row + 1] - begin;
+        if (count == 0) continue;
+        __global uint* own = keys + begin;
+        sort_keys(own, count);
+        __global uint* bits = sign_bits + (size_t)row * words;
+        int winding = 0;
+        for (uint n = 0; n < count; ++n) {
+            winding += (own[n] & 1u) ? 1 : -1;
+            if (parity ? (winding & 1) : winding != 0)
+                set_bits(bits, own[n] >> 1, n + 1 < count ? own[n + 1] >> 1 : words * 32);
         }
-        const bool inside = parity ? (winding & 1) : winding != 0;
-        if (inside && from < 32) value |= 0xFFFFFFFFu << from;
-        bits[word] = value;
     }
 }

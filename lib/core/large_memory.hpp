@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace clsdf {
 
@@ -11,5 +12,20 @@ constexpr std::size_t large_memory_bytes = std::size_t{4} << 20;
 /// array cost many times what it takes to fill it (measured: 15 times at 4 KiB a page). Throws std::bad_alloc.
 void* allocate_large_memory(std::size_t bytes);
 void free_large_memory(void* memory) noexcept;
+
+/// Asks for huge pages in memory from elsewhere that nothing was written to yet.
+void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
+
+/// A vector of this size, on huge pages where the system gives them, and without what a vector keeps in store when it
+/// grows.
+template <class Value>
+void resize_on_huge_pages(std::vector<Value>& values, std::size_t size) {
+    if (values.capacity() < size) {
+        std::vector<Value>().swap(values);
+        values.reserve(size);
+        advise_huge_pages(values.data(), size * sizeof(Value));
+    }
+    values.resize(size);
+}
 
 }  // namespace clsdf

@@ -19,6 +19,8 @@ public:
               const ShortLaunches& launches)
         : layout_(layout),
           with_triangle_(variant.triangle),
+          // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
+          fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
           lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.record_count, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
@@ -46,10 +48,11 @@ public:
     void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
 
     void enqueue_end(CommandChain& chain) override {
-        const auto rows = static_cast<std::size_t>(layout_.size[1]), slices = static_cast<std::size_t>(layout_.size[2]);
+        const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]),
+                   slices = static_cast<std::size_t>(layout_.size[2]);
         for (std::size_t slice = 0; slice < slices; slice += slices_per_fill_) {
             fill_kernel_.setArg(6, static_cast<cl_int>(slice));
-            const cl::NDRange range(rows, std::min(slices_per_fill_, slices - slice));
+            const cl::NDRange range(fill_pieces_, brick_rows, std::min(slices_per_fill_, slices - slice));
             chain.then([&](auto& target, auto* wait, auto* event) {
                 target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, cl::NullRange, wait, event);
             });
@@ -75,6 +78,7 @@ public:
 private:
     Layout layout_;
     bool with_triangle_;
+    std::size_t fill_pieces_;
     CoarseLists lists_;
     device::BufferPool::Lease computed_;
     std::unique_ptr<BrickKernel> bricks_;

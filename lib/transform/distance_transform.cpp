@@ -1,5 +1,6 @@
 #include <clsdf/distance_transform.hpp>
 
+#include "core/large_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
@@ -231,8 +232,8 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
     field.mesh_name = state_->mesh.name();
     grid.validate();
     try {
-        field.distance.resize(grid.sample_count());
-        if (outputs.triangle) field.triangle.resize(grid.sample_count());
+        resize_on_huge_pages(field.distance, grid.sample_count());
+        if (outputs.triangle) resize_on_huge_pages(field.triangle, grid.sample_count());
     } catch (const std::exception&) {
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("a field of {} x {} x {} samples does not fit the memory; compute parts of the grid",

@@ -37,6 +37,7 @@ Programs::Programs(device::Context& context, KernelBody asked)
     : body(asked != KernelBody::automatic        ? asked
            : context.capabilities().is_processor ? KernelBody::by_vector
                                                  : KernelBody::by_group) {
+    lanes = static_cast<std::size_t>(lanes_of(context, body));
     const std::string options = build_options(context, lanes_of(context, body));
     scan = context.program("scan.cl", options);
     coarse_lists = context.program("coarse_lists.cl", options);
@@ -69,10 +70,10 @@ SliceShape Programs::slice_shape() const {
 
 cl::Program Programs::slices(device::Context& context, const char* kernel_file, const SliceVariant& variant) const {
     // Rows of a piece are short: a vector is one brick's at most.
-    const int lanes = std::min(lanes_of(context, body), CLSDF_BRICK);
-    return context.program(
-        kernel_file, fmt::format("{} -DGROUP={} -DBATCH={}{}{}", build_options(context, lanes), slice_shape().group,
-                                 slice_shape().batch, options_of(variant.brick), variant.key_64 ? " -DKEY_64" : ""));
+    const int brick_lanes = std::min(lanes_of(context, body), CLSDF_BRICK);
+    return context.program(kernel_file, fmt::format("{} -DGROUP={} -DBATCH={}{}{}", build_options(context, brick_lanes),
+                                                    slice_shape().group, slice_shape().batch, options_of(variant.brick),
+                                                    variant.key_64 ? " -DKEY_64" : ""));
 }
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {

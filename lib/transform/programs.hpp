@@ -34,6 +34,7 @@ struct Programs {
     cl::Program sign_sweep;
     cl::Program fill;
     std::size_t group_size = 0;  ///< of the body by_group
+    std::size_t lanes = 1;       ///< of a work-item's vectors
 
     Programs(device::Context& context, KernelBody asked);
 

@@ -1,22 +1,10 @@
 #include "transform/slab_pipeline.hpp"
 
+#include "core/large_memory.hpp"
+
 #include <fmt/format.h>
 
 namespace clsdf::transform {
-
-namespace {
-
-/// Without what a vector keeps in store when it grows.
-template <class Value>
-void resize(std::vector<Value>& values, std::size_t size) {
-    if (values.capacity() < size) {
-        std::vector<Value>().swap(values);
-        values.reserve(size);
-    }
-    values.resize(size);
-}
-
-}  // namespace
 
 void OutputMemory::place(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes) {
     host_ = host;
@@ -69,8 +57,8 @@ void SlabPipeline::place(Slot& slot, const Grid& slab, const Outputs& outputs, c
     slot.host = callers;
     if (callers.distance.empty()) {
         try {
-            resize(slot.own_distance, samples);
-            resize(slot.own_triangle, outputs.triangle ? samples : 0);
+            resize_on_huge_pages(slot.own_distance, samples);
+            resize_on_huge_pages(slot.own_triangle, outputs.triangle ? samples : 0);
         } catch (const std::exception&) {
             throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
                                                               slab.size[0], slab.size[1], slab.size[2]));

@@ -252,7 +252,7 @@ BOOST_AUTO_TEST_CASE(gets_each_program_once_and_gives_it_to_the_next_process) {
     }
     const Device device = device_with(path_of(folder));
     BOOST_TEST(is_compiled_here(device.internal().program("scan.cl", std::string(options) + " -DOTHER")));
-    BOOST_TEST(is_compiled_here(device.internal().program("fill.cl", options)));
+    BOOST_TEST(is_compiled_here(device.internal().program("sign_sweep.cl", options)));
     BOOST_TEST(folder.file_count() == 3U);
 }
 
@@ -298,7 +298,7 @@ BOOST_AUTO_TEST_CASE(may_be_write_protected_or_impossible) {
     fs::permissions(folder.file("protected"), fs::perms::owner_read | fs::perms::owner_exec);
     const Device device = device_with(folder.file("protected"));
     BOOST_TEST(!is_compiled_here(device.internal().program("scan.cl", options)));
-    BOOST_TEST(is_compiled_here(device.internal().program("fill.cl", options)));
+    BOOST_TEST(is_compiled_here(device.internal().program("sign_sweep.cl", options)));
     fs::permissions(folder.file("protected"), fs::perms::owner_all);
 }
 

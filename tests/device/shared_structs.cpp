@@ -1,10 +1,11 @@
 #include <clsdf/device.hpp>
 
+#include "coarse.h"
 #include "device/context.hpp"
 #include "device/kernel_text.hpp"
 #include "layout.h"
 #include "render.h"
-#include "sweep_vertex.h"
+#include "sweep.h"
 
 #include <boost/test/unit_test.hpp>
 
@@ -76,10 +77,22 @@ const std::vector<Agreement> agreements{
     CLSDF_OFFSET(Layout, unit),
     CLSDF_OFFSET(Layout, inside_fill),
     CLSDF_OFFSET(Layout, outside_fill),
+    CLSDF_SIZE(SurfacePoint),
+    CLSDF_OFFSET(SurfacePoint, foot),
+    CLSDF_SIZE(Touch),
+    CLSDF_OFFSET(Touch, base),
+    CLSDF_OFFSET(Touch, bricks),
     CLSDF_SIZE(SweepVertex),
     CLSDF_OFFSET(SweepVertex, y),
     CLSDF_OFFSET(SweepVertex, z),
     CLSDF_OFFSET(SweepVertex, x),
+    CLSDF_SIZE(SweepRecord),
+    CLSDF_OFFSET(SweepRecord, key),
+    CLSDF_OFFSET(SweepRecord, place),
+    CLSDF_SIZE(SweepTotals),
+    CLSDF_OFFSET(SweepTotals, large),
+    CLSDF_OFFSET(SweepTotals, large_blocks),
+    CLSDF_OFFSET(SweepTotals, largest_rows),
     CLSDF_SIZE(RenderView),
     CLSDF_OFFSET(RenderView, direction),
     CLSDF_OFFSET(RenderView, direction_down),
@@ -102,8 +115,8 @@ const std::vector<Agreement> agreements{
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
-    std::string text =
-        device::kernel_text("layout.h") + device::kernel_text("sweep_vertex.h") + device::kernel_text("render.h");
+    std::string text = device::kernel_text("layout.h") + device::kernel_text("coarse.h") +
+                       device::kernel_text("sweep.h") + device::kernel_text("render.h");
     text += "__kernel void measure(__global uint* found) {\n";
     for (std::size_t i = 0; i < agreements.size(); ++i)
         text += "    found[" + std::to_string(i) + "] = (uint)(" + agreements[i].expression + ");\n";

@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <thread>
 
@@ -109,6 +110,44 @@ BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
     BOOST_TEST(std::count(distance.end() - 7, distance.end(), guard) == 7);
     BOOST_TEST(std::count(triangle.begin(), triangle.begin() + 7, 77U) == 7);
     BOOST_TEST(std::count(triangle.end() - 7, triangle.end(), 77U) == 7);
+}
+
+// Runs of samples beyond the band are stored by lines of memory.
+BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere) {
+    for (const Index3& size : {Index3{71, 40, 33}, Index3{64, 24, 40}, Index3{9, 5, 70}}) {
+        Grid grid = around_mesh();
+        grid.first = {3, -5, 2};
+        grid.size = size;
+        const Band band = Band::symmetric(grid.voxel());
+        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+            const Field expected = compute(mesh(), grid, band, body);
+            check_exact(mesh(), expected);
+            DistanceTransform transform(test_device(), mesh(), {.body = body});
+            constexpr float guard = -12345.0F;
+            for (const std::size_t begin : {1U, 2U, 3U, 4U, 8U, 15U, 16U}) {
+                const std::size_t count = grid.sample_count();
+                std::vector<float> distance(begin + count + 1, guard);
+                std::vector<std::uint32_t> triangle(begin + count + 1, 77);
+                transform.compute(
+                    grid, band, {std::span(distance).subspan(begin, count), std::span(triangle).subspan(begin, count)});
+                BOOST_TEST(std::equal(expected.distance.begin(), expected.distance.end(), &distance[begin]));
+                BOOST_TEST(std::equal(expected.triangle.begin(), expected.triangle.end(), &triangle[begin]));
+                BOOST_TEST((distance[begin - 1] == guard && distance.back() == guard));
+                BOOST_TEST((triangle[begin - 1] == 77U && triangle.back() == 77U));
+            }
+        }
+    }
+}
+
+// One row's end and the next one's begin lie beside each other in memory, both in empty bricks, with different signs.
+BOOST_AUTO_TEST_CASE(rows_may_begin_outside_and_end_inside) {
+    const Mesh solid = cube(1);
+    const Grid grid = grid_at({0.01, 0.02, 0.03}, 0.05, 40).part({0, 10, 10}, {41, 61, 20});
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        const Field field = compute(solid, grid, Band::symmetric(0.1), body);
+        BOOST_TEST(!std::signbit(field.distance.front()));
+        BOOST_TEST(check_exact(solid, field).band_samples > 0U);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {

@@ -45,6 +45,30 @@ BOOST_AUTO_TEST_CASE(a_triangle_of_many_rows_has_the_right_signs) {
     check_short_launches(solid, grid, Band::symmetric(grid.voxel()));
 }
 
+// More crossings than there is room for at first: four for each row.
+BOOST_AUTO_TEST_CASE(a_surface_of_many_sheets_has_the_right_signs) {
+    std::vector<Mesh> sheets;
+    for (int i = 0; i < 12; ++i) sheets.push_back(cube(0.6 + 0.031 * i));
+    const Mesh onion = together(sheets, "cubes within cubes");
+    const Grid grid = grid_at({0.01, 0.02, 0.03}, 0.1, 9);
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
+        for (const SignRule rule : {SignRule::nonzero, SignRule::parity})
+            check_exact(onion, compute(onion, grid, Band::symmetric(0.15), {.sign = rule, .body = body}), guaranteed);
+    check_short_launches(onion, grid, Band::symmetric(0.15));
+}
+
+// They touch more groups of coarse bricks than are kept from counting to writing the lists: four for each polyhedron.
+BOOST_AUTO_TEST_CASE(triangles_over_many_coarse_bricks_are_in_all_their_lists) {
+    const Mesh beam = box({-2.5, -1.5, 0.5}, {2.5, 1.5, 720.5});
+    Grid grid = grid_at({0, 0, 0}, 1, 4);
+    grid.size[2] = 720;
+    for (const Band& band : {Band::symmetric(2), Band::full()}) {
+        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
+            check_exact(beam, compute(beam, grid, band, body), guaranteed);
+        check_short_launches(beam, grid, band);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(the_setting_up_of_a_plan_is_cancelled) {
     const Mesh solid = cube(1);
     const Grid grid = grid_at({0, 0, 0}, 0.1, 15);

@@ -1,0 +1,126 @@
+#include "transform/sign_crossings.hpp"
+
+#include "sweep.h"
+#include "transform/layout_of.hpp"
+#include "transform/programs.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace clsdf::transform {
+
+namespace {
+
+// Crossings that there is room for at first, for each row on average (see sign_bytes_of_slice). Where there are more
+// crossings, they are found twice.
+constexpr std::size_t records_per_row = 4;
+
+// Measured on a core, and rounded up.
+constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
+constexpr double seconds_per_triangle = 5e-7;  // of the first launch: with CLSDF_LARGE_ROWS rows
+// A large triangle is divided among work-items, each of which takes a strip of its slices.
+constexpr std::size_t rows_per_item = std::size_t{1} << 14;
+constexpr std::size_t most_strips = 64;
+
+/// The launches that find the crossings, for one size of the records' buffer.
+class Search {
+public:
+    Search(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+           const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches)
+        : queue_(context.queue()),
+          programs_(programs),
+          triangle_count_(mesh.triangle_count),
+          parts_(programs.parallel_parts(context, 1)),
+          launches_(launches),
+          totals_(pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
+          large_(pool->lease(mesh.triangle_count * sizeof(cl_uint), "large triangles of the sign's sweep")),
+          small_kernel_(programs.sign_sweep, "sign_crossings"),
+          large_kernel_(programs.sign_sweep, "sign_crossings_of_large") {
+        for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
+            kernel->setArg(0, layout);
+            kernel->setArg(3, mesh.triangles);
+            kernel->setArg(4, mesh.vertices);
+            kernel->setArg(5, cl_int{mesh.bits_y});
+            kernel->setArg(6, cl_int{mesh.bits_z});
+            kernel->setArg(10, *totals_);
+            kernel->setArg(11, *large_);
+        }
+    }
+
+    /// Records that the first launch's work-items may leave over.
+    std::size_t left_over() const { return parts_ * CLSDF_RECORD_BLOCK; }
+
+    /// How many records it took, also where there was room for fewer.
+    std::size_t find(const Crossings& crossings, std::size_t capacity) {
+        queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
+        for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
+            kernel->setArg(7, *crossings.row_counts);
+            kernel->setArg(8, static_cast<cl_uint>(capacity));
+            kernel->setArg(9, *crossings.records);
+        }
+        launches_.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
+            enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
+        });
+        const SweepTotals totals = read_totals();
+        return totals.large == 0 ? totals.records : find_large(totals);
+    }
+
+private:
+    std::size_t find_large(const SweepTotals& totals) {
+        const std::size_t strips = std::min(totals.largest_rows / rows_per_item + 1, most_strips);
+        const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
+        const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
+        launches_.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
+            constexpr std::size_t group = 64;
+            enqueue(large_kernel_, begin, end, cl::NDRange((end - begin + group - 1) / group * group, strips),
+                    cl::NDRange(group, 1));
+        });
+        return read_totals().records;
+    }
+
+    void enqueue(cl::Kernel& kernel, std::size_t begin, std::size_t end, const cl::NDRange& items,
+                 const cl::NDRange& group) const {
+        kernel.setArg(1, static_cast<cl_uint>(begin));
+        kernel.setArg(2, static_cast<cl_uint>(end));
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
+    }
+
+    SweepTotals read_totals() const {
+        SweepTotals totals{};
+        queue_.enqueueReadBuffer(*totals_, CL_TRUE, 0, sizeof totals, &totals);
+        return totals;
+    }
+
+    const cl::CommandQueue& queue_;
+    const Programs& programs_;
+    std::size_t triangle_count_;
+    std::size_t parts_;
+    const ShortLaunches& launches_;
+    device::BufferPool::Lease totals_;
+    device::BufferPool::Lease large_;
+    cl::Kernel small_kernel_;
+    cl::Kernel large_kernel_;
+};
+
+}  // namespace
+
+Crossings find_crossings(device::Context& context, const Programs& programs,
+                         const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh& mesh,
+                         const ShortLaunches& launches) {
+    const std::size_t rows = sign_row_count(layout);
+    Search search(context, programs, pool, layout, mesh, launches);
+    Crossings crossings;
+    crossings.row_counts = pool->lease(rows * sizeof(cl_uint), "counts of the sign's crossings");
+    const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),
+                                                   std::numeric_limits<cl_uint>::max());
+    for (std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);;
+         capacity = crossings.record_count) {
+        context.queue().enqueueFillBuffer(*crossings.row_counts, cl_uint{0}, 0, rows * sizeof(cl_uint));
+        crossings.records = {};  // the smaller one goes back first
+        crossings.records = pool->lease(capacity * sizeof(SweepRecord), "crossings of the sign's sweep");
+        crossings.record_count = search.find(crossings, capacity);
+        if (crossings.record_count <= capacity) return crossings;
+    }
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "layout.h"
+#include "transform/short_launches.hpp"
+
+namespace clsdf::transform {
+
+struct Programs;
+
+/// A mesh on the device as the sweep for the sign sees it.
+struct SweepMesh {
+    const cl::Buffer& triangles;
+    std::size_t triangle_count;
+    const cl::Buffer& vertices;  ///< SweepVertex
+    int bits_y;                  ///< of a snapped vertex, below a sample
+    int bits_z;
+};
+
+/// Where the part's rows of samples cross the surface.
+struct Crossings {
+    device::BufferPool::Lease row_counts;  ///< how many crossings each row has
+    device::BufferPool::Lease records;     ///< SweepRecord, in no order
+    std::size_t record_count = 0;          ///< those that are left over included
+};
+
+Crossings find_crossings(device::Context& context, const Programs& programs,
+                         const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh& mesh,
+                         const ShortLaunches& launches);
+
+}  // namespace clsdf::transform
