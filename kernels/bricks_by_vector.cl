@@ -14,24 +14,46 @@
 #include "brick_lists.h"
 #include "brick_minimum.h"
 
-// Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width.
+// Upper bounds of the distance for the samples of each of a brick's sub-blocks: the distance of its centre to the
+// surface point nearest to the brick's centre, and its radius.
+inline void subblock_caps(Layout layout, int3 first, __global const Polyhedron* nearest, float brick_cap,
+                          __private float* caps) {
+    const float3 spacing = vload3(0, layout.spacing);
+    const float3 from_foot = from_foot_to(layout, nearest, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
+    const float half_x = 0.5f * (SUBBLOCK_X - 1);
+    const float3 half_sides = (float3)(half_x, 0.5f, 0.5f) * spacing;
+    const float radius = sqrt(dot(half_sides, half_sides)) * (1.0f + 1.0e-5f) + layout.brick_slack;
+    for (uint b = 0; b < SUBBLOCKS; b += LANES) {
+        const uintL block = LANE_NUMBERS + b;
+        const floatL i = convert_floatL(block & (SUBBLOCKS_X - 1)) * SUBBLOCK_X + (half_x - 3.5f),
+                     j = convert_floatL((block / SUBBLOCKS_X) & 3u) * 2.0f - 3.0f,
+                     k = convert_floatL(block / (SUBBLOCKS_X * 4)) * 2.0f - 3.0f;
+        const floatL x = i * spacing.x + from_foot.x, y = j * spacing.y + from_foot.y, z = k * spacing.z + from_foot.z;
+        const floatL bound = sqrt(x * x + y * y + z * z) * (1.0f + 1.0e-5f) + radius;
+        store_lanes(LESSER(bound, brick_cap), 0, caps + b);
+    }
+}
+
+// Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
+// `nearest` is a polyhedron whose foot is near the brick.
 inline void lower_minimum(Layout layout, int3 brick, uint count, __global const uint* list, float cap, bool is_first,
-                          __global const Polyhedron* polyhedra, __global Minimum* minimum, __private ulong* counters) {
+                          __global const Polyhedron* nearest, __global const Polyhedron* polyhedra,
+                          __global Minimum* minimum, __private ulong* counters) {
+    const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
+    subblock_caps(layout, first, nearest, cap, caps);
     for (uint b = 0; b < SUBBLOCKS; ++b) {
         if (is_first) {
             minimum->squared[b] = INFINITY;
 #ifdef NEAREST
             minimum->triangle[b] = CLSDF_NO_TRIANGLE;
 #endif
-            caps[b] = cap;
         } else {
-            caps[b] = cap_of_subblock(minimum, b, cap);
+            caps[b] = cap_of_subblock(minimum, b, caps[b]);
         }
     }
     uint numbers[CHUNK], lists[SUBBLOCKS * LIST_ROOM], lengths[SUBBLOCKS];
     Evaluated evaluated[CHUNK];
-    const int3 first = brick * CLSDF_BRICK;
     const float centre = 0.5f * (CLSDF_BRICK - 1);
     const double3 at = convert_double3(first) + (double)centre;
     const float slack = cap * layout.slack_rate + layout.brick_slack;
@@ -51,7 +73,7 @@ inline void lower_minimum(Layout layout, int3 brick, uint count, __global const 
         for (uint b = 0; b < SUBBLOCKS; ++b) {
             if (lengths[b] == 0) continue;
             evaluate(b, lengths[b], lists + b * LIST_ROOM, evaluated, polyhedra, at, minimum, layout, counters);
-            if (end < count) caps[b] = cap_of_subblock(minimum, b, cap);
+            if (end < count) caps[b] = cap_of_subblock(minimum, b, caps[b]);
         }
     }
 #ifdef COUNT
@@ -59,12 +81,22 @@ inline void lower_minimum(Layout layout, int3 brick, uint count, __global const 
 #endif
 }
 
-// Upper bounds of the distance for the samples of each of a coarse brick's 64 bricks: the distance of the brick's
-// centre to the nearest of the surface points it knows (the feet of the altitudes), and the brick's radius.
-inline void brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                       __global const Polyhedron* polyhedra, float coarse_cap, __private float* caps) {
+// Of each of a coarse brick's 64 bricks.
+typedef struct BrickCaps {
+    float cap[64];     // an upper bound of the distance of its samples
+    uint nearest[64];  // the polyhedron whose foot gave it
+} BrickCaps;
+
+// The distance of the brick's centre to the nearest of the surface points it knows (the feet of the altitudes), and the
+// brick's radius.
+inline void find_brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                            __global const Polyhedron* polyhedra, float coarse_cap, __private BrickCaps* caps) {
     floatL least[64 / LANES];
-    for (uint v = 0; v < 64 / LANES; ++v) least[v] = INFINITY;
+    uintL nearest[64 / LANES];
+    for (uint v = 0; v < 64 / LANES; ++v) {
+        least[v] = INFINITY;
+        nearest[v] = entries[0];
+    }
     const int3 first = coarse * CLSDF_COARSE;
     // A vector is one or half a slice of 4 x 4 bricks.
     const floatL i = convert_floatL(LANE_NUMBERS & 3u) * (CLSDF_BRICK * layout.spacing[0]);
@@ -80,12 +112,14 @@ inline void brick_caps(Layout layout, int3 coarse, uint count, __global const ui
             const floatL y = j + (from_foot.y + (float)(v * LANES / 4 % 4) * (CLSDF_BRICK * layout.spacing[1]));
             const float z = from_foot.z + (float)(v * LANES / 16) * (CLSDF_BRICK * layout.spacing[2]);
             const floatL squared = x * x + (y * y + z * z);
+            nearest[v] = squared < least[v] ? (uintL)entries[e] : nearest[v];
             least[v] = LESSER(squared, least[v]);
         }
     }
     for (uint v = 0; v < 64 / LANES; ++v) {
         const floatL bound = sqrt(least[v]) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
-        store_lanes(LESSER(bound, coarse_cap), v, caps);
+        store_lanes(LESSER(bound, coarse_cap), v, caps->cap);
+        store_lanes(nearest[v], v, caps->nearest);
     }
 }
 
@@ -128,27 +162,27 @@ inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __globa
                                  Output output, __private ulong* counters) {
     const ulong in_part = bricks_of_part(layout, coarse);
     const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
-    float caps[64];
-    brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, caps);
+    BrickCaps caps;
+    find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
     const bool is_short = count <= CLSDF_LIST_PART;
     ulong begun = 0;
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
         const uint length = min(count - begin, (uint)CLSDF_LIST_PART);
         ulong any =
-            in_part & list_bricks(layout, coarse, length, entries + begin, caps, slack, polyhedra, scratch->masks);
+            in_part & list_bricks(layout, coarse, length, entries + begin, caps.cap, slack, polyhedra, scratch->masks);
         for (; any; any &= any - 1) {
             const uint b = 63 - (uint)clz(any & (0 - any));
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
             const uint chosen =
                 choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
             __global Minimum* minimum = minima + (is_short ? 0 : b);
-            lower_minimum(layout, brick, chosen, scratch->list, caps[b], !(begun >> b & 1), polyhedra, minimum,
-                          counters);
+            lower_minimum(layout, brick, chosen, scratch->list, caps.cap[b], !(begun >> b & 1),
+                          polyhedra + caps.nearest[b], polyhedra, minimum, counters);
             begun |= 1ul << b;
             if (is_short)
                 write_brick(layout, brick, minimum, sign_bits, computed, output, counters);
             else
-                caps[b] = cap_of_brick(minimum, caps[b]);
+                caps.cap[b] = cap_of_brick(minimum, caps.cap[b]);
         }
     }
     for (ulong rest = is_short ? 0 : begun; rest; rest &= rest - 1) {
