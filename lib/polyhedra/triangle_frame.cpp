@@ -32,17 +32,6 @@ void set_equilateral_normals(TriangleFrame& frame) {
 
 }  // namespace
 
-Vector TriangleFrame::inward(std::uint32_t k) const {
-    switch (polyhedron_edge(k)) {
-        case CLSDF_EDGE_BASE:
-            return across;
-        case CLSDF_EDGE_RIGHT:
-            return -normal_along[right] * along - normal_across[right] * across;
-        default:
-            return normal_along[left] * along - normal_across[left] * across;
-    }
-}
-
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
     const std::array<Vector, 3> edges{difference(corners[1], corners[0], lattice.unit),
                                       difference(corners[2], corners[1], lattice.unit),

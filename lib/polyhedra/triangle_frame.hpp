@@ -32,7 +32,17 @@ struct TriangleFrame {
     std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
 
     /// Unit vector in the plane, perpendicular to edge k of the triangle, into the triangle.
-    Vector inward(std::uint32_t k) const;
+    Vector inward(std::uint32_t k) const {
+        // By edge of the polyhedron, without a branch: which one it is cannot be foreseen.
+        constexpr std::array<std::size_t, 3> halves{0, CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT};
+        constexpr std::array<double, 3> along_signs{0, -1, 1};
+        constexpr std::array<double, 3> across_signs{0, -1, -1};
+        constexpr std::array<double, 3> base_across{1, 0, 0};
+        const std::uint32_t edge = polyhedron_edge(k);
+        const std::size_t half = halves[edge];
+        return along_signs[edge] * normal_along[half] * along +
+               (across_signs[edge] * normal_across[half] + base_across[edge]) * across;
+    }
 };
 
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
