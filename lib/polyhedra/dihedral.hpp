@@ -3,6 +3,8 @@
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
+#include <cmath>
+
 namespace clsdf::polyhedra {
 
 /// Two faces whose inward directions differ by less than this angle are folded onto each other.
@@ -16,6 +18,13 @@ inline double half_wedge_slope(const Vector& first, const Vector& second) {
 
 inline bool folded(const Vector& first, const Vector& second) {
     return (first - second).squaredNorm() < fold_angle * fold_angle;
+}
+
+/// side_of_plane() where the faces' frames tell, else 0. `sine`: of the second face's inward direction, above the first
+/// face's plane.
+inline int certain_side(const TriangleFrame& first, const TriangleFrame& second, double sine) {
+    if (first.is_box || second.is_box || !(std::abs(sine) > first.turn + second.turn)) return 0;
+    return sine > 0 ? 1 : -1;
 }
 
 /// On which side of the first face's plane the second face's opposite vertex lies: 1 above (the edge is concave seen

@@ -42,7 +42,7 @@ ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, boo
         half_spaces.push_back({outward - slope * up, offset});
         half_spaces.push_back({outward, offset + cap});
     }
-    const double reach = frame.base_length() + frame.altitude() + 4 * cap;
+    const double reach = frame.base_length() + frame.altitude + 4 * cap;
     return clip({{-reach, -reach, -reach}, {reach, reach, reach}}, half_spaces);
 }
 

@@ -33,7 +33,7 @@ bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
 
 bool is_near(const TriangleFrame& frame, const Polyhedron& polyhedron) {
     const auto is_short = [](double length) { return std::abs(length) <= CLSDF_NEAR_LENGTH; };
-    return is_short(frame.base[0]) && is_short(frame.base[1]) && is_short(frame.altitude()) &&
+    return is_short(frame.base[0]) && is_short(frame.base[1]) && is_short(frame.altitude) &&
            std::all_of(polyhedron.foot, polyhedron.foot + 3, is_short);
 }
 
@@ -85,7 +85,7 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
     pack_reaches(frame, lattice, polyhedron);
-    polyhedron.exact_altitude = frame.altitude();
+    polyhedron.exact_altitude = frame.altitude;
     for (std::size_t half = 0; half < 2; ++half) {
         store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);
         store(frame.normal_along[half], polyhedron.exact_normal_along[half], polyhedron.normal_along[half]);

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double sliver = 1e-8;
 constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
+constexpr double roundings = 1e-13;   // of a frame, some thirty of 2^-53 by count, 3e-15
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
@@ -18,11 +19,12 @@ Vector difference(const Vec3& to, const Vec3& from, double unit) {
     return Vector{to[0] - from[0], to[1] - from[1], to[2] - from[2]} / unit;
 }
 
-void set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
+/// Returns the slanted edge's length.
+double set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
     const double length = std::sqrt(frame.base[half] * frame.base[half] + altitude * altitude);
-    frame.slanted[half] = length;
     frame.normal_along[half] = length > 0 ? altitude / length : 0;
     frame.normal_across[half] = length > 0 ? frame.base[half] / length : 1;
+    return length;
 }
 
 void set_equilateral_normals(TriangleFrame& frame) {
@@ -67,8 +69,9 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
     }
     frame.normal = frame.along.cross(frame.across);
 
-    set_slanted_edge(frame, right, height);
+    frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
+    frame.turn = roundings * frame.base_length() / frame.altitude;
     if (!(length > 0)) set_equilateral_normals(frame);
 
     const Vec3& near_end = corners[right_is_nearer ? to_apex : base];
@@ -85,7 +88,8 @@ TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     frame.across = normal.cross(frame.along);
     frame.foot = position;
     frame.base = {0, 0};
-    frame.slanted = {0, 0};
+    frame.altitude = 0;
+    frame.turn = 0;
     set_equilateral_normals(frame);
     frame.base_edge = 0;
     frame.is_box = false;

@@ -8,25 +8,27 @@
 
 namespace clsdf::polyhedra {
 
-/// The frame of kernels/polyhedron.h in double precision, in units of the lattice.
+/// The frame of kernels/polyhedron.h in double precision, in units of the lattice. What the edges and vertices around
+/// are decided by comes first and fills two cache lines.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
-struct TriangleFrame {
+struct alignas(64) TriangleFrame {
+    Vector normal;  ///< Z
     Vector along;   ///< X, along the longest edge: the base
     Vector across;  ///< Y, from the base to the apex
-    Vector normal;  ///< Z
-    Vector foot;    ///< of the altitude, from the lattice's sample (0, 0, 0)
 
-    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT):
-    std::array<double, 2> base;           ///< from the foot to the end of the base
-    std::array<double, 2> slanted;        ///< length of the slanted edge
-    std::array<double, 2> normal_along;   ///< components of the slanted edge's outward normal,
-    std::array<double, 2> normal_across;  ///< along X away from the foot and along Y
+    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT), components of the slanted edge's outward normal:
+    std::array<double, 2> normal_along;   ///< along X away from the foot
+    std::array<double, 2> normal_across;  ///< along Y
 
+    double altitude;
+    double turn;              ///< bounds the angle by which rounding turns the frame around its edges
     std::uint32_t base_edge;  ///< 0 to 2; edge k of the triangle runs from its vertex k to the next
     bool is_box;              ///< so degenerate that its lateral planes are left out: all its slopes are open
 
+    Vector foot;                 ///< of the altitude, from the lattice's sample (0, 0, 0)
+    std::array<double, 2> base;  ///< by half: from the foot to the end of the base
+
     double base_length() const { return base[0] + base[1]; }
-    double altitude() const { return normal_along[CLSDF_HALF_RIGHT] * slanted[CLSDF_HALF_RIGHT]; }
 
     /// Index of edge k of the triangle in the polyhedron: CLSDF_EDGE_BASE, _RIGHT or _LEFT.
     std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }

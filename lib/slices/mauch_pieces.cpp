@@ -120,7 +120,7 @@ public:
         add_slab(record.height(), half_width_, bounds);
         if (is_box(face)) {
             bounds.add(record.outward(CLSDF_EDGE_BASE) - half_width_);
-            bounds.add(-1 * record.outward(CLSDF_EDGE_BASE) - (faces_.frames[face].altitude() + half_width_));
+            bounds.add(-1 * record.outward(CLSDF_EDGE_BASE) - (faces_.frames[face].altitude + half_width_));
             bounds.add(record.past(CLSDF_EDGE_BASE) - half_width_);
             bounds.add(record.before(CLSDF_EDGE_BASE) - half_width_);
             ++counts.boxes;
@@ -204,7 +204,7 @@ public:
 private:
     bool is_box(std::size_t face) const {
         const TriangleFrame& frame = faces_.frames[face];
-        return frame.is_box || !(frame.altitude() > sliver_ * frame.base_length());
+        return frame.is_box || !(frame.altitude > sliver_ * frame.base_length());
     }
     std::uint32_t index(std::size_t face) const { return faces_.order[face]; }
 

@@ -78,7 +78,7 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
                                   lattice.origin[2] + 2 * ends[i][2]};
                 BOOST_TEST(norm(minus(metric, given)) < 1e-11);
             }
-            BOOST_TEST(std::abs(pointwise.altitude() - frame.altitude()) <= 1e-13 * frame.altitude());
+            BOOST_TEST(std::abs(pointwise.altitude() - frame.altitude) <= 1e-13 * frame.altitude);
         }
     }
 }
