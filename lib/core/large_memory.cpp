@@ -1,6 +1,7 @@
 #include "core/large_memory.hpp"
 
 #include <cstdlib>
+#include <memory>
 #include <new>
 
 #ifdef __linux__
@@ -9,15 +10,25 @@
 
 namespace clsdf {
 
+namespace {
+
+constexpr std::size_t huge_page = std::size_t{2} << 20;
+
+}  // namespace
+
 void* allocate_large_memory(std::size_t bytes) {
-    constexpr std::size_t huge_page = std::size_t{2} << 20;
     const std::size_t whole_pages = (bytes + huge_page - 1) / huge_page * huge_page;
     void* memory = whole_pages < bytes ? nullptr : std::aligned_alloc(huge_page, whole_pages);
     if (memory == nullptr) throw std::bad_alloc();
-#ifdef __linux__
-    madvise(memory, whole_pages, MADV_HUGEPAGE);  // an advice: nothing is lost where it is not taken
-#endif
+    advise_huge_pages(memory, whole_pages);
     return memory;
+}
+
+void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef __linux__
+    if (std::align(huge_page, huge_page, memory, bytes) == nullptr) return;
+    madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);  // nothing is lost where it is not taken
+#endif
 }
 
 void free_large_memory(void* memory) noexcept {

@@ -12,4 +12,7 @@ constexpr std::size_t large_memory_bytes = std::size_t{4} << 20;
 void* allocate_large_memory(std::size_t bytes);
 void free_large_memory(void* memory) noexcept;
 
+/// Asks for huge pages in memory from elsewhere that nothing was written to yet.
+void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
+
 }  // namespace clsdf

@@ -67,8 +67,7 @@ public:
         if (faces.size() == 2 && faces[0].edge().face != faces[1].edge().face) {
             const Corner first = faces[0].edge();
             const Corner second = faces[1].edge();
-            set_pair(first, second,
-                     triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex]);
+            set_pair(first, second, triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex]);
             return;
         }
         const bool at_box = std::any_of(faces.begin(), faces.end(),

@@ -85,8 +85,8 @@ private:
         return for_axes(vertex, [&](const Vector& axis) { return add_normal_cone(axis); });
     }
 
-    /// Whether the faces of one fan, all of one orientation, surely cover the vertex' normals: neither do all reject one
-    /// direction at their edges that leave the vertex, nor at those that arrive. Tells for almost all vertices.
+    /// Whether the faces of one fan, all of one orientation, surely cover the vertex' normals: neither do all reject
+    /// one direction at their edges that leave the vertex, nor at those that arrive. Tells for almost all vertices.
     bool first_fan_covers(std::size_t vertex) {
         const Corner first = rings_.corner(vertex, 0);
         leaving_.clear();
@@ -170,9 +170,9 @@ private:
         }
     }
 
-    /// Whether every face rejects some unit vector u by the margin at its edge of face_edges_: g . u >= margin. The plane of an
-    /// edge is the higher one of two, above the face and below, so that is a condition for each side; first that of the
-    /// side on which the normals lie, which mostly decides.
+    /// Whether every face rejects some unit vector u by the margin at its edge of face_edges_: g . u >= margin. The
+    /// plane of an edge is the higher one of two, above the face and below, so that is a condition for each side; first
+    /// that of the side on which the normals lie, which mostly decides.
     ///
     /// A linear condition can only ask for g . u >= margin (m . u) with a unit vector m, which is weaker, and least so
     /// where u is near m. Where the direction that is found does not have the margin, it becomes the next m.
@@ -226,7 +226,7 @@ private:
     double margin_;
 
     VertexFans fans_;
-    std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<Vector> spokes_;      // unit vectors to the neighbours; of face i of the fans, that at its edge before
     std::vector<Corner> leaving_;     // of the faces of a fan, their own edges that begin at the vertex,
     std::vector<Corner> arriving_;    // and those that end there
     std::vector<Corner> face_edges_;  // at which the faces of a fan reject

@@ -15,6 +15,18 @@ namespace clsdf::polyhedra {
 
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options) {
+    LeanedFrusta result;
+    const auto memory = [&](std::size_t count) {
+        result.polyhedra.resize(count);
+        return std::span<Polyhedron>(result.polyhedra);
+    };
+    static_cast<LeanedCounts&>(result) = leaned_frusta(mesh, lattice, half_width, slack, memory, options);
+    return result;
+}
+
+LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
+                           const std::function<std::span<Polyhedron>(std::size_t)>& memory,
+                           const LeanedFrustaOptions& options) {
     const UninitializedVector<std::uint32_t> order = morton_order(mesh);
     const std::size_t count = order.size();
     UninitializedVector<Triangle> triangles(count);
@@ -32,7 +44,7 @@ LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     const std::vector<std::uint8_t> marks =
         find_gaps(mesh, triangles, frames, faces, rings, lattice, half_width, slack);
 
-    LeanedFrusta result;
+    LeanedCounts result;
     std::vector<std::size_t> gaps;
     for (std::size_t vertex = 0; vertex < marks.size(); ++vertex) {
         if (marks[vertex] & vertex_saddle) ++result.saddle_vertices;
@@ -42,13 +54,12 @@ LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     result.boxes = static_cast<std::size_t>(
         std::count_if(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; }));
 
-    result.polyhedra.resize(count + gaps.size());
-    for_each_index(count, [&](std::size_t face) {
-        result.polyhedra[face] = pack(frames[face], faces[face], order[face], lattice);
-    });
+    const std::span<Polyhedron> polyhedra = memory(count + gaps.size());
+    for_each_index(count,
+                   [&](std::size_t face) { polyhedra[face] = pack(frames[face], faces[face], order[face], lattice); });
     for_each_index(gaps.size(), [&](std::size_t i) {
         const PointSite site = point_site(mesh, triangles, order, rings, gaps[i], lattice, open);
-        result.polyhedra[count + i] = pack(site.frame, site.edges, order[site.face], lattice);
+        polyhedra[count + i] = pack(site.frame, site.edges, order[site.face], lattice);
     });
     return result;
 }
