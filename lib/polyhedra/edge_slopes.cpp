@@ -184,8 +184,9 @@ float open_slope(double half_width, double slack) {
 }
 
 UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
-    UninitializedVector<FaceEdges> faces(triangles.size());
+                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open,
+                                           ScratchMemory* scratch) {
+    UninitializedVector<FaceEdges> faces(triangles.size(), scratch);
     for_each_index(triangles.size(), [&](std::size_t face) {
         if (!frames[face].is_box) return;
         faces[face].across = {};

@@ -20,26 +20,26 @@ LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
         result.polyhedra.resize(count);
         return std::span<Polyhedron>(result.polyhedra);
     };
-    static_cast<LeanedCounts&>(result) = leaned_frusta(mesh, lattice, half_width, slack, memory, options);
+    static_cast<LeanedCounts&>(result) = leaned_frusta(mesh, lattice, half_width, slack, memory, nullptr, options);
     return result;
 }
 
 LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
-                           const std::function<std::span<Polyhedron>(std::size_t)>& memory,
+                           const std::function<std::span<Polyhedron>(std::size_t)>& memory, ScratchMemory* scratch,
                            const LeanedFrustaOptions& options) {
-    const UninitializedVector<std::uint32_t> order = morton_order(mesh);
+    const UninitializedVector<std::uint32_t> order = morton_order(mesh, scratch);
     const std::size_t count = order.size();
-    UninitializedVector<Triangle> triangles(count);
-    UninitializedVector<TriangleFrame> frames(count);
+    UninitializedVector<Triangle> triangles(count, scratch);
+    UninitializedVector<TriangleFrame> frames(count, scratch);
     for_each_index(count, [&](std::size_t face) {
         const Triangle& triangle = triangles[face] = mesh.triangles()[order[face]];
         const std::vector<Vec3>& vertices = mesh.vertices();
         frames[face] = triangle_frame({vertices[triangle[0]], vertices[triangle[1]], vertices[triangle[2]]}, lattice);
     });
 
-    const OneRings rings(triangles, mesh.vertices().size());
+    const OneRings rings(triangles, mesh.vertices().size(), scratch);
     const float open = open_slope(half_width, slack);
-    UninitializedVector<FaceEdges> faces = edge_slopes(mesh, triangles, frames, rings, open);
+    UninitializedVector<FaceEdges> faces = edge_slopes(mesh, triangles, frames, rings, open, scratch);
     if (options.lean) for_each_index(count, [&](std::size_t face) { lean(frames[face], faces[face]); });
     const std::vector<std::uint8_t> marks =
         find_gaps(mesh, triangles, frames, faces, rings, lattice, half_width, slack);

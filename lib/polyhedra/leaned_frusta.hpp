@@ -42,9 +42,10 @@ struct LeanedFrustaOptions {
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options = {});
 
-/// The same polyhedra, written to `memory(count)`, which is called once.
+/// The same polyhedra, written to `memory(count)`, which is called once. What is needed on the way may come from
+/// `scratch`.
 LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
-                           const std::function<std::span<Polyhedron>(std::size_t)>& memory,
+                           const std::function<std::span<Polyhedron>(std::size_t)>& memory, ScratchMemory* scratch,
                            const LeanedFrustaOptions& options = {});
 
 }  // namespace clsdf::polyhedra

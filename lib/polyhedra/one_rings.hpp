@@ -35,7 +35,7 @@ constexpr std::uint32_t previous_of_three(std::uint32_t k) {
 class OneRings {
 public:
     /// Throws Error(unsupported) for 2^30 triangles or more.
-    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
+    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch = nullptr);
 
     std::size_t vertex_count() const { return start_.size() - 1; }
 

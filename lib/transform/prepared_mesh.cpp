@@ -78,8 +78,9 @@ std::size_t PreparedMesh::device_bytes() const {
     return polyhedra.bytes() + triangles.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
 }
 
-PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          const Grid& grid, const Layout& layout, const TransformOptions& options, Scan scan) {
+PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          ScratchMemory& scratch, const Mesh& mesh, const Grid& grid, const Layout& layout,
+                          const TransformOptions& options, Scan scan) {
     const Stopwatch watch;
     const polyhedra::LatticeView lattice = lattice_of(grid);
     check_distance(mesh, lattice);
@@ -108,11 +109,14 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         std::span<Polyhedron> records;
         std::optional<device::HostFilling> filling;
         const polyhedra::LeanedCounts counts = polyhedra::leaned_frusta(
-            mesh, lattice, widths.half_width, widths.slack, [&](std::size_t count) -> std::span<Polyhedron> {
+            mesh, lattice, widths.half_width, widths.slack,
+            [&](std::size_t count) -> std::span<Polyhedron> {
                 const std::size_t bytes = count * sizeof(Polyhedron);
                 filling.emplace(context, pool->lease(bytes, "polyhedra"), bytes);
                 return records = {static_cast<Polyhedron*>(filling->memory()), count};
-            });
+            },
+            &scratch);
+        scratch.trim();
         prepared.saddle_vertices = counts.saddle_vertices;
         prepared.point_sites = counts.point_sites;
         prepared.boxes = counts.boxes;
