@@ -17,7 +17,7 @@ Kernel::Point_3 point(const Mesh& mesh, std::uint32_t vertex) {
 
 int side_of_plane(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
                   const Corner& first, const Corner& second) {
-    const double sine = frames[second.face].inward(second.vertex).dot(frames[first.face].normal);
+    const double sine = frames[second.face].inwards[second.vertex].dot(frames[first.face].normal);
     if (const int side = certain_side(frames[first.face], frames[second.face], sine)) return side;
     const Triangle& triangle = triangles[first.face];
     const std::uint32_t opposite = triangles[second.face][previous_of_three(second.vertex)];

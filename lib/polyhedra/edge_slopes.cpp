@@ -2,6 +2,7 @@
 
 #include "polyhedra/dihedral.hpp"
 #include "polyhedra/edges_above.hpp"
+#include "polyhedra/pair_batch.hpp"
 #include "polyhedra/parallel.hpp"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ public:
 
     /// Sets what is known of the edges of which `vertex` is the lower end, where each has two faces that run along it
     /// in opposite directions; false, with nothing said of them, where one has not, or many meet.
-    bool set_pairs_above(std::uint32_t vertex, const OneRings& rings) const {
+    bool set_pairs_above(std::uint32_t vertex, const OneRings& rings) {
         constexpr std::size_t few = 16;
         const std::size_t count = rings.size(vertex);
         if (count > few) return false;
@@ -53,21 +54,19 @@ public:
             if (leaving != 1 || arriving != 1 || other == i) return false;
             const Corner& edge = corners[i];
             const Corner across{corners[other].face, previous_of_three(corners[other].vertex)};
-            if (edge.face < across.face)
-                set_pair(edge, across, true);
-            else
-                set_pair(across, edge, true);
+            add_pair(edge.face < across.face ? PairBatch::Pair{edge, across, true}
+                                             : PairBatch::Pair{across, edge, true});
             --unpaired;
         }
         return unpaired == 0;
     }
 
     /// Sets what is known of one edge, given all its faces.
-    void set(std::span<const EdgeEntry> faces) const {
+    void set(std::span<const EdgeEntry> faces) {
         if (faces.size() == 2 && faces[0].edge().face != faces[1].edge().face) {
             const Corner first = faces[0].edge();
             const Corner second = faces[1].edge();
-            set_pair(first, second, triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex]);
+            add_pair({first, second, triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex]});
             return;
         }
         const bool at_box = std::any_of(faces.begin(), faces.end(),
@@ -87,6 +86,15 @@ public:
         }
     }
 
+    /// Sets what is known of the edges that are still waiting for others to be measured with.
+    void finish() {
+        PairBatch::Results results;
+        batch_.measure(results);
+        for (std::size_t i = 0; i < batch_.size(); ++i)
+            set_pair(batch_.pair(i), results.sine[i], results.squared_apart[i], results.slope[i]);
+        batch_.clear();
+    }
+
 private:
     static constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -98,13 +106,16 @@ private:
         face.below[edge.vertex] = is_box ? open_ : std::min(open_, widened(below));
     }
 
-    /// `oriented`: they run along the edge in opposite directions.
-    void set_pair(const Corner& first, const Corner& second, bool oriented) const {
+    void add_pair(const PairBatch::Pair& pair) {
+        batch_.add(pair, frames_[pair.first.face], frames_[pair.second.face]);
+        if (batch_.is_full()) finish();
+    }
+
+    void set_pair(const PairBatch::Pair& pair, double sine, double squared_apart, double slope) const {
+        const auto& [first, second, oriented] = pair;
         const TriangleFrame& first_frame = frames_[first.face];
         const TriangleFrame& second_frame = frames_[second.face];
-        const Vector first_inward = first_frame.inward(first.vertex);
-        const Vector second_inward = second_frame.inward(second.vertex);
-        int side = certain_side(first_frame, second_frame, second_inward.dot(first_frame.normal));
+        int side = certain_side(first_frame, second_frame, sine);
         if (side == 0) side = side_of_plane(mesh_, triangles_, frames_, first, second);
         std::uint8_t marks = 0;
         if (!oriented) {
@@ -117,11 +128,12 @@ private:
         double below = 0;
         if (first_frame.is_box || second_frame.is_box) {
             marks |= edge_at_box;
-        } else if (folded(first_inward, second_inward)) {
+        } else if (squared_apart < fold_angle * fold_angle) {
             marks |= edge_open | edge_folded;
             above = below = infinite;
-        } else if (side != 0) {
-            (side < 0 ? above : below) = half_wedge_slope(first_inward, second_inward);
+        } else {
+            above = side < 0 ? slope : 0;
+            below = side > 0 ? slope : 0;
         }
         set_one_of_pair(first, second, marks, above, below);
         if (!oriented) std::swap(above, below);
@@ -143,11 +155,11 @@ private:
             Corner edge;
         };
         const TriangleFrame& first = frames_[faces[0].edge().face];
-        const Vector x = first.inward(faces[0].edge().vertex);
+        const Vector x = first.inwards[faces[0].edge().vertex];
         const Vector y = first.normal;
         std::vector<Spoke> spokes;
         for (const EdgeEntry& entry : faces) {
-            const Vector inward = frames_[entry.edge().face].inward(entry.edge().vertex);
+            const Vector inward = frames_[entry.edge().face].inwards[entry.edge().vertex];
             spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), entry.edge()});
         }
         std::stable_sort(spokes.begin(), spokes.end(),
@@ -175,6 +187,7 @@ private:
     std::span<const TriangleFrame> frames_;
     std::span<FaceEdges> faces_;
     float open_;
+    PairBatch batch_;
 };
 
 }  // namespace
@@ -193,14 +206,16 @@ UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Tri
         faces[face].above = faces[face].below = {open, open, open};
         faces[face].marks = {edge_at_box, edge_at_box, edge_at_box};  // an edge from a vertex to itself is not visited
     });
-    const EdgeSlopes slopes(mesh, triangles, frames, faces, open);
-    for_each_vertex(
-        triangles, rings, [&] { return std::vector<EdgeEntry>(); },
-        [&](std::uint32_t vertex, std::vector<EdgeEntry>& entries) {
+    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+        EdgeSlopes slopes(mesh, triangles, frames, faces, open);
+        std::vector<EdgeEntry> entries;
+        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) {
             if (slopes.set_pairs_above(vertex, rings)) return;
             edges_above(triangles, rings, vertex, entries);
             for_each_edge(entries, [&](std::span<const EdgeEntry> edge) { slopes.set(edge); });
         });
+        slopes.finish();
+    });
     return faces;
 }
 

@@ -81,7 +81,7 @@ bool cannot_all_reject(std::span<const TriangleFrame> frames, std::span<const Fa
         if (std::max(face.above[edge.vertex], face.below[edge.vertex]) > steepest) return false;
         const auto a = static_cast<double>(face.above[edge.vertex]);
         const auto b = static_cast<double>(face.below[edge.vertex]);
-        const Vector outward = -frame.inward(edge.vertex);
+        const Vector outward = -frame.inwards[edge.vertex];
         above.add(outward - a * frame.normal - certain_margin * (1 + a) * middle);
         below.add(outward + b * frame.normal + certain_margin * (1 + b) * middle);
     }

@@ -198,7 +198,7 @@ private:
         const TriangleFrame& frame = frames_[edge.face];
         const FaceEdges& edges = faces_[edge.face];
         const auto slope = static_cast<double>((above ? edges.above : edges.below)[edge.vertex]);
-        return (frame.inward(edge.vertex) + (above ? slope : -slope) * frame.normal) * (-1 / (1 + slope));
+        return (frame.inwards[edge.vertex] + (above ? slope : -slope) * frame.normal) * (-1 / (1 + slope));
     }
 
     /// Sets the order in which [first, last) are gone through: thirds of the way round, because opposite conditions
@@ -245,9 +245,10 @@ std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> 
     // section 8.2).
     const double margin = slack / (4 * std::max(half_width, 1.0));
     std::vector<std::uint8_t> marks(rings.vertex_count());
-    for_each_vertex(
-        triangles, rings, [&] { return GapTest(mesh, triangles, frames, faces, rings, lattice, margin); },
-        [&](std::uint32_t vertex, GapTest& test) { marks[vertex] = test(vertex); });
+    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+        GapTest test(mesh, triangles, frames, faces, rings, lattice, margin);
+        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) { marks[vertex] = test(vertex); });
+    });
     return marks;
 }
 

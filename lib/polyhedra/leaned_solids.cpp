@@ -31,7 +31,7 @@ ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, boo
                                        {frame.along, frame.base[CLSDF_HALF_RIGHT] + cap},
                                        {-frame.along, frame.base[CLSDF_HALF_LEFT] + cap}};
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const Vector outward = -frame.inward(k);
+        const Vector outward = -frame.inwards[k];
         // The base lies at Y = 0, a slanted edge goes through an end of it.
         double offset = 0;
         if (frame.polyhedron_edge(k) == CLSDF_EDGE_RIGHT)

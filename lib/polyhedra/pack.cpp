@@ -46,7 +46,7 @@ void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhed
     const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
     const Vector offset = frame.foot - origin.cwiseProduct(spacing);
     for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
-    const Vector constant(-frame.along.dot(offset), -frame.across.dot(offset), -frame.normal.dot(offset));
+    const Vector constant(-frame.along.dot(offset), -frame.across().dot(offset), -frame.normal.dot(offset));
     for (int i = 0; i < 3; ++i)
         store(constant[i], polyhedron.exact_constant_at_origin[i], polyhedron.constant_at_origin[i]);
 }
@@ -55,7 +55,7 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
     const auto pack_axis = [&](int axis, double* exact, float* rounded) {
         const double spacing = lattice.spacing_in_units[static_cast<std::size_t>(axis)];
         store(frame.along[axis] * spacing, exact[0], rounded[0]);
-        store(frame.across[axis] * spacing, exact[1], rounded[1]);
+        store(frame.across()[axis] * spacing, exact[1], rounded[1]);
         store(frame.normal[axis] * spacing, exact[2], rounded[2]);
     };
     pack_axis(0, polyhedron.exact_gradient_x, polyhedron.gradient_x);
@@ -66,9 +66,9 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
 void pack_reaches(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
     const auto slanted = [&](std::size_t half) {
         const double along = half == CLSDF_HALF_RIGHT ? frame.normal_along[half] : -frame.normal_along[half];
-        return Vector(along * frame.along + frame.normal_across[half] * frame.across);
+        return Vector(along * frame.along + frame.normal_across[half] * frame.across());
     };
-    const Vector directions[] = {frame.along, frame.across, frame.normal, slanted(CLSDF_HALF_RIGHT),
+    const Vector directions[] = {frame.along, frame.across(), frame.normal, slanted(CLSDF_HALF_RIGHT),
                                  slanted(CLSDF_HALF_LEFT)};
     for (std::size_t i = 0; i < 5; ++i) {
         const Vector step = steps(directions[i], lattice);

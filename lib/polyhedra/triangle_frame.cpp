@@ -1,5 +1,7 @@
 #include "polyhedra/triangle_frame.hpp"
 
+#include "polyhedra/one_rings.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,6 +29,14 @@ double set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude)
     return length;
 }
 
+void set_inwards(TriangleFrame& frame, const Vector& across) {
+    frame.inwards[frame.base_edge] = across;
+    frame.inwards[next_of_three(frame.base_edge)] =
+        -frame.normal_along[right] * frame.along - frame.normal_across[right] * across;
+    frame.inwards[previous_of_three(frame.base_edge)] =
+        frame.normal_along[left] * frame.along - frame.normal_across[left] * across;
+}
+
 void set_equilateral_normals(TriangleFrame& frame) {
     frame.normal_along = {std::sqrt(0.75), std::sqrt(0.75)};
     frame.normal_across = {0.5, 0.5};
@@ -41,8 +51,8 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
     const std::array<double, 3> squared{edges[0].squaredNorm(), edges[1].squaredNorm(), edges[2].squaredNorm()};
     std::uint32_t base = squared[0] >= squared[1] ? 0 : 1;
     if (squared[2] > squared[base]) base = 2;
-    const std::uint32_t to_apex = base == 2 ? 0 : base + 1;
-    const std::uint32_t from_apex = base == 0 ? 2 : base - 1;
+    const std::uint32_t to_apex = next_of_three(base);
+    const std::uint32_t from_apex = previous_of_three(base);
 
     TriangleFrame frame;
     frame.base_edge = base;
@@ -59,20 +69,22 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
     altitude -= altitude.dot(frame.along) * frame.along;
     double height = altitude.norm();
     frame.is_box = !(height > sliver * length);
+    Vector across = Vector::Zero();
     if (height > 0) {
-        frame.across = altitude / height;
-        frame.across = (frame.across - frame.across.dot(frame.along) * frame.along).normalized();
+        across = altitude / height;
+        across = (across - across.dot(frame.along) * frame.along).normalized();
     }
-    if (!(height > 0) || !(frame.across.squaredNorm() > 0.5) || !(std::abs(frame.across.dot(frame.along)) < 1e-12)) {
+    if (!(height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(frame.along)) < 1e-12)) {
         height = 0;
-        frame.across = any_perpendicular(frame.along);
+        across = any_perpendicular(frame.along);
     }
-    frame.normal = frame.along.cross(frame.across);
+    frame.normal = frame.along.cross(across);
 
     frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
     frame.turn = roundings * frame.base_length() / frame.altitude;
     if (!(length > 0)) set_equilateral_normals(frame);
+    set_inwards(frame, across);
 
     const Vec3& near_end = corners[right_is_nearer ? to_apex : base];
     const Vec3& origin = lattice.origin;
@@ -85,7 +97,6 @@ TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     TriangleFrame frame;
     frame.normal = normal;
     frame.along = any_perpendicular(normal);
-    frame.across = normal.cross(frame.along);
     frame.foot = position;
     frame.base = {0, 0};
     frame.altitude = 0;
@@ -93,6 +104,7 @@ TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     set_equilateral_normals(frame);
     frame.base_edge = 0;
     frame.is_box = false;
+    set_inwards(frame, normal.cross(frame.along));
     return frame;
 }
 

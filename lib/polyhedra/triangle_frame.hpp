@@ -9,42 +9,32 @@
 namespace clsdf::polyhedra {
 
 /// The frame of kernels/polyhedron.h in double precision, in units of the lattice. What the edges and vertices around
-/// are decided by comes first and fills two cache lines.
+/// are decided by comes first, for the caches.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
-struct alignas(64) TriangleFrame {
-    Vector normal;  ///< Z
-    Vector along;   ///< X, along the longest edge: the base
-    Vector across;  ///< Y, from the base to the apex
-
-    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT), components of the slanted edge's outward normal:
-    std::array<double, 2> normal_along;   ///< along X away from the foot
-    std::array<double, 2> normal_across;  ///< along Y
+struct TriangleFrame {
+    Vector normal;                  ///< Z
+    std::array<Vector, 3> inwards;  ///< by edge of the triangle: unit vector in the plane, perpendicular to the edge
 
     double altitude;
     double turn;              ///< bounds the angle by which rounding turns the frame around its edges
     std::uint32_t base_edge;  ///< 0 to 2; edge k of the triangle runs from its vertex k to the next
     bool is_box;              ///< so degenerate that its lateral planes are left out: all its slopes are open
 
+    Vector along;                ///< X, along the longest edge: the base
     Vector foot;                 ///< of the altitude, from the lattice's sample (0, 0, 0)
     std::array<double, 2> base;  ///< by half: from the foot to the end of the base
+
+    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT), components of the slanted edge's outward normal:
+    std::array<double, 2> normal_along;   ///< along X away from the foot
+    std::array<double, 2> normal_across;  ///< along Y
+
+    /// Y, from the base to the apex.
+    const Vector& across() const { return inwards[base_edge]; }
 
     double base_length() const { return base[0] + base[1]; }
 
     /// Index of edge k of the triangle in the polyhedron: CLSDF_EDGE_BASE, _RIGHT or _LEFT.
     std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
-
-    /// Unit vector in the plane, perpendicular to edge k of the triangle, into the triangle.
-    Vector inward(std::uint32_t k) const {
-        // By edge of the polyhedron, without a branch: which one it is cannot be foreseen.
-        constexpr std::array<std::size_t, 3> halves{0, CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT};
-        constexpr std::array<double, 3> along_signs{0, -1, 1};
-        constexpr std::array<double, 3> across_signs{0, -1, -1};
-        constexpr std::array<double, 3> base_across{1, 0, 0};
-        const std::uint32_t edge = polyhedron_edge(k);
-        const std::size_t half = halves[edge];
-        return along_signs[edge] * normal_along[half] * along +
-               (across_signs[edge] * normal_across[half] + base_across[edge]) * across;
-    }
 };
 
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of

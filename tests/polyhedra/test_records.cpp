@@ -65,7 +65,7 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
                 const Vec3 found = pointwise.frame(point);
                 const double size = from_foot.norm();
                 BOOST_TEST(std::abs(found[0] - from_foot.dot(frame.along)) <= 1e-13 * size);
-                BOOST_TEST(std::abs(found[1] - from_foot.dot(frame.across)) <= 1e-13 * size);
+                BOOST_TEST(std::abs(found[1] - from_foot.dot(frame.across())) <= 1e-13 * size);
                 BOOST_TEST(std::abs(found[2] - from_foot.dot(frame.normal)) <= 1e-13 * size);
             }
             // The corners are those given, in the order of the base.
@@ -84,9 +84,10 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
 }
 
 void check_orthonormal(const polyhedra::TriangleFrame& frame) {
-    for (const Vector& axis : {frame.along, frame.across, frame.normal}) BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
-    BOOST_TEST(std::abs(frame.along.dot(frame.across)) < 1e-12);
-    BOOST_TEST((frame.along.cross(frame.across) - frame.normal).norm() < 1e-12);
+    for (const Vector& axis : {frame.along, frame.across(), frame.normal})
+        BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
+    BOOST_TEST(std::abs(frame.along.dot(frame.across())) < 1e-12);
+    BOOST_TEST((frame.along.cross(frame.across()) - frame.normal).norm() < 1e-12);
 }
 
 BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
