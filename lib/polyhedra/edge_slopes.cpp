@@ -39,6 +39,7 @@ public:
             next[i] = triangle[next_of_three(corners[i].vertex)];
             previous[i] = triangle[previous_of_three(corners[i].vertex)];
             if (previous[i] > vertex) ++unpaired;
+            fetch_ahead(frames_[corners[i].face]);
         }
         for (std::size_t i = 0; i < count; ++i) {
             if (next[i] <= vertex) continue;

@@ -38,7 +38,11 @@ public:
 
     std::uint8_t operator()(std::size_t vertex) {
         std::uint8_t edges = 0;
-        for (std::size_t i = 0; i < rings_.size(vertex); ++i) edges |= marks_at(rings_.corner(vertex, i));
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
+            const Corner corner = rings_.corner(vertex, i);
+            fetch_ahead(frames_[corner.face]);
+            edges |= marks_at(corner);
+        }
         const bool is_saddle = (edges & saddle) == saddle;
         return static_cast<std::uint8_t>((is_saddle ? vertex_saddle : 0) | (has_gap(vertex, edges) ? vertex_gap : 0));
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clsdf::polyhedra {
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double sliver = 1e-8;
 constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
+constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double roundings = 1e-13;   // of a frame, some thirty of 2^-53 by count, 3e-15
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
@@ -18,7 +20,9 @@ constexpr std::size_t left = CLSDF_HALF_LEFT;
 /// Differences are taken before positions are brought to units: a small triangle far from the lattice's origin keeps
 /// its shape to the last bit of the coordinates given.
 Vector difference(const Vec3& to, const Vec3& from, double unit) {
-    return Vector{to[0] - from[0], to[1] - from[1], to[2] - from[2]} / unit;
+    const Vector difference{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    const double per_unit = 1 / unit;
+    return per_unit < infinite ? Vector(per_unit * difference) : Vector(difference / unit);
 }
 
 /// Returns the slanted edge's length.

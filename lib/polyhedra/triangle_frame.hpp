@@ -37,6 +37,14 @@ struct TriangleFrame {
     std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
 };
 
+/// Starts to bring what the edges and vertices around are decided by near the processor.
+inline void fetch_ahead([[maybe_unused]] const TriangleFrame& frame) {
+#ifdef __GNUC__
+    __builtin_prefetch(&frame.normal);
+    __builtin_prefetch(&frame.inwards[2]);
+#endif
+}
+
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
 /// a segment the base is the segment, of a point everything has length zero.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice);
