@@ -1,6 +1,7 @@
 #include "polyhedra/leaned_frusta.hpp"
 
 #include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/frame_batch.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
@@ -10,6 +11,7 @@
 #include "polyhedra/triangle_frame.hpp"
 
 #include <algorithm>
+#include <new>
 
 namespace clsdf::polyhedra {
 
@@ -31,10 +33,10 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     const std::size_t count = order.size();
     UninitializedVector<Triangle> triangles(count, scratch);
     UninitializedVector<TriangleFrame> frames(count, scratch);
-    for_each_index(count, [&](std::size_t face) {
-        const Triangle& triangle = triangles[face] = mesh.triangles()[order[face]];
-        const std::vector<Vec3>& vertices = mesh.vertices();
-        frames[face] = triangle_frame({vertices[triangle[0]], vertices[triangle[1]], vertices[triangle[2]]}, lattice);
+    for_each_range(count, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t face = begin; face != end; ++face) triangles[face] = mesh.triangles()[order[face]];
+        triangle_frames(mesh, std::span(triangles).subspan(begin, end - begin), lattice,
+                        std::span(frames).subspan(begin, end - begin));
     });
 
     const OneRings rings(triangles, mesh.vertices().size(), scratch);
@@ -55,11 +57,13 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
         std::count_if(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; }));
 
     const std::span<Polyhedron> polyhedra = memory(count + gaps.size());
-    for_each_index(count,
-                   [&](std::size_t face) { polyhedra[face] = pack(frames[face], faces[face], order[face], lattice); });
+    // Constructed in their place rather than copied there.
+    for_each_index(count, [&](std::size_t face) {
+        new (&polyhedra[face]) Polyhedron(pack(frames[face], faces[face], order[face], lattice));
+    });
     for_each_index(gaps.size(), [&](std::size_t i) {
         const PointSite site = point_site(mesh, triangles, order, rings, gaps[i], lattice, open);
-        polyhedra[count + i] = pack(site.frame, site.edges, order[site.face], lattice);
+        new (&polyhedra[count + i]) Polyhedron(pack(site.frame, site.edges, order[site.face], lattice));
     });
     return result;
 }

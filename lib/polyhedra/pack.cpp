@@ -81,7 +81,8 @@ void pack_reaches(const TriangleFrame& frame, const LatticeView& lattice, Polyhe
 
 Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_t triangle,
                 const LatticeView& lattice) {
-    Polyhedron polyhedron{};
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every member is set below; clearing first costs as much
+    Polyhedron polyhedron;
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
     pack_reaches(frame, lattice, polyhedron);
@@ -96,6 +97,7 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
         polyhedron.slope_below[frame.polyhedron_edge(k)] = edges.below[k];
     }
     polyhedron.triangle = triangle;
+    polyhedron.flags = 0;
     if (is_compact(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_COMPACT;
     if (is_near(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_NEAR;
     return polyhedron;

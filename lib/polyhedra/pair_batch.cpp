@@ -9,8 +9,7 @@ namespace clsdf::polyhedra {
 CLSDF_SEVERAL_TARGETS void PairBatch::measure(Results& results) const {
     const auto& [first, second, normal] = inputs_;
     for (std::size_t i = 0; i < capacity; ++i) {
-        results.sine[i] =
-            second[0][i] * normal[0][i] + (second[1][i] * normal[1][i] + second[2][i] * normal[2][i]);
+        results.sine[i] = second[0][i] * normal[0][i] + (second[1][i] * normal[1][i] + second[2][i] * normal[2][i]);
         const double x = first[0][i] - second[0][i];
         const double y = first[1][i] - second[1][i];
         const double z = first[2][i] - second[2][i];

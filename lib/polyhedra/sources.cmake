@@ -2,7 +2,7 @@ target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/cone_search.cpp ${CMAKE_CURRENT_LIST_DIR}/convex_polyhedron.cpp
           ${CMAKE_CURRENT_LIST_DIR}/dihedral.cpp ${CMAKE_CURRENT_LIST_DIR}/edge_slopes.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/fan_rejections.cpp ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp ${CMAKE_CURRENT_LIST_DIR}/leaned_frusta.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/fan_rejections.cpp ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp ${CMAKE_CURRENT_LIST_DIR}/leaned_frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/leaned_solids.cpp ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp
           ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp ${CMAKE_CURRENT_LIST_DIR}/pack.cpp ${CMAKE_CURRENT_LIST_DIR}/pair_batch.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_site.cpp ${CMAKE_CURRENT_LIST_DIR}/solid_mesh.cpp

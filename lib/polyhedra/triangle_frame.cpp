@@ -13,7 +13,6 @@ namespace {
 constexpr double sliver = 1e-8;
 constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double roundings = 1e-13;   // of a frame, some thirty of 2^-53 by count, 3e-15
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
@@ -48,27 +47,34 @@ void set_equilateral_normals(TriangleFrame& frame) {
 
 }  // namespace
 
-TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
-    const std::array<Vector, 3> edges{difference(corners[1], corners[0], lattice.unit),
-                                      difference(corners[2], corners[1], lattice.unit),
-                                      difference(corners[0], corners[2], lattice.unit)};
-    const std::array<double, 3> squared{edges[0].squaredNorm(), edges[1].squaredNorm(), edges[2].squaredNorm()};
-    std::uint32_t base = squared[0] >= squared[1] ? 0 : 1;
+TriangleEdges::TriangleEdges(const std::array<Vec3, 3>& corners, double unit)
+    : vectors{difference(corners[1], corners[0], unit), difference(corners[2], corners[1], unit),
+              difference(corners[0], corners[2], unit)},
+      squared{vectors[0].squaredNorm(), vectors[1].squaredNorm(), vectors[2].squaredNorm()} {
+    base = squared[0] >= squared[1] ? 0 : 1;
     if (squared[2] > squared[base]) base = 2;
+}
+
+Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, bool right_is_nearer, const LatticeView& lattice) {
+    return difference(near_end, lattice.origin, lattice.unit) +
+           (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
+}
+
+TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
+    const TriangleEdges triangle(corners, lattice.unit);
+    const std::uint32_t base = triangle.base;
     const std::uint32_t to_apex = next_of_three(base);
     const std::uint32_t from_apex = previous_of_three(base);
 
     TriangleFrame frame;
     frame.base_edge = base;
-    double length = std::sqrt(squared[base]);
+    double length = std::sqrt(triangle.squared[base]);
     if (!(length > vanishing)) length = 0;
-    frame.along = length > 0 ? Vector(edges[base] / length) : Vector::UnitX();
+    frame.along = length > 0 ? Vector(triangle.vectors[base] / length) : Vector::UnitX();
 
-    // Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
-    frame.base[right] = std::max(0.0, -edges[to_apex].dot(frame.along));
-    frame.base[left] = std::max(0.0, -edges[from_apex].dot(frame.along));
-    const bool right_is_nearer = squared[to_apex] <= squared[from_apex];
-    const Vector apex = right_is_nearer ? edges[to_apex] : Vector(-edges[from_apex]);
+    frame.base[right] = std::max(0.0, -triangle.vectors[to_apex].dot(frame.along));
+    frame.base[left] = std::max(0.0, -triangle.vectors[from_apex].dot(frame.along));
+    const Vector apex = triangle.apex();
     Vector altitude = apex - apex.dot(frame.along) * frame.along;
     altitude -= altitude.dot(frame.along) * frame.along;
     double height = altitude.norm();
@@ -86,14 +92,11 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
 
     frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
-    frame.turn = roundings * frame.base_length() / frame.altitude;
+    frame.turn = frame_roundings * frame.base_length() / frame.altitude;
     if (!(length > 0)) set_equilateral_normals(frame);
     set_inwards(frame, across);
 
-    const Vec3& near_end = corners[right_is_nearer ? to_apex : base];
-    const Vec3& origin = lattice.origin;
-    frame.foot = difference(near_end, origin, lattice.unit) +
-                 (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
+    frame.foot = foot_of(frame, corners[triangle.near_end()], triangle.right_is_nearer(), lattice);
     return frame;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "polyhedra/leaned_frusta.hpp"
+#include "polyhedra/one_rings.hpp"
 #include "polyhedra/vector.hpp"
 
 #include <array>
@@ -44,6 +45,28 @@ inline void fetch_ahead([[maybe_unused]] const TriangleFrame& frame) {
     __builtin_prefetch(&frame.inwards[2]);
 #endif
 }
+
+/// Bounds the sum of a frame's roundings: some thirty of 2^-53 by count, 3e-15.
+inline constexpr double frame_roundings = 1e-13;
+
+/// The edges of a triangle in units, and the longest of them, the base. Edge k runs from the vertex k to the next.
+struct TriangleEdges {
+    std::array<Vector, 3> vectors;
+    std::array<double, 3> squared;  ///< lengths
+    std::uint32_t base = 0;
+
+    TriangleEdges(const std::array<Vec3, 3>& corners, double unit);
+
+    // Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
+    bool right_is_nearer() const { return squared[next_of_three(base)] <= squared[previous_of_three(base)]; }
+    std::uint32_t near_end() const { return right_is_nearer() ? next_of_three(base) : base; }
+    Vector apex() const {
+        return right_is_nearer() ? vectors[next_of_three(base)] : Vector(-vectors[previous_of_three(base)]);
+    }
+};
+
+/// The foot of the altitude, from the end of the base that is nearer to the apex.
+Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, bool right_is_nearer, const LatticeView& lattice);
 
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
 /// a segment the base is the segment, of a point everything has length zero.
