@@ -7,3 +7,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp ${CMAKE_CURRENT_LIST_DIR}/pack.cpp ${CMAKE_CURRENT_LIST_DIR}/pair_batch.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_site.cpp ${CMAKE_CURRENT_LIST_DIR}/solid_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/triangle_frame.cpp ${CMAKE_CURRENT_LIST_DIR}/vertex_fans.cpp)
+# CGAL asks for code that is right in any rounding mode; these run in the usual one, and roots and quotients then come
+# by vectors.
+set_source_files_properties(
+  ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp ${CMAKE_CURRENT_LIST_DIR}/pair_batch.cpp
+  PROPERTIES COMPILE_OPTIONS -fno-rounding-math)
