@@ -16,7 +16,7 @@ void store(double x, double& exact, float& rounded) {
 /// The nearest sample along an axis. Beyond the clamp the offset in the constants does the rest.
 clsdf_int32 nearest_sample(double samples) {
     constexpr double limit = 1 << 30;
-    return static_cast<clsdf_int32>(std::nearbyint(std::clamp(samples, -limit, limit)));
+    return static_cast<clsdf_int32>(std::lrint(std::clamp(samples, -limit, limit)));
 }
 
 /// Steps along (i, j, k) of the lattice, of a quantity whose metric gradient is given.
