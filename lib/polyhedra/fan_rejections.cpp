@@ -14,19 +14,17 @@ constexpr float steepest = 8;
 constexpr std::size_t few_faces = 12;
 constexpr std::size_t all_triples = 9;  // of so many faces are tried
 
-/// The sign of the t for which t middle is a combination of three vectors by positive factors; 0 where there is none
-/// for certain, or where t may be 0.
+/// The sign of the t for which t middle is a combination of three vectors by positive factors; 0 where t may be 0, or
+/// where there is none for certain, as where the vectors run the wrong way around `middle`.
 int sign_of_combination(const Vector& a, const Vector& b, const Vector& c, const Vector& middle) {
     // middle . (b x c) a + middle . (c x a) b + middle . (a x b) c = det(a, b, c) middle
     const Vector cross = b.cross(c);
     const double of_a = middle.dot(cross);
     const double of_b = middle.dot(c.cross(a));
     const double of_c = middle.dot(a.cross(b));
+    if (!(std::min({of_a, of_b, of_c}) > certain)) return 0;
     const double determinant = a.dot(cross);
-    const int sign = determinant > certain ? 1 : determinant < -certain ? -1 : 0;
-    if (std::min({of_a, of_b, of_c}) > certain) return sign;
-    if (std::max({of_a, of_b, of_c}) < -certain) return -sign;
-    return 0;
+    return determinant > certain ? 1 : determinant < -certain ? -1 : 0;
 }
 
 /// Conditions v . u >= 0, a face each.
