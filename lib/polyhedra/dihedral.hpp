@@ -10,12 +10,7 @@ namespace clsdf::polyhedra {
 /// Two faces whose inward directions differ by less than this angle are folded onto each other.
 inline constexpr double fold_angle = 1e-6;
 
-/// The tangent of half the angle by which the wedge between two faces exceeds a straight one, seen from the side where
-/// it does; both faces have the same. `first` and `second` are their unit inward directions at the edge.
-inline double half_wedge_slope(const Vector& first, const Vector& second) {
-    return (first + second).norm() / (first - second).norm();
-}
-
+/// `first` and `second` are their unit inward directions at the edge.
 inline bool folded(const Vector& first, const Vector& second) {
     return (first - second).squaredNorm() < fold_angle * fold_angle;
 }

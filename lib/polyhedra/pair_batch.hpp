@@ -39,7 +39,9 @@ public:
     struct Results {
         std::array<double, capacity> sine;           ///< of the second face's inward direction above the first's plane
         std::array<double, capacity> squared_apart;  ///< of the distance of their inward directions
-        std::array<double, capacity> slope;          ///< see half_wedge_slope()
+        /// The tangent of half the angle by which the wedge between the faces exceeds a straight one, seen from the
+        /// side where it does; both faces have the same.
+        std::array<double, capacity> slope;
     };
     void measure(Results& results) const;
 
