@@ -17,10 +17,10 @@ namespace {
 using namespace polyhedra;
 
 Vector bisector_normal(const Surface& surface, const Corner& edge) {
-    const Vector own = surface.frames()[edge.face].inward(edge.vertex);
+    const Vector own = surface.frames()[edge.face].inwards[edge.vertex];
     if (!surface.has_pair(edge)) return -own;
     const Corner across = surface.across(edge);
-    const Vector other = surface.frames()[across.face].inward(across.vertex);
+    const Vector other = surface.frames()[across.face].inwards[across.vertex];
     return folded(own, other) ? Vector(-own) : Vector((other - own).normalized());
 }
 

@@ -3,19 +3,23 @@
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
+#include <cmath>
+
 namespace clsdf::polyhedra {
 
 /// Two faces whose inward directions differ by less than this angle are folded onto each other.
 inline constexpr double fold_angle = 1e-6;
 
-/// The tangent of half the angle by which the wedge between two faces exceeds a straight one, seen from the side where
-/// it does; both faces have the same. `first` and `second` are their unit inward directions at the edge.
-inline double half_wedge_slope(const Vector& first, const Vector& second) {
-    return (first + second).norm() / (first - second).norm();
-}
-
+/// `first` and `second` are their unit inward directions at the edge.
 inline bool folded(const Vector& first, const Vector& second) {
     return (first - second).squaredNorm() < fold_angle * fold_angle;
+}
+
+/// side_of_plane() where the faces' frames tell, else 0. `sine`: of the second face's inward direction, above the first
+/// face's plane.
+inline int certain_side(const TriangleFrame& first, const TriangleFrame& second, double sine) {
+    if (first.is_box || second.is_box || !(std::abs(sine) > first.turn + second.turn)) return 0;
+    return sine > 0 ? 1 : -1;
 }
 
 /// On which side of the first face's plane the second face's opposite vertex lies: 1 above (the edge is concave seen

@@ -2,9 +2,11 @@
 
 #include "polyhedra/dihedral.hpp"
 #include "polyhedra/edges_above.hpp"
+#include "polyhedra/pair_batch.hpp"
 #include "polyhedra/parallel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -21,17 +23,61 @@ public:
                std::span<FaceEdges> faces, float open)
         : mesh_(mesh), triangles_(triangles), frames_(frames), faces_(faces), open_(open) {}
 
+    /// Sets what is known of the edges of which `vertex` is the lower end, where each has two faces that run along it
+    /// in opposite directions; false, with nothing said of them, where one has not, or many meet.
+    bool set_pairs_above(std::uint32_t vertex, const OneRings& rings) {
+        constexpr std::size_t few = 16;
+        const std::size_t count = rings.size(vertex);
+        if (count > few) return false;
+        std::array<Corner, few> corners;
+        std::array<std::uint32_t, few> next;
+        std::array<std::uint32_t, few> previous;
+        std::size_t unpaired = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            corners[i] = rings.corner(vertex, i);
+            const Triangle& triangle = triangles_[corners[i].face];
+            next[i] = triangle[next_of_three(corners[i].vertex)];
+            previous[i] = triangle[previous_of_three(corners[i].vertex)];
+            if (previous[i] > vertex) ++unpaired;
+            fetch_ahead(frames_[corners[i].face]);
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+            if (next[i] <= vertex) continue;
+            std::size_t leaving = 0;
+            std::size_t arriving = 0;
+            std::size_t other = 0;
+            for (std::size_t j = 0; j < count; ++j) {
+                if (next[j] == next[i]) ++leaving;
+                if (previous[j] != next[i]) continue;
+                ++arriving;
+                other = j;
+            }
+            if (leaving != 1 || arriving != 1 || other == i) return false;
+            const Corner& edge = corners[i];
+            const Corner across{corners[other].face, previous_of_three(corners[other].vertex)};
+            add_pair(edge.face < across.face ? PairBatch::Pair{edge, across, true}
+                                             : PairBatch::Pair{across, edge, true});
+            --unpaired;
+        }
+        return unpaired == 0;
+    }
+
     /// Sets what is known of one edge, given all its faces.
-    void set(std::span<const EdgeEntry> faces) const {
+    void set(std::span<const EdgeEntry> faces) {
         if (faces.size() == 2 && faces[0].edge().face != faces[1].edge().face) {
-            set_pair(faces[0].edge(), faces[1].edge());
+            const Corner first = faces[0].edge();
+            const Corner second = faces[1].edge();
+            add_pair({first, second, triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex]});
             return;
         }
         const bool at_box = std::any_of(faces.begin(), faces.end(),
                                         [&](const EdgeEntry& entry) { return frames_[entry.edge().face].is_box; });
         std::uint8_t marks = faces.size() == 1 ? edge_open : edge_non_manifold;
         if (at_box) marks |= edge_at_box;
-        for (const EdgeEntry& entry : faces) faces_[entry.edge().face].marks[entry.edge().vertex] = marks;
+        for (const EdgeEntry& entry : faces) {
+            faces_[entry.edge().face].marks[entry.edge().vertex] = marks;
+            faces_[entry.edge().face].across[entry.edge().vertex] = 0;
+        }
         if (at_box) {
             for (const EdgeEntry& entry : faces) set_slopes(entry.edge(), 0, 0);
         } else if (faces.size() == 1) {
@@ -39,6 +85,15 @@ public:
         } else {
             set_around(faces);
         }
+    }
+
+    /// Sets what is known of the edges that are still waiting for others to be measured with.
+    void finish() {
+        PairBatch::Results results;
+        batch_.measure(results);
+        for (std::size_t i = 0; i < batch_.size(); ++i)
+            set_pair(batch_.pair(i), results.sine[i], results.squared_apart[i], results.slope[i]);
+        batch_.clear();
     }
 
 private:
@@ -52,9 +107,17 @@ private:
         face.below[edge.vertex] = is_box ? open_ : std::min(open_, widened(below));
     }
 
-    void set_pair(const Corner& first, const Corner& second) const {
-        const bool oriented = triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex];
-        const int side = side_of_plane(mesh_, triangles_, frames_, first, second);
+    void add_pair(const PairBatch::Pair& pair) {
+        batch_.add(pair, frames_[pair.first.face], frames_[pair.second.face]);
+        if (batch_.is_full()) finish();
+    }
+
+    void set_pair(const PairBatch::Pair& pair, double sine, double squared_apart, double slope) const {
+        const auto& [first, second, oriented] = pair;
+        const TriangleFrame& first_frame = frames_[first.face];
+        const TriangleFrame& second_frame = frames_[second.face];
+        int side = certain_side(first_frame, second_frame, sine);
+        if (side == 0) side = side_of_plane(mesh_, triangles_, frames_, first, second);
         std::uint8_t marks = 0;
         if (!oriented) {
             marks = edge_unoriented;
@@ -64,19 +127,14 @@ private:
 
         double above = 0;
         double below = 0;
-        const TriangleFrame& first_frame = frames_[first.face];
-        const TriangleFrame& second_frame = frames_[second.face];
         if (first_frame.is_box || second_frame.is_box) {
             marks |= edge_at_box;
+        } else if (squared_apart < fold_angle * fold_angle) {
+            marks |= edge_open | edge_folded;
+            above = below = infinite;
         } else {
-            const Vector first_inward = first_frame.inward(first.vertex);
-            const Vector second_inward = second_frame.inward(second.vertex);
-            if (folded(first_inward, second_inward)) {
-                marks |= edge_open | edge_folded;
-                above = below = infinite;
-            } else if (side != 0) {
-                (side < 0 ? above : below) = half_wedge_slope(first_inward, second_inward);
-            }
+            above = side < 0 ? slope : 0;
+            below = side > 0 ? slope : 0;
         }
         set_one_of_pair(first, second, marks, above, below);
         if (!oriented) std::swap(above, below);
@@ -98,11 +156,11 @@ private:
             Corner edge;
         };
         const TriangleFrame& first = frames_[faces[0].edge().face];
-        const Vector x = first.inward(faces[0].edge().vertex);
+        const Vector x = first.inwards[faces[0].edge().vertex];
         const Vector y = first.normal;
         std::vector<Spoke> spokes;
         for (const EdgeEntry& entry : faces) {
-            const Vector inward = frames_[entry.edge().face].inward(entry.edge().vertex);
+            const Vector inward = frames_[entry.edge().face].inwards[entry.edge().vertex];
             spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), entry.edge()});
         }
         std::stable_sort(spokes.begin(), spokes.end(),
@@ -130,6 +188,7 @@ private:
     std::span<const TriangleFrame> frames_;
     std::span<FaceEdges> faces_;
     float open_;
+    PairBatch batch_;
 };
 
 }  // namespace
@@ -139,21 +198,25 @@ float open_slope(double half_width, double slack) {
 }
 
 UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open) {
-    UninitializedVector<FaceEdges> faces(triangles.size());
+                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open,
+                                           ScratchMemory* scratch) {
+    UninitializedVector<FaceEdges> faces(triangles.size(), scratch);
     for_each_index(triangles.size(), [&](std::size_t face) {
-        faces[face] = {};
         if (!frames[face].is_box) return;
+        faces[face].across = {};
         faces[face].above = faces[face].below = {open, open, open};
         faces[face].marks = {edge_at_box, edge_at_box, edge_at_box};  // an edge from a vertex to itself is not visited
     });
-    const EdgeSlopes slopes(mesh, triangles, frames, faces, open);
-    for_each_vertex(
-        triangles, rings, [&] { return std::vector<EdgeEntry>(); },
-        [&](std::uint32_t vertex, std::vector<EdgeEntry>& entries) {
+    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+        EdgeSlopes slopes(mesh, triangles, frames, faces, open);
+        std::vector<EdgeEntry> entries;
+        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) {
+            if (slopes.set_pairs_above(vertex, rings)) return;
             edges_above(triangles, rings, vertex, entries);
             for_each_edge(entries, [&](std::span<const EdgeEntry> edge) { slopes.set(edge); });
         });
+        slopes.finish();
+    });
     return faces;
 }
 

@@ -41,7 +41,8 @@ inline float widened(double x) {
 /// The half wedges of every face: each face at an edge takes the angle up to the bisector with the next face on that
 /// side, and the whole wedge where there is none. Not yet leaned.
 UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open);
+                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open,
+                                           ScratchMemory* scratch = nullptr);
 
 /// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other
 /// contains: the obtuse corner's vertices are cut off otherwise. No other corner of a triangle is obtuse.

@@ -1,6 +1,7 @@
 #include "polyhedra/gaps.hpp"
 
 #include "polyhedra/cone_search.hpp"
+#include "polyhedra/fan_rejections.hpp"
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/vertex_fans.hpp"
 
@@ -19,6 +20,9 @@ constexpr double cone_tolerance = 1e-8;
 
 constexpr std::size_t large_fan = 32;
 
+/// Sine of the steepest spoke to a face's plane where the faces around a vertex are taken for flat ground.
+constexpr double flat = 1e-9;
+
 /// Decides one vertex after the other; keeps its memory in between.
 class GapTest {
 public:
@@ -34,7 +38,11 @@ public:
 
     std::uint8_t operator()(std::size_t vertex) {
         std::uint8_t edges = 0;
-        for (std::size_t i = 0; i < rings_.size(vertex); ++i) edges |= marks_at(rings_.corner(vertex, i));
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
+            const Corner corner = rings_.corner(vertex, i);
+            fetch_ahead(frames_[corner.face]);
+            edges |= marks_at(corner);
+        }
         const bool is_saddle = (edges & saddle) == saddle;
         return static_cast<std::uint8_t>((is_saddle ? vertex_saddle : 0) | (has_gap(vertex, edges) ? vertex_gap : 0));
     }
@@ -55,6 +63,8 @@ private:
         if (edges & edge_at_box) return false;  // the box holds all points that are nearest to the vertex
         if (edges & edge_non_manifold) return has_normals(vertex);
         if ((edges & edge_open) || !can_be_mixed(edges)) return false;
+
+        if (!(edges & edge_unoriented) && first_fan_covers(vertex)) return false;
 
         fans_.build(triangles_, faces_, rings_, vertex);
         for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
@@ -79,6 +89,22 @@ private:
         return for_axes(vertex, [&](const Vector& axis) { return add_normal_cone(axis); });
     }
 
+    /// Whether the faces of one fan, all of one orientation, surely cover the vertex' normals: neither do all reject
+    /// one direction at their edges that leave the vertex, nor at those that arrive. Tells for almost all vertices.
+    bool first_fan_covers(std::size_t vertex) {
+        const Corner first = rings_.corner(vertex, 0);
+        leaving_.clear();
+        arriving_.clear();
+        Corner corner = first;
+        do {
+            leaving_.push_back(corner);
+            arriving_.push_back({corner.face, previous_of_three(corner.vertex)});
+            corner = Corner::unpack(faces_[corner.face].across[arriving_.back().vertex]);
+        } while (corner.face != first.face);
+        return cannot_all_reject(frames_, faces_, leaving_, margin_) &&
+               cannot_all_reject(frames_, faces_, arriving_, margin_);
+    }
+
     /// The direction from the vertex to a neighbour.
     Vector spoke(std::size_t vertex, std::uint32_t neighbour) const {
         const Vec3& from = mesh_.vertices()[vertex];
@@ -87,22 +113,25 @@ private:
         return edge * (1 / edge.norm());
     }
 
-    /// Whether `search` succeeds from one of several axes: unit vectors such that every normal u of the vertex (u .
-    /// spoke
-    /// <= 0 for all spokes) has axis . u >= 0 for one of them. The sum of the spokes, reversed, is such an axis. Where
-    /// it vanishes, or all normals are nearly perpendicular to it, as on flat ground, a face's normal and its opposite
-    /// are.
+    /// Whether `search` succeeds from one of several axes: unit vectors such that every normal u of the vertex, with
+    /// u . spoke <= 0 for all spokes, has axis . u >= 0 for one of them. The sum of the spokes, reversed, is such an
+    /// axis. Where it vanishes, or all normals are nearly perpendicular to it, as on flat ground, a face's normal and
+    /// its opposite are.
     template <typename Search>
     bool for_axes(std::size_t vertex, const Search& search) {
+        const Vector& normal = frames_[rings_.corner(vertex, 0).face].normal;
         Vector sum = Vector::Zero();
-        for (const Vector& s : spokes_) sum -= s;
+        double height = 0;
+        for (const Vector& s : spokes_) {
+            sum -= s;
+            height = std::max(height, std::abs(s.dot(normal)));
+        }
         const double length = sum.norm();
-        if (length > 1e-6 * static_cast<double>(spokes_.size())) {
+        if (height > flat && length > 1e-6 * static_cast<double>(spokes_.size())) {
             undecided_ = false;
             const bool found = search(sum / length);
             if (!found || !undecided_) return found;
         }
-        const Vector& normal = frames_[rings_.corner(vertex, 0).face].normal;
         return search(normal) || search(-normal);
     }
 
@@ -124,30 +153,41 @@ private:
         for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
             bool rejected = false;
             for (const bool by_edge_before : {true, false}) {
+                if (rejected) break;
                 search_.return_to(normals);
-                rejected = rejected || add_rejections(fan, by_edge_before);
+                collect_face_edges(fan, by_edge_before);
+                rejected = add_rejections();
             }
             if (!rejected) return false;
         }
         return true;
     }
 
-    /// Whether every face of the fan rejects some unit vector u by the margin at one of its edges: g . u >= margin. The
+    void collect_face_edges(std::size_t fan, bool by_edge_before) {
+        face_edges_.clear();
+        order(fans_.start(fan), fans_.start(fan + 1));
+        for (const std::size_t i : order_) {
+            const VertexFans::Face& face = fans_.faces()[i];
+            const bool leaving = by_edge_before == face.forward;  // in the face's own order it begins at the vertex
+            const std::uint32_t k = leaving ? face.corner.vertex : previous_of_three(face.corner.vertex);
+            face_edges_.push_back({face.corner.face, k});
+        }
+    }
+
+    /// Whether every face rejects some unit vector u by the margin at its edge of face_edges_: g . u >= margin. The
     /// plane of an edge is the higher one of two, above the face and below, so that is a condition for each side; first
     /// that of the side on which the normals lie, which mostly decides.
     ///
     /// A linear condition can only ask for g . u >= margin (m . u) with a unit vector m, which is weaker, and least so
     /// where u is near m. Where the direction that is found does not have the margin, it becomes the next m.
-    bool add_rejections(std::size_t fan, bool by_edge_before) {
+    bool add_rejections() {
         constexpr int rounds = 4;  // a flat vertex has normals on both sides; more than that is left undecided
-        order(fans_.start(fan), fans_.start(fan + 1));
         for (int round = 0; round < rounds; ++round) {
             const Vector middle = search_.direction();
             for (const bool side_of_middle : {true, false}) {
-                for (const std::size_t i : order_) {
-                    const Corner corner = fans_.faces()[i].corner;
-                    const bool above = (frames_[corner.face].normal.dot(middle) >= 0) == side_of_middle;
-                    if (!search_.add(rejection(fan, i, by_edge_before, above) - margin_ * middle)) return false;
+                for (const Corner& edge : face_edges_) {
+                    const bool above = (frames_[edge.face].normal.dot(middle) >= 0) == side_of_middle;
+                    if (!search_.add(rejection(edge, above) - margin_ * middle)) return false;
                 }
             }
             if (search_.is_undecided() || 2 * middle.dot(search_.direction()) > 1) break;
@@ -158,17 +198,11 @@ private:
 
     /// g with g . u > 0 where the plane of the face's edge, on one side of the face, has u outside. Scaled such that g
     /// . u counts in units by which the slack widens that plane.
-    Vector rejection(std::size_t fan, std::size_t i, bool by_edge_before, bool above) const {
-        const VertexFans::Face& face = fans_.faces()[i];
-        const Vector& normal = frames_[face.corner.face].normal;
-        const std::size_t after = i + 1 < fans_.start(fan + 1) ? i + 1 : fans_.start(fan);
-        const bool leaving = by_edge_before == face.forward;  // the face's own edge from the vertex, or to it
-        const Vector& along = spokes_[by_edge_before ? i : after];
-        const Vector outward = leaving ? along.cross(normal) : normal.cross(along);
-        const std::uint32_t edge = leaving ? face.corner.vertex : previous_of_three(face.corner.vertex);
-        const FaceEdges& edges = faces_[face.corner.face];
-        const auto slope = static_cast<double>((above ? edges.above : edges.below)[edge]);
-        return (outward - (above ? slope : -slope) * normal) * (1 / (1 + slope));
+    Vector rejection(const Corner& edge, bool above) const {
+        const TriangleFrame& frame = frames_[edge.face];
+        const FaceEdges& edges = faces_[edge.face];
+        const auto slope = static_cast<double>((above ? edges.above : edges.below)[edge.vertex]);
+        return (frame.inwards[edge.vertex] + (above ? slope : -slope) * frame.normal) * (-1 / (1 + slope));
     }
 
     /// Sets the order in which [first, last) are gone through: thirds of the way round, because opposite conditions
@@ -196,7 +230,10 @@ private:
     double margin_;
 
     VertexFans fans_;
-    std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<Vector> spokes_;      // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<Corner> leaving_;     // of the faces of a fan, their own edges that begin at the vertex,
+    std::vector<Corner> arriving_;    // and those that end there
+    std::vector<Corner> face_edges_;  // at which the faces of a fan reject
     std::vector<std::size_t> order_;
     ConeSearch search_;
     bool undecided_ = false;  // whether a search that succeeded hangs on rounding
@@ -212,9 +249,10 @@ std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> 
     // section 8.2).
     const double margin = slack / (4 * std::max(half_width, 1.0));
     std::vector<std::uint8_t> marks(rings.vertex_count());
-    for_each_vertex(
-        triangles, rings, [&] { return GapTest(mesh, triangles, frames, faces, rings, lattice, margin); },
-        [&](std::uint32_t vertex, GapTest& test) { marks[vertex] = test(vertex); });
+    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+        GapTest test(mesh, triangles, frames, faces, rings, lattice, margin);
+        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) { marks[vertex] = test(vertex); });
+    });
     return marks;
 }
 

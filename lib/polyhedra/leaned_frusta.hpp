@@ -5,6 +5,10 @@
 #include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedron.h"
 
+#include <cstddef>
+#include <functional>
+#include <span>
+
 namespace clsdf::polyhedra {
 
 /// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
@@ -15,13 +19,16 @@ struct LatticeView {
     Vec3 spacing_in_units{1, 1, 1};  ///< per axis
 };
 
-struct LeanedFrusta {
-    /// A polyhedron a triangle, in Morton order, then the point sites by vertex. Together they are exact: every point y
-    /// within `half_width` of the mesh lies in the polyhedron of a triangle at the distance dist(y, mesh).
-    UninitializedVector<Polyhedron> polyhedra;
+struct LeanedCounts {
     std::size_t saddle_vertices = 0;  ///< with convex and concave edges, by exact predicates
     std::size_t point_sites = 0;
     std::size_t boxes = 0;  ///< faces so degenerate that their polyhedron is a box
+};
+
+struct LeanedFrusta : LeanedCounts {
+    /// A polyhedron a triangle, in Morton order, then the point sites by vertex. Together they are exact: every point y
+    /// within `half_width` of the mesh lies in the polyhedron of a triangle at the distance dist(y, mesh).
+    UninitializedVector<Polyhedron> polyhedra;
 };
 
 /// What the tests switch off to see that it is needed.
@@ -33,6 +40,12 @@ struct LeanedFrustaOptions {
 /// The exact bounding polyhedra (METHOD, section 8) for a band of `half_width` units (finite), widened by `slack`
 /// units, which must exceed the rounding of every test made with them: slack >= 1e-3 + 2e-5 half_width.
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
+                           const LeanedFrustaOptions& options = {});
+
+/// The same polyhedra, written to `memory(count)`, which is called once. What is needed on the way may come from
+/// `scratch`.
+LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
+                           const std::function<std::span<Polyhedron>(std::size_t)>& memory, ScratchMemory* scratch,
                            const LeanedFrustaOptions& options = {});
 
 }  // namespace clsdf::polyhedra

@@ -31,7 +31,7 @@ ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, boo
                                        {frame.along, frame.base[CLSDF_HALF_RIGHT] + cap},
                                        {-frame.along, frame.base[CLSDF_HALF_LEFT] + cap}};
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const Vector outward = -frame.inward(k);
+        const Vector outward = -frame.inwards[k];
         // The base lies at Y = 0, a slanted edge goes through an end of it.
         double offset = 0;
         if (frame.polyhedron_edge(k) == CLSDF_EDGE_RIGHT)
@@ -42,7 +42,7 @@ ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, boo
         half_spaces.push_back({outward - slope * up, offset});
         half_spaces.push_back({outward, offset + cap});
     }
-    const double reach = frame.base_length() + frame.altitude() + 4 * cap;
+    const double reach = frame.base_length() + frame.altitude + 4 * cap;
     return clip({{-reach, -reach, -reach}, {reach, reach, reach}}, half_spaces);
 }
 

@@ -76,11 +76,11 @@ void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned sh
 
 }  // namespace
 
-UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
+UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh, ScratchMemory* scratch) {
     const std::size_t count = mesh.triangles().size();
     const CentroidCode code(mesh);
-    UninitializedVector<Keyed> sorted(count);
-    UninitializedVector<Keyed> other(count);
+    UninitializedVector<Keyed> sorted(count, scratch);
+    UninitializedVector<Keyed> other(count, scratch);
     for_each_index(count, [&](std::size_t t) {
         sorted[t] = {code(mesh.triangles()[t]), static_cast<std::uint32_t>(t)};
     });
@@ -88,7 +88,7 @@ UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
         sort_by_digit(sorted, other, static_cast<unsigned>(pass) * digit_bits);
         sorted.swap(other);
     }
-    UninitializedVector<std::uint32_t> order(count);
+    UninitializedVector<std::uint32_t> order(count, scratch);
     for_each_index(count, [&](std::size_t i) { order[i] = sorted[i].triangle; });
     return order;
 }

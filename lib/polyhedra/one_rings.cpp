@@ -11,8 +11,8 @@
 
 namespace clsdf::polyhedra {
 
-OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count)
-    : start_(vertex_count + 2), corners_(3 * triangles.size()) {
+OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch)
+    : start_(vertex_count + 2), corners_(3 * triangles.size(), scratch) {
     constexpr std::size_t limit = std::size_t{1} << 30;
     if (triangles.size() >= limit)
         throw Error(ErrorCode::unsupported,

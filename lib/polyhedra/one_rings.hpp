@@ -1,11 +1,8 @@
 #pragma once
 
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/uninitialized_vector.hpp"
 
 #include <clsdf/mesh.hpp>
-
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -35,7 +32,7 @@ constexpr std::uint32_t previous_of_three(std::uint32_t k) {
 class OneRings {
 public:
     /// Throws Error(unsupported) for 2^30 triangles or more.
-    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
+    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch = nullptr);
 
     std::size_t vertex_count() const { return start_.size() - 1; }
 
@@ -55,22 +52,17 @@ private:
     UninitializedVector<std::uint32_t> corners_;  // packed
 };
 
-/// Calls f(vertex, state) for every vertex of a triangle, on all cores, in the order in which the list first names
-/// them: neighbours in the list are neighbours in memory. Each thread has a state of its own, made by `make_state()`. f
-/// writes only what belongs to the vertex, so results are the same for any number of threads.
-template <typename MakeState, typename Function>
-void for_each_vertex(std::span<const Triangle> triangles, const OneRings& rings, const MakeState& make_state,
+/// Calls f(vertex) for every vertex that the list first names between its places `begin` and `end`, in that order:
+/// neighbours in the list are neighbours in memory.
+template <typename Function>
+void for_each_vertex(std::span<const Triangle> triangles, const OneRings& rings, std::size_t begin, std::size_t end,
                      const Function& f) {
-    tbb::enumerable_thread_specific<decltype(make_state())> states(make_state);
-    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
-        auto& state = states.local();
-        for (std::size_t face = begin; face != end; ++face)
-            for (std::uint32_t k = 0; k < 3; ++k) {
-                const std::uint32_t vertex = triangles[face][k];
-                const Corner first = rings.corner(vertex, 0);
-                if (first.face == face && first.vertex == k) f(vertex, state);
-            }
-    });
+    for (std::size_t face = begin; face != end; ++face)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t vertex = triangles[face][k];
+            const Corner first = rings.corner(vertex, 0);
+            if (first.face == face && first.vertex == k) f(vertex);
+        }
 }
 
 }  // namespace clsdf::polyhedra

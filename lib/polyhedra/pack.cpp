@@ -16,7 +16,7 @@ void store(double x, double& exact, float& rounded) {
 /// The nearest sample along an axis. Beyond the clamp the offset in the constants does the rest.
 clsdf_int32 nearest_sample(double samples) {
     constexpr double limit = 1 << 30;
-    return static_cast<clsdf_int32>(std::nearbyint(std::clamp(samples, -limit, limit)));
+    return static_cast<clsdf_int32>(std::lrint(std::clamp(samples, -limit, limit)));
 }
 
 bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
@@ -28,7 +28,7 @@ bool is_compact(const TriangleFrame& frame, const Polyhedron& polyhedron) {
 
 bool is_near(const TriangleFrame& frame, const Polyhedron& polyhedron) {
     const auto is_short = [](double length) { return std::abs(length) <= CLSDF_NEAR_LENGTH; };
-    return is_short(frame.base[0]) && is_short(frame.base[1]) && is_short(frame.altitude()) &&
+    return is_short(frame.base[0]) && is_short(frame.base[1]) && is_short(frame.altitude) &&
            std::all_of(polyhedron.foot, polyhedron.foot + 3, is_short);
 }
 
@@ -41,7 +41,7 @@ void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhed
     const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
     const Vector offset = frame.foot - origin.cwiseProduct(spacing);
     for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
-    const Vector constant(-frame.along.dot(offset), -frame.across.dot(offset), -frame.normal.dot(offset));
+    const Vector constant(-frame.along.dot(offset), -frame.across().dot(offset), -frame.normal.dot(offset));
     for (int i = 0; i < 3; ++i)
         store(constant[i], polyhedron.exact_constant_at_origin[i], polyhedron.constant_at_origin[i]);
 }
@@ -50,7 +50,7 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
     const auto pack_axis = [&](int axis, double* exact, float* rounded) {
         const double spacing = lattice.spacing_in_units[static_cast<std::size_t>(axis)];
         store(frame.along[axis] * spacing, exact[0], rounded[0]);
-        store(frame.across[axis] * spacing, exact[1], rounded[1]);
+        store(frame.across()[axis] * spacing, exact[1], rounded[1]);
         store(frame.normal[axis] * spacing, exact[2], rounded[2]);
     };
     pack_axis(0, polyhedron.exact_gradient_x, polyhedron.gradient_x);
@@ -62,10 +62,11 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
 
 Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_t triangle,
                 const LatticeView& lattice) {
-    Polyhedron polyhedron{};
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every member is set below; clearing first costs as much
+    Polyhedron polyhedron;
     pack_origin(frame, lattice, polyhedron);
     pack_gradients(frame, lattice, polyhedron);
-    polyhedron.exact_altitude = frame.altitude();
+    polyhedron.exact_altitude = frame.altitude;
     for (std::size_t half = 0; half < 2; ++half) {
         store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);
         store(frame.normal_along[half], polyhedron.exact_normal_along[half], polyhedron.normal_along[half]);
@@ -76,6 +77,7 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
         polyhedron.slope_below[frame.polyhedron_edge(k)] = edges.below[k];
     }
     polyhedron.triangle = triangle;
+    polyhedron.flags = 0;
     if (is_compact(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_COMPACT;
     if (is_near(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_NEAR;
     return polyhedron;

@@ -56,7 +56,7 @@ bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, Fac
     constexpr double lowest = 1e-3;  // sine of a ray's angle to the frame's plane
     constexpr double tolerance = 1e-6;
     for (std::uint32_t k = 0; k < 3; ++k) {
-        const Vector outward = -frame.inward(k);
+        const Vector outward = -frame.inwards[k];
         double slope = 0;
         for (const Vector& ray : rays) {
             const double height = ray.dot(frame.normal);

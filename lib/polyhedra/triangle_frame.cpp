@@ -1,7 +1,10 @@
 #include "polyhedra/triangle_frame.hpp"
 
+#include "polyhedra/one_rings.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clsdf::polyhedra {
 
@@ -9,20 +12,32 @@ namespace {
 
 constexpr double sliver = 1e-8;
 constexpr double vanishing = 1e-100;  // units; squares of shorter lengths leave the range of double
+constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
 /// Differences are taken before positions are brought to units: a small triangle far from the lattice's origin keeps
 /// its shape to the last bit of the coordinates given.
 Vector difference(const Vec3& to, const Vec3& from, double unit) {
-    return Vector{to[0] - from[0], to[1] - from[1], to[2] - from[2]} / unit;
+    const Vector difference{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+    const double per_unit = 1 / unit;
+    return per_unit < infinite ? Vector(per_unit * difference) : Vector(difference / unit);
 }
 
-void set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
+/// Returns the slanted edge's length.
+double set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
     const double length = std::sqrt(frame.base[half] * frame.base[half] + altitude * altitude);
-    frame.slanted[half] = length;
     frame.normal_along[half] = length > 0 ? altitude / length : 0;
     frame.normal_across[half] = length > 0 ? frame.base[half] / length : 1;
+    return length;
+}
+
+void set_inwards(TriangleFrame& frame, const Vector& across) {
+    frame.inwards[frame.base_edge] = across;
+    frame.inwards[next_of_three(frame.base_edge)] =
+        -frame.normal_along[right] * frame.along - frame.normal_across[right] * across;
+    frame.inwards[previous_of_three(frame.base_edge)] =
+        frame.normal_along[left] * frame.along - frame.normal_across[left] * across;
 }
 
 void set_equilateral_normals(TriangleFrame& frame) {
@@ -32,60 +47,56 @@ void set_equilateral_normals(TriangleFrame& frame) {
 
 }  // namespace
 
-Vector TriangleFrame::inward(std::uint32_t k) const {
-    switch (polyhedron_edge(k)) {
-        case CLSDF_EDGE_BASE:
-            return across;
-        case CLSDF_EDGE_RIGHT:
-            return -normal_along[right] * along - normal_across[right] * across;
-        default:
-            return normal_along[left] * along - normal_across[left] * across;
-    }
+TriangleEdges::TriangleEdges(const std::array<Vec3, 3>& corners, double unit)
+    : vectors{difference(corners[1], corners[0], unit), difference(corners[2], corners[1], unit),
+              difference(corners[0], corners[2], unit)},
+      squared{vectors[0].squaredNorm(), vectors[1].squaredNorm(), vectors[2].squaredNorm()} {
+    base = squared[0] >= squared[1] ? 0 : 1;
+    if (squared[2] > squared[base]) base = 2;
+}
+
+Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, bool right_is_nearer, const LatticeView& lattice) {
+    return difference(near_end, lattice.origin, lattice.unit) +
+           (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
 }
 
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
-    const std::array<Vector, 3> edges{difference(corners[1], corners[0], lattice.unit),
-                                      difference(corners[2], corners[1], lattice.unit),
-                                      difference(corners[0], corners[2], lattice.unit)};
-    const std::array<double, 3> squared{edges[0].squaredNorm(), edges[1].squaredNorm(), edges[2].squaredNorm()};
-    std::uint32_t base = squared[0] >= squared[1] ? 0 : 1;
-    if (squared[2] > squared[base]) base = 2;
-    const std::uint32_t to_apex = base == 2 ? 0 : base + 1;
-    const std::uint32_t from_apex = base == 0 ? 2 : base - 1;
+    const TriangleEdges triangle(corners, lattice.unit);
+    const std::uint32_t base = triangle.base;
+    const std::uint32_t to_apex = next_of_three(base);
+    const std::uint32_t from_apex = previous_of_three(base);
 
     TriangleFrame frame;
     frame.base_edge = base;
-    double length = std::sqrt(squared[base]);
+    double length = std::sqrt(triangle.squared[base]);
     if (!(length > vanishing)) length = 0;
-    frame.along = length > 0 ? Vector(edges[base] / length) : Vector::UnitX();
+    frame.along = length > 0 ? Vector(triangle.vectors[base] / length) : Vector::UnitX();
 
-    // Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
-    frame.base[right] = std::max(0.0, -edges[to_apex].dot(frame.along));
-    frame.base[left] = std::max(0.0, -edges[from_apex].dot(frame.along));
-    const bool right_is_nearer = squared[to_apex] <= squared[from_apex];
-    const Vector apex = right_is_nearer ? edges[to_apex] : Vector(-edges[from_apex]);
+    frame.base[right] = std::max(0.0, -triangle.vectors[to_apex].dot(frame.along));
+    frame.base[left] = std::max(0.0, -triangle.vectors[from_apex].dot(frame.along));
+    const Vector apex = triangle.apex();
     Vector altitude = apex - apex.dot(frame.along) * frame.along;
     altitude -= altitude.dot(frame.along) * frame.along;
     double height = altitude.norm();
     frame.is_box = !(height > sliver * length);
+    Vector across = Vector::Zero();
     if (height > 0) {
-        frame.across = altitude / height;
-        frame.across = (frame.across - frame.across.dot(frame.along) * frame.along).normalized();
+        across = altitude / height;
+        across = (across - across.dot(frame.along) * frame.along).normalized();
     }
-    if (!(height > 0) || !(frame.across.squaredNorm() > 0.5) || !(std::abs(frame.across.dot(frame.along)) < 1e-12)) {
+    if (!(height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(frame.along)) < 1e-12)) {
         height = 0;
-        frame.across = any_perpendicular(frame.along);
+        across = any_perpendicular(frame.along);
     }
-    frame.normal = frame.along.cross(frame.across);
+    frame.normal = frame.along.cross(across);
 
-    set_slanted_edge(frame, right, height);
+    frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
+    frame.turn = frame_roundings * frame.base_length() / frame.altitude;
     if (!(length > 0)) set_equilateral_normals(frame);
+    set_inwards(frame, across);
 
-    const Vec3& near_end = corners[right_is_nearer ? to_apex : base];
-    const Vec3& origin = lattice.origin;
-    frame.foot = difference(near_end, origin, lattice.unit) +
-                 (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
+    frame.foot = foot_of(frame, corners[triangle.near_end()], triangle.right_is_nearer(), lattice);
     return frame;
 }
 
@@ -93,13 +104,14 @@ TriangleFrame point_frame(const Vector& position, const Vector& normal) {
     TriangleFrame frame;
     frame.normal = normal;
     frame.along = any_perpendicular(normal);
-    frame.across = normal.cross(frame.along);
     frame.foot = position;
     frame.base = {0, 0};
-    frame.slanted = {0, 0};
+    frame.altitude = 0;
+    frame.turn = 0;
     set_equilateral_normals(frame);
     frame.base_edge = 0;
     frame.is_box = false;
+    set_inwards(frame, normal.cross(frame.along));
     return frame;
 }
 

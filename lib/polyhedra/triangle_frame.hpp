@@ -1,6 +1,7 @@
 #pragma once
 
 #include "polyhedra/leaned_frusta.hpp"
+#include "polyhedra/one_rings.hpp"
 #include "polyhedra/vector.hpp"
 
 #include <array>
@@ -8,32 +9,64 @@
 
 namespace clsdf::polyhedra {
 
-/// The frame of kernels/polyhedron.h in double precision, in units of the lattice.
+/// The frame of kernels/polyhedron.h in double precision, in units of the lattice. What the edges and vertices around
+/// are decided by comes first, for the caches.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
 struct TriangleFrame {
-    Vector along;   ///< X, along the longest edge: the base
-    Vector across;  ///< Y, from the base to the apex
-    Vector normal;  ///< Z
-    Vector foot;    ///< of the altitude, from the lattice's sample (0, 0, 0)
+    Vector normal;                  ///< Z
+    std::array<Vector, 3> inwards;  ///< by edge of the triangle: unit vector in the plane, perpendicular to the edge
 
-    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT):
-    std::array<double, 2> base;           ///< from the foot to the end of the base
-    std::array<double, 2> slanted;        ///< length of the slanted edge
-    std::array<double, 2> normal_along;   ///< components of the slanted edge's outward normal,
-    std::array<double, 2> normal_across;  ///< along X away from the foot and along Y
-
+    double altitude;
+    double turn;              ///< bounds the angle by which rounding turns the frame around its edges
     std::uint32_t base_edge;  ///< 0 to 2; edge k of the triangle runs from its vertex k to the next
     bool is_box;              ///< so degenerate that its lateral planes are left out: all its slopes are open
 
+    Vector along;                ///< X, along the longest edge: the base
+    Vector foot;                 ///< of the altitude, from the lattice's sample (0, 0, 0)
+    std::array<double, 2> base;  ///< by half: from the foot to the end of the base
+
+    // By half (CLSDF_HALF_RIGHT, CLSDF_HALF_LEFT), components of the slanted edge's outward normal:
+    std::array<double, 2> normal_along;   ///< along X away from the foot
+    std::array<double, 2> normal_across;  ///< along Y
+
+    /// Y, from the base to the apex.
+    const Vector& across() const { return inwards[base_edge]; }
+
     double base_length() const { return base[0] + base[1]; }
-    double altitude() const { return normal_along[CLSDF_HALF_RIGHT] * slanted[CLSDF_HALF_RIGHT]; }
 
     /// Index of edge k of the triangle in the polyhedron: CLSDF_EDGE_BASE, _RIGHT or _LEFT.
     std::uint32_t polyhedron_edge(std::uint32_t k) const { return k >= base_edge ? k - base_edge : k + 3 - base_edge; }
-
-    /// Unit vector in the plane, perpendicular to edge k of the triangle, into the triangle.
-    Vector inward(std::uint32_t k) const;
 };
+
+/// Starts to bring what the edges and vertices around are decided by near the processor.
+inline void fetch_ahead([[maybe_unused]] const TriangleFrame& frame) {
+#ifdef __GNUC__
+    __builtin_prefetch(&frame.normal);
+    __builtin_prefetch(&frame.inwards[2]);
+#endif
+}
+
+/// Bounds the sum of a frame's roundings: some thirty of 2^-53 by count, 3e-15.
+inline constexpr double frame_roundings = 1e-13;
+
+/// The edges of a triangle in units, and the longest of them, the base. Edge k runs from the vertex k to the next.
+struct TriangleEdges {
+    std::array<Vector, 3> vectors;
+    std::array<double, 3> squared;  ///< lengths
+    std::uint32_t base = 0;
+
+    TriangleEdges(const std::array<Vec3, 3>& corners, double unit);
+
+    // Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
+    bool right_is_nearer() const { return squared[next_of_three(base)] <= squared[previous_of_three(base)]; }
+    std::uint32_t near_end() const { return right_is_nearer() ? next_of_three(base) : base; }
+    Vector apex() const {
+        return right_is_nearer() ? vectors[next_of_three(base)] : Vector(-vectors[previous_of_three(base)]);
+    }
+};
+
+/// The foot of the altitude, from the end of the base that is nearer to the apex.
+Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, bool right_is_nearer, const LatticeView& lattice);
 
 /// The frame of a triangle, also of a degenerate one (twice the area <= 1e-8 times the square of the longest edge): of
 /// a segment the base is the segment, of a point everything has length zero.

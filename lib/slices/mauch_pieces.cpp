@@ -68,11 +68,11 @@ Sector sector_at(const Faces& faces, std::span<const EdgeEntry> entries) {
         Corner edge;
     };
     const TriangleFrame& first = faces.frames[entries[0].edge().face];
-    const Vector x = first.inward(entries[0].edge().vertex);
+    const Vector x = first.inwards[entries[0].edge().vertex];
     const Vector& y = first.normal;
     std::vector<Spoke> spokes;
     for (const EdgeEntry& entry : entries) {
-        const Vector inward = faces.frames[entry.edge().face].inward(entry.edge().vertex);
+        const Vector inward = faces.frames[entry.edge().face].inwards[entry.edge().vertex];
         spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), entry.edge()});
     }
     std::stable_sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
@@ -120,7 +120,7 @@ public:
         add_slab(record.height(), half_width_, bounds);
         if (is_box(face)) {
             bounds.add(record.outward(CLSDF_EDGE_BASE) - half_width_);
-            bounds.add(-1 * record.outward(CLSDF_EDGE_BASE) - (faces_.frames[face].altitude() + half_width_));
+            bounds.add(-1 * record.outward(CLSDF_EDGE_BASE) - (faces_.frames[face].altitude + half_width_));
             bounds.add(record.past(CLSDF_EDGE_BASE) - half_width_);
             bounds.add(record.before(CLSDF_EDGE_BASE) - half_width_);
             ++counts.boxes;
@@ -204,7 +204,7 @@ public:
 private:
     bool is_box(std::size_t face) const {
         const TriangleFrame& frame = faces_.frames[face];
-        return frame.is_box || !(frame.altitude() > sliver_ * frame.base_length());
+        return frame.is_box || !(frame.altitude > sliver_ * frame.base_length());
     }
     std::uint32_t index(std::size_t face) const { return faces_.order[face]; }
 
@@ -223,8 +223,8 @@ private:
     }
 
     static double sine_at(const TriangleFrame& frame, std::uint32_t vertex) {
-        const Vector before = frame.inward(previous_of_three(vertex));
-        return frame.inward(vertex).cross(before).norm();
+        const Vector before = frame.inwards[previous_of_three(vertex)];
+        return frame.inwards[vertex].cross(before).norm();
     }
 
     static void add_slab(const Affine& height, double half_width, PieceBounds& bounds) {

@@ -1,6 +1,7 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "core/large_memory.hpp"
+#include "core/scratch_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
@@ -24,6 +25,7 @@ struct DistanceTransform::State {
     Scan scan = Scan::bricks;
     transform::Programs programs;
     std::shared_ptr<device::BufferPool> pool;
+    ScratchMemory scratch;
     TransformStatistics statistics;
 
     State(Device device_in, Mesh mesh_in, TransformOptions options_in)
@@ -43,7 +45,7 @@ struct DistanceTransform::State {
 
     std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
         return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
-            device.internal(), pool, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
+            device.internal(), pool, scratch, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
     }
 
     std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,

@@ -1,6 +1,7 @@
 #include "transform/prepared_mesh.hpp"
 
 #include "core/stopwatch.hpp"
+#include "device/host_filling.hpp"
 #include "polyhedra/leaned_frusta.hpp"
 #include "slices/leaned_pieces.hpp"
 #include "slices/mauch_pieces.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 namespace clsdf::transform {
@@ -76,8 +78,9 @@ std::size_t PreparedMesh::device_bytes() const {
     return polyhedra.bytes() + triangles.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
 }
 
-PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          const Grid& grid, const Layout& layout, const TransformOptions& options, Scan scan) {
+PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          ScratchMemory& scratch, const Mesh& mesh, const Grid& grid, const Layout& layout,
+                          const TransformOptions& options, Scan scan) {
     const Stopwatch watch;
     const polyhedra::LatticeView lattice = lattice_of(grid);
     check_distance(mesh, lattice);
@@ -103,14 +106,25 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         prepared.boxes = mauch.boxes;
         prepared.pieces = prepare_pieces(context, pool, mauch.pieces);
     } else {
-        const polyhedra::LeanedFrusta frusta = polyhedra::leaned_frusta(mesh, lattice, widths.half_width, widths.slack);
-        prepared.saddle_vertices = frusta.saddle_vertices;
-        prepared.point_sites = frusta.point_sites;
-        prepared.boxes = frusta.boxes;
-        upload_polyhedra(frusta.polyhedra);
+        std::span<Polyhedron> records;
+        std::optional<device::HostFilling> filling;
+        const polyhedra::LeanedCounts counts = polyhedra::leaned_frusta(
+            mesh, lattice, widths.half_width, widths.slack,
+            [&](std::size_t count) -> std::span<Polyhedron> {
+                const std::size_t bytes = count * sizeof(Polyhedron);
+                filling.emplace(context, pool->lease(bytes, "polyhedra"), bytes);
+                return records = {static_cast<Polyhedron*>(filling->memory()), count};
+            },
+            &scratch);
+        scratch.trim();
+        prepared.saddle_vertices = counts.saddle_vertices;
+        prepared.point_sites = counts.point_sites;
+        prepared.boxes = counts.boxes;
+        prepared.record_count = prepared.polyhedron_count = records.size();
         if (scan == Scan::slices)
-            prepared.pieces = prepare_pieces(
-                context, pool, slices::leaned_pieces(frusta.polyhedra, widths.half_width, widths.slack, layout));
+            prepared.pieces =
+                prepare_pieces(context, pool, slices::leaned_pieces(records, widths.half_width, widths.slack, layout));
+        prepared.polyhedra = filling->finish();
     }
     prepared.triangles =
         upload(context, pool, mesh.triangles().data(), mesh.triangles().size() * sizeof(Triangle), "triangles");

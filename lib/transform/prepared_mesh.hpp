@@ -4,6 +4,7 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
+#include "core/scratch_memory.hpp"
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "slices/convex_pieces.hpp"
@@ -45,7 +46,8 @@ struct PreparedMesh {
 };
 
 /// `scan` is that of the options, but never automatic.
-PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                          const Grid& grid, const Layout& layout, const TransformOptions& options, Scan scan);
+PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          ScratchMemory& scratch, const Mesh& mesh, const Grid& grid, const Layout& layout,
+                          const TransformOptions& options, Scan scan);
 
 }  // namespace clsdf::transform

@@ -1,4 +1,5 @@
 #include "pointwise.hpp"
+#include "polyhedra/frame_batch.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/triangle_frame.hpp"
 #include "support/random_meshes.hpp"
@@ -65,7 +66,7 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
                 const Vec3 found = pointwise.frame(point);
                 const double size = from_foot.norm();
                 BOOST_TEST(std::abs(found[0] - from_foot.dot(frame.along)) <= 1e-13 * size);
-                BOOST_TEST(std::abs(found[1] - from_foot.dot(frame.across)) <= 1e-13 * size);
+                BOOST_TEST(std::abs(found[1] - from_foot.dot(frame.across())) <= 1e-13 * size);
                 BOOST_TEST(std::abs(found[2] - from_foot.dot(frame.normal)) <= 1e-13 * size);
             }
             // The corners are those given, in the order of the base.
@@ -78,15 +79,16 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
                                   lattice.origin[2] + 2 * ends[i][2]};
                 BOOST_TEST(norm(minus(metric, given)) < 1e-11);
             }
-            BOOST_TEST(std::abs(pointwise.altitude() - frame.altitude()) <= 1e-13 * frame.altitude());
+            BOOST_TEST(std::abs(pointwise.altitude() - frame.altitude) <= 1e-13 * frame.altitude);
         }
     }
 }
 
 void check_orthonormal(const polyhedra::TriangleFrame& frame) {
-    for (const Vector& axis : {frame.along, frame.across, frame.normal}) BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
-    BOOST_TEST(std::abs(frame.along.dot(frame.across)) < 1e-12);
-    BOOST_TEST((frame.along.cross(frame.across) - frame.normal).norm() < 1e-12);
+    for (const Vector& axis : {frame.along, frame.across(), frame.normal})
+        BOOST_TEST(std::abs(axis.norm() - 1) < 1e-12);
+    BOOST_TEST(std::abs(frame.along.dot(frame.across())) < 1e-12);
+    BOOST_TEST((frame.along.cross(frame.across()) - frame.normal).norm() < 1e-12);
 }
 
 BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
@@ -106,6 +108,42 @@ BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
             if (height == 0) BOOST_TEST(frame.is_box);
         }
     }
+}
+
+BOOST_AUTO_TEST_CASE(frames_made_together_are_those_made_one_by_one) {
+    Random random(9);
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < 20003; ++i) {
+        // From fat ones to needles, caps and segments, of all sizes, some with equal sides.
+        const double size = i % 5 == 0 ? std::pow(10, random.uniform(-60, 60)) : 1;
+        const double height = i % 3 == 0 ? std::pow(10, random.uniform(-12, 0)) : random.uniform(0, 1);
+        const Vec3 edge = random.direction();
+        const Vec3 a = i % 2 == 0 ? Vec3{0, 0, 0} : random.point(-20, 20);
+        const Vec3 b = i % 7 == 0 ? a : along(a, size, edge);
+        const Vec3 c = along(along(a, size * random.uniform(-1, 2), edge), size * height, random.direction());
+        vertices.insert(vertices.end(), {a, b, c});
+        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    const Mesh mesh(vertices, triangles, "triangles");
+    const LatticeView lattice{{0.3, -2, 7}, 0.125};
+    std::vector<polyhedra::TriangleFrame> together(triangles.size());
+    polyhedra::triangle_frames(mesh, triangles, lattice, together);
+    std::size_t boxes = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const auto& [a, b, c] = triangles[i];
+        const polyhedra::TriangleFrame one = triangle_frame({vertices[a], vertices[b], vertices[c]}, lattice);
+        const polyhedra::TriangleFrame& other = together[i];
+        boxes += one.is_box ? 1U : 0U;
+        BOOST_TEST_CONTEXT("triangle " << i) {
+            BOOST_TEST((one.normal == other.normal && one.inwards == other.inwards && one.along == other.along));
+            BOOST_TEST((one.foot == other.foot && one.base == other.base && one.altitude == other.altitude));
+            BOOST_TEST((one.normal_along == other.normal_along && one.normal_across == other.normal_across));
+            BOOST_TEST((one.base_edge == other.base_edge && one.is_box == other.is_box));
+            BOOST_TEST((one.turn == other.turn || (std::isnan(one.turn) && std::isnan(other.turn))));
+        }
+    }
+    BOOST_TEST(boxes > 1000U);
 }
 
 BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {
@@ -138,6 +176,27 @@ BOOST_AUTO_TEST_CASE(the_same_bytes_on_any_number_of_threads) {
         const LeanedFrusta one = with_threads(1);
         BOOST_TEST(same_bytes(one, with_threads(2)), mesh.name());
         BOOST_TEST(same_bytes(one, with_threads(5)), mesh.name());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(memory_that_is_used_again_changes_nothing) {
+    ScratchMemory scratch;
+    for (const char* name : {"sphere6", "knot", "noisy", "sphere6", "noisy"}) {
+        const Mesh mesh = make_shape(name);
+        const LatticeView lattice{mesh.box().lower, 0.01, {1, 1, 1}};
+        LeanedFrusta again;
+        const polyhedra::LeanedCounts counts = leaned_frusta(
+            mesh, lattice, half_width, slack,
+            [&](std::size_t count) {
+                again.polyhedra.resize(count);
+                return std::span<Polyhedron>(again.polyhedra);
+            },
+            &scratch);
+        const LeanedFrusta fresh = leaned_frusta(mesh, lattice, half_width, slack);
+        BOOST_TEST(same_bytes(again, fresh), name);
+        BOOST_TEST(counts.saddle_vertices == fresh.saddle_vertices);
+        BOOST_TEST(counts.point_sites == fresh.point_sites);
+        scratch.trim();
     }
 }
 

@@ -1,0 +1,46 @@
+#include "device/host_filling.hpp"
+
+#include "core/large_memory.hpp"
+
+#include <utility>
+
+namespace clsdf::device {
+
+HostFilling::HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes)
+    : context_(context), buffer_(std::move(buffer)), bytes_(bytes) {
+    if (bytes_ > 0 && context_.capabilities().is_processor) {
+        memory_ = guarded([&] {
+            return context_.queue().enqueueMapBuffer(*buffer_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes_);
+        });
+        is_mapped_ = true;
+        if (bytes_ >= large_memory_bytes) advise_huge_pages(memory_, bytes_);
+    } else {
+        array_ = std::make_unique_for_overwrite<std::byte[]>(bytes_);
+        memory_ = array_.get();
+    }
+}
+
+HostFilling::~HostFilling() {
+    try {
+        if (is_mapped_) unmap();
+    } catch (const std::exception&) {
+        // On the way out after another error.
+    }
+}
+
+BufferPool::Lease HostFilling::finish() {
+    if (is_mapped_)
+        guarded([&] { unmap(); });
+    else if (bytes_ > 0)
+        guarded([&] { context_.queue().enqueueWriteBuffer(*buffer_, CL_TRUE, 0, bytes_, memory_); });
+    return std::move(buffer_);
+}
+
+void HostFilling::unmap() {
+    is_mapped_ = false;
+    cl::Event done;
+    context_.queue().enqueueUnmapMemObject(*buffer_, memory_, nullptr, &done);
+    done.wait();
+}
+
+}  // namespace clsdf::device
