@@ -101,10 +101,10 @@ inline void find_brick_caps(Layout layout, int3 coarse, uint count, __global con
     // A vector is one or half a slice of 4 x 4 bricks.
     const floatL i = convert_floatL(LANE_NUMBERS & 3u) * (CLSDF_BRICK * layout.spacing[0]);
     const floatL j = convert_floatL(LANE_NUMBERS >> 2) * (CLSDF_BRICK * layout.spacing[1]);
-    // Of a long list a part is enough.
-    const uint stride = count > 4096 ? 4 : count > 256 ? 2 : 1;
+    // Of a long list a part is enough: 2048 points are closer to each other than a brick's samples.
+    const uint stride = max(count > 256 ? 2u : 1u, count / 2048);
     for (uint e = 0; e < count; e += stride) {
-        for (uint ahead = e + 16; ahead < min(count, e + 16 + stride); ++ahead) request(polyhedra + entries[ahead]);
+        if (e + 16 * stride < count) request_foot(polyhedra + entries[e + 16 * stride]);
         const float3 from_foot =
             from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
         const floatL x = i + from_foot.x;
