@@ -36,8 +36,7 @@ std::vector<NamedMesh> BenchOptions::load_meshes(const std::vector<std::string>&
     for (const std::string& name : meshes) check_name(name);
     std::vector<NamedMesh> loaded;
     for (const std::string& name : meshes.empty() ? own_list : meshes) try {
-            loaded.push_back(
-                {clsdf::bench::short_name(name), clsdf::bench::load_mesh(name, folder, measure.seed)});
+            loaded.push_back({clsdf::bench::short_name(name), clsdf::bench::load_mesh(name, folder, measure.seed)});
         } catch (const Error& error) {
             if (!meshes.empty() || error.code() != ErrorCode::unreadable_input) throw;
             fmt::print(stderr, "left out: {}\n", error.what());
