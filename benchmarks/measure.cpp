@@ -44,11 +44,12 @@ public:
                 result_.stride *= 2;
         }
         PeakMemory memory;
-        const double whole = call(result_.stride).wall;
+        const CostWatch watch;
+        call(result_.stride);
         result_.peak_bytes = memory.growth();
-        const double call_seconds = whole / static_cast<double>(result_.stride);
-        const std::size_t affordable = static_cast<std::size_t>(options.seconds_per_method / call_seconds);
-        turns_ = std::min(options.repetitions, std::max<std::size_t>(affordable, 3));
+        const auto affordable = static_cast<std::size_t>(options.seconds_per_method / watch.cost().wall);
+        turns_ = method_.gets_every_call() ? options.repetitions
+                                           : std::min(options.repetitions, std::max<std::size_t>(affordable, 3));
     }
 
     void take_turn() {

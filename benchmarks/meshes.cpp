@@ -71,6 +71,13 @@ const std::vector<std::string>& standard_meshes() {
     return names;
 }
 
+std::vector<std::string> mesh_names() {
+    std::vector<std::string> names = standard_meshes();
+    for (const ShapeName& shape : shape_names())
+        if (std::find(names.begin(), names.end(), shape.name) == names.end()) names.push_back(shape.name);
+    return names;
+}
+
 std::string short_name(const std::string& name_or_file) {
     return std::filesystem::path(name_or_file).stem().string();
 }

@@ -8,11 +8,14 @@
 
 namespace clsdf::bench {
 
-/// The names that load_mesh() knows and every benchmark runs over: meshes of CGAL's data, the paper's sphere, and a
+/// What every benchmark runs over: meshes of CGAL's data, the paper's sphere, and a
 /// noisy sphere.
 const std::vector<std::string>& standard_meshes();
 
-/// A mesh by one of those names, by another name of make_shape(), or by its file. Meshes of CGAL's data are read from
+/// Every name that load_mesh() knows: those, then the other ones of make_shape().
+std::vector<std::string> mesh_names();
+
+/// A mesh by one of those names or by its file. Meshes of CGAL's data are read from
 /// `folder`; where one is not there, Error(unreadable_input) says how to get it. `seed` is that of the noisy sphere.
 Mesh load_mesh(const std::string& name_or_file, const std::string& folder, std::uint64_t seed);
 

@@ -27,6 +27,9 @@ public:
     /// True: it computes the samples of the workload's list, and leaves the others alone. False: the whole grid.
     virtual bool takes_list() const { return false; }
 
+    /// True: it is called as often as was asked for, however long that takes (MeasureOptions::seconds_per_method).
+    virtual bool gets_every_call() const { return false; }
+
     /// What a program does once in its life, such as compiling kernels. Not timed.
     virtual void prepare(const Workload&) {}
 

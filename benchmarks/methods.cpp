@@ -10,6 +10,7 @@ public:
 
     std::string name() const override { return "clsdf"; }
     std::string note() const override { return "the transform is kept between calls"; }
+    bool gets_every_call() const override { return true; }
 
     void prepare(const Workload& workload) override {
         transform_ = std::make_unique<DistanceTransform>(device_, workload.mesh);
@@ -37,6 +38,7 @@ public:
     std::string note() const override {
         return "from the mesh's arrays anew; only the device and its programs are kept";
     }
+    bool gets_every_call() const override { return true; }
 
     Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
         DistanceTransform(device_, workload.mesh).compute(workload.grid, workload.band, {distance, {}});

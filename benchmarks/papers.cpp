@@ -96,16 +96,15 @@ std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device) 
     return methods;
 }
 
+Layout PapersCase::layout() const {
+    return {fmt::format("{}, {}%", resolution, percent), resolution, Length::of_extent(0.01 * percent)};
+}
+
 std::vector<PapersCase> papers_cases() {
     constexpr const char* about_five = "the paper: about 5 times software scan conversion";
     std::vector<PapersCase> cases;
     const auto add = [&](const char* mesh, std::int64_t resolution, int percent, const char* remark) {
-        PapersCase& added = cases.emplace_back();
-        added.mesh = mesh;
-        added.layout.name = fmt::format("{}, {}%", resolution, percent);
-        added.layout.resolution = resolution;
-        added.layout.half_width = Length::of_extent(0.01 * percent);
-        added.remark = remark;
+        cases.push_back({mesh, resolution, percent, remark});
     };
     add("sphere6", 256, 10, about_five);
     add("knot", 256, 10, about_five);

@@ -35,8 +35,12 @@ std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device);
 /// A mesh on a grid that the papers give a figure for, or one of a series about it.
 struct PapersCase {
     std::string mesh;
-    Layout layout;
+    std::int64_t resolution = 0;
+    int percent = 0;     ///< of the longest side: the band's half width
     std::string remark;  ///< what the paper found; may be empty
+
+    /// By the name of its resolution and width.
+    Layout layout() const;
 };
 std::vector<PapersCase> papers_cases();
 

@@ -1,5 +1,6 @@
 #include "bench.hpp"
 #include "command.hpp"
+#include "device_option.hpp"
 #include "option_values.hpp"
 
 #include "benchmarks/machine.hpp"
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <unistd.h>
+#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -24,20 +26,38 @@ struct Benchmark {
     std::string name;
     const char* what;
     nlohmann::ordered_json (*run)(const BenchOptions&);
+    std::vector<std::string> takes;  ///< of the options that not every benchmark takes
 };
 
 const std::vector<Benchmark> benchmarks{
-    {"peers", "the whole call beside the peers that are installed", run_bench_peers},
-    {"scaling", "series in samples, width of the band, triangles and threads", run_bench_scaling},
-    {"floors", "the device's own limits, and each stage against them", run_bench_floors},
-    {"papers", "what the papers compare: polyhedra, scans, saddle vertices", run_bench_papers}};
+    {"peers",
+     "the whole call beside the peers that are installed",
+     run_bench_peers,
+     {"--workload", "--method", "--seconds-per-call"}},
+    {"scaling",
+     "series in samples, width of the band, triangles and threads",
+     run_bench_scaling,
+     {"--method", "--series", "--seconds-per-call"}},
+    {"floors", "the device's own limits, and each stage against them", run_bench_floors, {"--workload"}},
+    {"papers", "what the papers compare: polyhedra, scans, saddle vertices", run_bench_papers, {}}};
+
+void check_options(const Benchmark& chosen, const CLI::App& parser) {
+    for (const Benchmark& other : benchmarks)
+        for (const std::string& option : other.takes)
+            if (parser.count(option) > 0 && !contains(chosen.takes, option))
+                throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                                   fmt::format("{} is no option of bench {}, which takes {}{} those of all benchmarks\n"
+                                               "\"clsdf bench --help\" lists what there is.",
+                                               option, chosen.name, fmt::join(chosen.takes, ", "),
+                                               chosen.takes.empty() ? "only" : " and"));
+}
 
 /// --quick keeps what was stated on the command line.
 void make_quick(const CLI::App& parser, BenchOptions& options) {
     if (!options.quick) return;
     if (parser.count("--repetitions") == 0) options.measure.repetitions = 2;
     if (parser.count("--samples") == 0) options.measure.samples_judged = 2000;
-    options.measure.seconds_per_call = 0.5;
+    if (parser.count("--seconds-per-call") == 0) options.measure.seconds_per_call = 0.5;
 }
 
 void show_progress(BenchOptions& options) {
@@ -75,7 +95,8 @@ Command add_bench(CLI::App& program) {
         ->capture_default_str();
     parser
         ->add_option("--seconds-per-call", options->measure.seconds_per_call,
-                     "a method that is asked sample by sample computes only so many bricks that a call takes about "
+                     "of peers and scaling: a method that is asked sample by sample computes only so many bricks that "
+                     "a call takes about "
                      "this long; its row says so")
         ->check(finite_number_of_0_or_more())
         ->type_name("S")
@@ -88,11 +109,7 @@ Command add_bench(CLI::App& program) {
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
         ->type_name("N")
         ->capture_default_str();
-    parser
-        ->add_option("--device", options->device,
-                     "what computes, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
-        ->check(not_empty())
-        ->type_name("INDEX|NAME");
+    add_device_option(*parser, options->device, "what computes");
     parser->add_option("--threads", options->threads, "of the processor, for all methods [all]")
         ->check(whole_number(1, 4096))
         ->type_name("N");
@@ -103,13 +120,16 @@ Command add_bench(CLI::App& program) {
         explanation += fmt::format("{}: {}.\n", benchmark.name, benchmark.what);
     parser->footer(explanation + '\n' + examples);
     return {parser, [options, parser](Report& report) {
+                const auto chosen = std::find_if(benchmarks.begin(), benchmarks.end(), [&](const Benchmark& benchmark) {
+                    return benchmark.name == options->benchmark;
+                });
+                check_options(*chosen, *parser);
                 make_quick(*parser, *options);
                 options->quiet = report.quiet;
                 show_progress(*options);
                 std::optional<clsdf::bench::ThreadLimit> limit;
                 if (options->threads > 0) limit.emplace(options->threads);
-                for (const Benchmark& benchmark : benchmarks)
-                    if (benchmark.name == options->benchmark) report.result = benchmark.run(*options);
+                report.result = chosen->run(*options);
                 return ExitStatus::done;
             }};
 }

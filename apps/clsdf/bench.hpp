@@ -9,8 +9,14 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
+
+struct NamedMesh {
+    std::string name;  ///< "bunny00"
+    clsdf::Mesh mesh;
+};
 
 /// What the subcommands of "clsdf bench" have in common.
 struct BenchOptions {
@@ -29,15 +35,26 @@ struct BenchOptions {
 
     clsdf::Device open_device() const;
 
-    /// The mesh, or the message of what is missing printed and nothing, where it is one that nobody named.
-    std::optional<clsdf::Mesh> mesh(const std::string& name) const;
+    /// The meshes that were named, or those of the subcommand's own list; of these, one that is not there is left out
+    /// with a message of what is missing. All at once, so that nothing is measured in vain.
+    std::vector<NamedMesh> load_meshes(const std::vector<std::string>& own_list) const;
 
-    /// With --quick, a grid of an eighth of the samples on a side.
-    clsdf::bench::Layout scaled(clsdf::bench::Layout layout) const;
+    /// The methods that were named, or all that are there. Throws Error(unsupported) where one that was named is not.
+    std::vector<clsdf::bench::Method*> choose(const std::vector<clsdf::bench::Entry>& entries) const;
+
+    /// With --quick, an eighth of the samples on a side.
+    std::int64_t scaled(std::int64_t resolution) const;
 
     /// A line on standard error, unless --quiet.
     void say(const std::string& line) const;
 };
+
+bool contains(const std::vector<std::string>& words, const std::string& word);
+
+// The standard jobs of standard meshes, of peers and floors.
+std::vector<NamedMesh> load_standard_meshes(const BenchOptions& options);
+void for_each_workload(const BenchOptions& options, const std::vector<NamedMesh>& meshes, const clsdf::Device& device,
+                       const std::function<void(const clsdf::bench::Workload&)>& measure);
 
 /// A table on standard error, in Markdown, its columns aligned; numbers to the right.
 class BenchTable {

@@ -8,8 +8,6 @@
 #include <algorithm>
 
 using clsdf::bench::Floors;
-using clsdf::bench::Layout;
-using clsdf::bench::split_triangles;
 using clsdf::bench::Stages;
 using clsdf::bench::Workload;
 using nlohmann::ordered_json;
@@ -90,6 +88,7 @@ std::vector<std::string> row_of(const Stages& stages, const Workload& workload) 
 }  // namespace
 
 ordered_json run_bench_floors(const BenchOptions& options) {
+    const std::vector<NamedMesh> meshes = load_standard_meshes(options);
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("floors", options, device);
     const Floors floors = clsdf::bench::measure_floors(device);
@@ -99,27 +98,13 @@ ordered_json run_bench_floors(const BenchOptions& options) {
                       "evaluation floor", "of the floor", "coarse pairs", "brick pairs", "evaluations per sample",
                       "within polyhedra", "max error, voxel"});
     result["rows"] = ordered_json::array();
-    const std::vector<std::string> own_list =
-        options.quick ? std::vector<std::string>{"sphere4"} : clsdf::bench::standard_meshes();
-    const std::vector<std::string>& names = options.meshes.empty() ? own_list : options.meshes;
-    for (const std::string& name : names) {
-        const std::optional<clsdf::Mesh> mesh = options.mesh(name);
-        if (!mesh) continue;
-        for (const Layout& layout : clsdf::bench::standard_layouts()) {
-            const auto& asked = options.workloads;
-            const bool first_only = layout.name == "W4" && asked.empty() && name != names.front();
-            if (first_only || (!asked.empty() && std::find(asked.begin(), asked.end(), layout.name) == asked.end()))
-                continue;
-            const Workload workload =
-                make_workload(options.scaled(layout), clsdf::bench::short_name(name),
-                              layout.name == "W4" ? split_triangles(split_triangles(*mesh)) : *mesh, device);
-            const Stages stages = measure_stages(workload, device, floors, options.measure);
-            table.add(row_of(stages, workload));
-            ordered_json row = ::describe(workload);
-            row.update(describe(stages, workload));
-            result["rows"].push_back(std::move(row));
-        }
-    }
+    for_each_workload(options, meshes, device, [&](const Workload& workload) {
+        const Stages stages = measure_stages(workload, device, floors, options.measure);
+        table.add(row_of(stages, workload));
+        ordered_json row = ::describe(workload);
+        row.update(describe(stages, workload));
+        result["rows"].push_back(std::move(row));
+    });
     options.say("\n" + table.text());
     return result;
 }

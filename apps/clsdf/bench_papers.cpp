@@ -1,5 +1,6 @@
 #include "bench.hpp"
 #include "output.hpp"
+#include "suggestion.hpp"
 
 #include "benchmarks/papers.hpp"
 
@@ -28,19 +29,19 @@ constexpr std::array<PapersRow, 5> table_1{{{"sphere6", 16386, 0, 0},
                                             {"seashell", 915, 843, 148},
                                             {"bunny00", 34834, 30561, 516}}};
 
-bool is_asked_for(const BenchOptions& options, const std::string& mesh) {
-    return options.meshes.empty() ||
-           std::find(options.meshes.begin(), options.meshes.end(), mesh) != options.meshes.end();
+/// Nothing where it was not asked for or is not there.
+const clsdf::Mesh* find_mesh(const std::vector<NamedMesh>& meshes, const std::string& name) {
+    const auto found = std::find_if(meshes.begin(), meshes.end(), [&](const auto& mesh) { return mesh.name == name; });
+    return found == meshes.end() ? nullptr : &found->mesh;
 }
 
-ordered_json count_saddles(const BenchOptions& options) {
+ordered_json count_saddles(const std::vector<NamedMesh>& meshes, const BenchOptions& options) {
     BenchTable table({"mesh", "paper: vertices", "saddles", "gaps", "here: vertices", "saddles", "gaps, adjacent pairs",
                       "gaps, all pairs"});
     ordered_json rows = ordered_json::array();
     for (const PapersRow& paper : table_1) {
-        if (!is_asked_for(options, paper.mesh)) continue;
-        const std::optional<clsdf::Mesh> mesh = options.mesh(paper.mesh);
-        if (!mesh) continue;
+        const clsdf::Mesh* const mesh = find_mesh(meshes, paper.mesh);
+        if (mesh == nullptr) continue;
         const clsdf::SaddleReport report = examine_saddles(*mesh);
         const std::array<std::size_t, 7> counts{paper.vertices,          paper.saddles,  paper.gaps,
                                                 mesh->vertices().size(), report.saddles, report.adjacent_gaps.size(),
@@ -112,32 +113,35 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
 }
 
 /// The papers' comparisons are of their own meshes.
-void check_meshes(const BenchOptions& options) {
+std::vector<NamedMesh> load_papers_meshes(const BenchOptions& options) {
     std::vector<std::string> known;
     for (const PapersRow& row : table_1) known.emplace_back(row.mesh);
     for (const PapersCase& c : clsdf::bench::papers_cases())
-        if (std::find(known.begin(), known.end(), c.mesh) == known.end()) known.push_back(c.mesh);
+        if (!contains(known, c.mesh)) known.push_back(c.mesh);
     for (const std::string& mesh : options.meshes)
-        if (std::find(known.begin(), known.end(), mesh) == known.end())
+        if (!contains(known, mesh))
             throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                               fmt::format("bench papers compares meshes of the papers: one of {}, not '{}'",
-                                           fmt::join(known, ", "), mesh));
+                               fmt::format("bench papers compares meshes of the papers: one of {}, not '{}'{}",
+                                           fmt::join(known, ", "), mesh, did_you_mean(nearest_word(mesh, known))));
+    return options.load_meshes(known);
 }
 
 }  // namespace
 
 ordered_json run_bench_papers(const BenchOptions& options) {
-    check_meshes(options);
+    const std::vector<NamedMesh> meshes = load_papers_meshes(options);
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("papers", options, device);
-    result["table_1"] = count_saddles(options);
+    result["table_1"] = count_saddles(meshes, options);
     result["rows"] = ordered_json::array();
     const std::vector<std::unique_ptr<PapersMethod>> methods = clsdf::bench::papers_methods(device);
-    for (const PapersCase& c : clsdf::bench::papers_cases()) {
-        if (!is_asked_for(options, c.mesh)) continue;
-        const std::optional<clsdf::Mesh> mesh = options.mesh(c.mesh);
-        if (!mesh) continue;
-        const Workload workload = make_workload(options.scaled(c.layout), c.mesh, *mesh, device);
+    for (PapersCase c : clsdf::bench::papers_cases()) {
+        const clsdf::Mesh* const mesh = find_mesh(meshes, c.mesh);
+        if (mesh == nullptr) continue;
+        c.resolution = options.scaled(c.resolution);
+        // What the paper found is about its own grid.
+        if (options.quick) c.remark.clear();
+        const Workload workload = make_workload(c.layout(), c.mesh, *mesh, device);
         for (ordered_json& row : measure_case(c, workload, methods, options)) result["rows"].push_back(std::move(row));
     }
     return result;

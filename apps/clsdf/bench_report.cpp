@@ -6,35 +6,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 using clsdf::bench::Judgement;
 using clsdf::bench::Measurement;
 using clsdf::bench::Workload;
 using nlohmann::ordered_json;
-
-clsdf::Device BenchOptions::open_device() const {
-    return device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(device);
-}
-
-std::optional<clsdf::Mesh> BenchOptions::mesh(const std::string& name) const {
-    try {
-        return clsdf::bench::load_mesh(name, folder, measure.seed);
-    } catch (const clsdf::Error& error) {
-        if (!meshes.empty() || error.code() != clsdf::ErrorCode::unreadable_input) throw;
-        fmt::print(stderr, "left out: {}\n", error.what());
-        return std::nullopt;
-    }
-}
-
-clsdf::bench::Layout BenchOptions::scaled(clsdf::bench::Layout layout) const {
-    if (quick) layout.resolution = std::max<std::int64_t>(layout.resolution / 8, 16);
-    return layout;
-}
-
-void BenchOptions::say(const std::string& line) const {
-    if (!quiet) fmt::print(stderr, "{}\n", line);
-}
 
 std::string BenchTable::text() const {
     const std::size_t columns = rows_.front().size();

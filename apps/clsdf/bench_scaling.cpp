@@ -25,37 +25,50 @@ namespace {
 struct Point {
     std::string series;
     double value;
-    std::string mesh;
+    NamedMesh mesh;
     Layout layout;
 };
 
-std::string mesh_of(const BenchOptions& options) {
-    if (!options.meshes.empty()) return options.meshes.front();
-    return options.quick ? "sphere4" : "bunny00";
+/// The one that all series but that of the triangles are about; nothing where it is the usual one and not there.
+std::optional<NamedMesh> load_mesh(const BenchOptions& options) {
+    if (options.meshes.size() > 1)
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("bench scaling takes one mesh, not also '{}'", options.meshes[1]));
+    std::vector<NamedMesh> loaded = options.load_meshes({options.quick ? "sphere4" : "bunny00"});
+    return loaded.empty() ? std::nullopt : std::optional(std::move(loaded.front()));
 }
 
-std::vector<Point> points_of(const std::string& series, const BenchOptions& options) {
-    const std::int64_t resolution = options.quick ? 32 : 256;
+std::vector<Point> points_of(const std::string& series, const std::optional<NamedMesh>& mesh,
+                             const BenchOptions& options) {
+    const std::int64_t resolution = options.scaled(256);
     const Length usual = Length::of_extent(0.1);
     std::vector<Point> points;
-    const auto add = [&](double value, const std::string& mesh, std::int64_t samples, Length half_width) {
-        points.push_back({series, value, mesh, {fmt::format("{} = {:g}", series, value), samples, half_width}});
+    const auto add = [&](double value, const NamedMesh& of, std::int64_t samples, Length half_width) {
+        points.push_back({series, value, of, {fmt::format("{} = {:g}", series, value), samples, half_width}});
     };
+    if (series == "triangles")
+        for (int level = 2; level <= (options.quick ? 4 : 8); ++level) {
+            const std::string name = fmt::format("sphere{}", level);
+            const clsdf::Mesh sphere = clsdf::make_shape(name);
+            add(static_cast<double>(sphere.triangles().size()), {name, sphere}, resolution, usual);
+        }
+    if (!mesh) return points;
     if (series == "N")
         for (const std::int64_t n : {resolution / 4, resolution / 2, resolution, resolution * 3 / 2, resolution * 2})
-            add(static_cast<double>(n), mesh_of(options), n, usual);
+            add(static_cast<double>(n), *mesh, n, usual);
     if (series == "d")
         for (const double percent : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0})
-            add(percent, mesh_of(options), resolution, Length::of_extent(percent / 100));
-    if (series == "triangles")
-        for (int level = 2; level <= (options.quick ? 4 : 8); ++level)
-            add(8.0 * std::pow(4.0, level), fmt::format("sphere{}", level), resolution, usual);
-    if (series == "threads") add(static_cast<double>(options.threads), mesh_of(options), resolution, usual);
+            add(percent, *mesh, resolution, Length::of_extent(percent / 100));
+    if (series == "threads") add(static_cast<double>(options.threads), *mesh, resolution, usual);
     return points;
 }
 
 /// What a run of this very program prints on standard output.
 std::string output_of(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "clsdf");
+    std::vector<char*> words;
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "no pipe for a run of one thread");
     const pid_t child = fork();
@@ -63,10 +76,6 @@ std::string output_of(std::vector<std::string> arguments) {
         dup2(ends[1], STDOUT_FILENO);
         close(ends[0]);
         close(ends[1]);
-        arguments.insert(arguments.begin(), "clsdf");
-        std::vector<char*> words;
-        for (std::string& argument : arguments) words.push_back(argument.data());
-        words.push_back(nullptr);
         execv("/proc/self/exe", words.data());
         _exit(127);
     }
@@ -93,7 +102,6 @@ ordered_json rows_of_threads(const BenchOptions& options) {
     for (const std::size_t count : counts) {
         std::vector<std::string> arguments{"bench",
                                            "scaling",
-                                           mesh_of(options),
                                            "--series",
                                            "threads",
                                            "--threads",
@@ -104,8 +112,13 @@ ordered_json rows_of_threads(const BenchOptions& options) {
                                            options.folder,
                                            "--repetitions",
                                            std::to_string(options.measure.repetitions),
+                                           "--seconds-per-call",
+                                           fmt::format("{}", options.measure.seconds_per_call),
+                                           "--samples",
+                                           std::to_string(options.measure.samples_judged),
                                            "--seed",
                                            std::to_string(options.measure.seed)};
+        if (!options.meshes.empty()) arguments.push_back(options.meshes.front());
         if (options.quick) arguments.emplace_back("--quick");
         if (!options.methods.empty())
             arguments.insert(arguments.end(), {"--method", fmt::format("{}", fmt::join(options.methods, ","))});
@@ -116,13 +129,11 @@ ordered_json rows_of_threads(const BenchOptions& options) {
     return rows;
 }
 
-ordered_json rows_here(const std::string& series, const BenchOptions& options, const clsdf::Device& device,
-                       const std::vector<clsdf::bench::Method*>& methods) {
+ordered_json rows_here(const std::string& series, const std::optional<NamedMesh>& mesh, const BenchOptions& options,
+                       const clsdf::Device& device, const std::vector<clsdf::bench::Method*>& methods) {
     ordered_json rows = ordered_json::array();
-    for (const Point& point : points_of(series, options)) {
-        const std::optional<clsdf::Mesh> mesh = options.mesh(point.mesh);
-        if (!mesh) continue;
-        const Workload workload = make_workload(point.layout, clsdf::bench::short_name(point.mesh), *mesh, device);
+    for (const Point& point : points_of(series, mesh, options)) {
+        const Workload workload = make_workload(point.layout, point.mesh.name, point.mesh.mesh, device);
         for (const Measurement& measurement : measure_in_turns(workload, methods, options.measure)) {
             ordered_json row{{"series", point.series}, {"value", point.value}};
             row.update(describe(workload));
@@ -154,27 +165,24 @@ std::string table_of(const ordered_json& rows) {
 
 }  // namespace
 
-ordered_json run_bench_scaling(const BenchOptions& options) {
+ordered_json run_bench_scaling(const BenchOptions& stated) {
+    BenchOptions options = stated;
+    if (options.methods.empty()) options.methods = {"clsdf"};
     const std::vector<std::string> series =
         options.series.empty() ? std::vector<std::string>{"threads", "N", "d", "triangles"} : options.series;
-    // First, while this process has not touched OpenCL.
-    ordered_json rows = ordered_json::array();
-    const bool threads_elsewhere = options.threads == 0;
-    if (threads_elsewhere && std::find(series.begin(), series.end(), "threads") != series.end())
-        rows = rows_of_threads(options);
-
+    const std::optional<NamedMesh> mesh = load_mesh(options);
     const clsdf::Device device = options.open_device();
     const std::vector<Entry> entries = clsdf::bench::all_methods(device);
-    const std::vector<std::string> asked =
-        options.methods.empty() ? std::vector<std::string>{"clsdf"} : options.methods;
-    std::vector<clsdf::bench::Method*> methods;
-    for (const Entry& entry : entries)
-        if (entry.method && std::find(asked.begin(), asked.end(), entry.name) != asked.end())
-            methods.push_back(entry.method.get());
-    for (const std::string& one : series)
-        if (one != "threads" || !threads_elsewhere)
-            for (ordered_json& row : rows_here(one, options, device, methods)) rows.push_back(std::move(row));
+    const std::vector<clsdf::bench::Method*> methods = options.choose(entries);
 
+    ordered_json rows = ordered_json::array();
+    for (const std::string& one : series) {
+        const bool threads_elsewhere = one == "threads" && options.threads == 0;
+        if (threads_elsewhere && !mesh) continue;
+        for (ordered_json& row :
+             threads_elsewhere ? rows_of_threads(options) : rows_here(one, mesh, options, device, methods))
+            rows.push_back(std::move(row));
+    }
     options.say(table_of(rows));
     ordered_json result = describe_run("scaling", options, device);
     result["rows"] = rows;

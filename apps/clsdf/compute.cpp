@@ -1,6 +1,7 @@
 #include "command.hpp"
 #include "compute_options.hpp"
 #include "compute_report.hpp"
+#include "device_option.hpp"
 #include "interruption.hpp"
 #include "progress_bar.hpp"
 
@@ -51,15 +52,8 @@ void check_size(const clsdf::Grid& grid) {
 
 /// The device that is named, or nothing where none is: it is looked for before a mesh is read in vain.
 std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
-    if (!options.device.empty()) {
-        try {
-            return clsdf::Device::select(options.device);
-        } catch (const Error& error) {
-            throw Error(error.code(), fmt::format("--device {}: {}", options.device, error.what()));
-        }
-    }
-    if (!clsdf::Device::environment_choice().empty()) return clsdf::Device::preferred();
-    return std::nullopt;
+    if (options.device.empty() && clsdf::Device::environment_choice().empty()) return std::nullopt;
+    return open_device(options.device);
 }
 
 Computation compute(const ComputeRequest& request, const ComputeLayout& layout,

@@ -1,5 +1,6 @@
 #include "compute_options.hpp"
 
+#include "device_option.hpp"
 #include "option_values.hpp"
 
 #include <fmt/format.h>
@@ -150,11 +151,7 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);
-    parser
-        .add_option("--device", options.device,
-                    "what computes, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
-        ->check(not_empty())
-        ->type_name("INDEX|NAME");
+    add_device_option(parser, options.device, "what computes");
     parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
     parser.footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"

@@ -1,4 +1,5 @@
 #include "command.hpp"
+#include "device_option.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
@@ -110,8 +111,7 @@ ExitStatus run(RenderOptions options, Report& report) {
     double level = 0;
     std::string device_name;
     try {
-        const clsdf::Device device =
-            options.device.empty() ? clsdf::Device::preferred() : clsdf::Device::select(options.device);
+        const clsdf::Device device = open_device(options.device);
         const SurfacePictures pictures(field, device, offset);
         pictures.write(options.picture, options.output);
         level = pictures.offset();
@@ -173,11 +173,7 @@ Command add_render(CLI::App& program) {
         ->capture_default_str();
     parser->add_flag("--transparent", options->picture.transparent, "no background; implies --bare");
     parser->add_flag("--bare", options->picture.bare, "no title and no colour bar beside a cut");
-    parser
-        ->add_option("--device", options->device,
-                     "what traces the rays, see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
-        ->check(not_empty())
-        ->type_name("INDEX|NAME");
+    add_device_option(*parser, options->device, "what traces the rays");
     parser->footer(
         "A cut takes away what is on the viewer's side of a plane, several cuts what is on that side of all; the\n"
         "opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"

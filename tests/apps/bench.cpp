@@ -82,6 +82,7 @@ BOOST_AUTO_TEST_CASE(papers_have_their_polyhedra_distances_and_errors_beside_the
     BOOST_TEST(result["table_1"][0]["gaps"] == 0);
     BOOST_REQUIRE(result["rows"].size() == 12U);
     for (const json& row : result["rows"]) {
+        BOOST_TEST(row["workload"] == std::to_string(row["grid"]["size"][0].get<int>()) + ", 10%");
         BOOST_TEST(row["wall_seconds"]["median"].get<double>() > 0);
         BOOST_TEST(row["distances_per_band_sample"].get<double>() > 0.9);
         const std::string method = row["method"];
@@ -103,7 +104,38 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
                   {"--repetition", "--repetitions", "bench --help"});
     check_refused(run_command({"bench", "pears"}), 2, {"pears", "peers"});
     check_refused(run_command({"bench", "papers", "armadillo"}), 2, {"armadillo", "bunny00"});
+    check_refused(run_command({"bench", "papers", "bunny"}), 2, {"did you mean bunny00?"});
+    check_refused(run_command({"bench", "peers", "nomesh"}), 2, {"nomesh", "noisy_sphere", "refined_elephant", "knot"});
+    check_refused(run_command({"bench", "floors", "seashel"}), 2, {"did you mean seashell?"});
+    check_refused(run_command({"bench", "scaling", "knot", "torus"}), 2, {"one mesh", "torus"});
+    for (const char* benchmark : {"peers", "scaling", "floors", "papers"})
+        check_refused(run_command({"bench", benchmark, "--quick", "--device", "xyzzy"}), 4, {"--device xyzzy"});
     check_refused(run_command({"bench", "peers", "--workload", "W9"}), 2, {"W9"});
+}
+
+BOOST_AUTO_TEST_CASE(an_option_that_would_be_ignored_is_refused) {
+    const auto refused = [](const std::string& benchmark, const std::string& option, const std::string& value,
+                            const std::string& takes) {
+        check_refused(run_command({"bench", benchmark, option, value, "--quick"}), 2,
+                      {option, "bench " + benchmark, takes});
+    };
+    refused("peers", "--series", "N", "--workload, --method, --seconds-per-call");
+    refused("scaling", "--workload", "W1", "--method, --series");
+    refused("floors", "--method", "embree", "takes --workload");
+    refused("floors", "--series", "N", "takes --workload");
+    refused("floors", "--seconds-per-call", "1", "takes --workload");
+    refused("papers", "--workload", "W2", "takes only those of all");
+    refused("papers", "--method", "clsdf", "takes only those of all");
+    refused("papers", "--series", "d", "takes only those of all");
+}
+
+BOOST_AUTO_TEST_CASE(nothing_is_measured_before_all_meshes_are_loaded) {
+    for (const char* benchmark : {"peers", "floors"}) {
+        const Outcome outcome = run_command({"bench", benchmark, "sphere2", "/nonexistent.off", "--quick"});
+        check_refused(outcome, 3, {"/nonexistent.off"});
+        BOOST_TEST(outcome.error.find("sphere2") == std::string::npos);
+        BOOST_TEST(outcome.error.find("launch") == std::string::npos);
+    }
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -100,7 +100,7 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     refused(2, {"--rays", "'0'"}, {"--rays", "0"});
     refused(2, {"--perspective", "'-1'"}, {"--perspective", "-1"});
     refused(2, {"perspective of 170"}, {"--perspective", "170"});
-    refused(4, {"no such device"}, {"--device", "no such device"});
+    refused(4, {"--device no such device"}, {"--device", "no such device"});
     check_refused(run_command({"render", field, "-o", picture}, no_devices), 4, {"OpenCL"});
     check_refused(run_command({"render", field, "-o", folder.file("balls.pdf")}), 2, {".pdf", "choose .png"});
     check_refused(run_command({"render", field, "-o", folder.file("none/balls.png")}), 5, {"no folder"});

@@ -25,6 +25,7 @@ public:
     std::string name() const override { return name_; }
     std::string note() const override { return ""; }
     bool takes_list() const override { return per_brick_ > 0; }
+    bool gets_every_call() const override { return name_ == "ours"; }
 
     Cost compute(const Workload& workload, std::span<float>, std::size_t stride) override {
         calls_ += name_;
@@ -72,6 +73,19 @@ BOOST_AUTO_TEST_CASE(a_part_of_the_bricks_is_scaled_to_all_of_them_and_the_set_u
     // The least, with room for a busy machine: scaled with the bricks, the set-up alone would take three times as long.
     BOOST_TEST(spread_of(found.wall).least > 0.9 * (set_up + whole));
     BOOST_TEST(spread_of(found.wall).least < 3 * set_up);
+}
+
+BOOST_AUTO_TEST_CASE(a_slow_method_gets_fewer_calls_but_three_and_ours_gets_all) {
+    std::string calls;
+    Waits slow("slow", 0.02, 0, calls), slower("slower", 0.2, 0, calls), ours("ours", 0.02, 0, calls);
+    MeasureOptions options = test::every_sample();
+    options.repetitions = 7;
+    options.seconds_per_method = 0.12;
+    const std::vector<Measurement> found = measure_in_turns(small_workload(), {&slow, &slower, &ours}, options);
+    BOOST_TEST(found[0].wall.size() >= 3U);
+    BOOST_TEST(found[0].wall.size() < 7U);
+    BOOST_TEST(found[1].wall.size() == 3U);
+    BOOST_TEST(found[2].wall.size() == 7U);
 }
 
 BOOST_AUTO_TEST_CASE(the_median_of_an_even_number_lies_between_the_middle_ones) {

@@ -4,7 +4,9 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 using namespace clsdf;
 using namespace clsdf::bench;
@@ -56,6 +58,14 @@ BOOST_AUTO_TEST_CASE(triangles_split_in_four_are_the_same_surface) {
     BOOST_TEST(split.vertices().size() == mesh.vertices().size() + 3 * mesh.triangles().size() / 2);
     BOOST_TEST(describe_topology(split).balanced);
     BOOST_TEST(std::abs(area_of(split) - area_of(mesh)) < 1e-12);
+}
+
+BOOST_AUTO_TEST_CASE(every_name_is_known_once) {
+    const std::vector<std::string> names = mesh_names();
+    BOOST_TEST(std::set<std::string>(names.begin(), names.end()).size() == names.size());
+    for (const std::string& standard : standard_meshes())
+        BOOST_TEST(std::count(names.begin(), names.end(), standard) == 1, standard);
+    BOOST_TEST(std::count(names.begin(), names.end(), "knot") == 1);
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_that_was_not_fetched_is_named_with_the_remedy) {

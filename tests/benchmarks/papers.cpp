@@ -4,6 +4,8 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <set>
+
 using namespace clsdf;
 using namespace clsdf::bench;
 
@@ -27,6 +29,17 @@ BOOST_AUTO_TEST_CASE(only_the_papers_polyhedra_are_wrong_and_only_they_are_repor
             BOOST_TEST(work.polyhedra > 0U);
             BOOST_TEST(work.distances >= workload.list.samples.size() * 9 / 10);
         }
+}
+
+BOOST_AUTO_TEST_CASE(each_case_is_named_by_its_own_grid_and_the_bunny_has_three_widths) {
+    std::set<int> widths;
+    for (PapersCase c : papers_cases()) {
+        if (c.mesh == "bunny00" && c.resolution == 256) widths.insert(c.percent);
+        c.resolution = 32;
+        BOOST_TEST(c.layout().name == "32, " + std::to_string(c.percent) + '%');
+        BOOST_TEST(c.layout().resolution == 32);
+    }
+    BOOST_TEST((widths == std::set<int>{1, 3, 10}));
 }
 
 BOOST_AUTO_TEST_CASE(mauch_has_the_same_polyhedra_in_software_and_on_the_device) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <clsdf/device.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+/// --device, into `choice`; `does` says what the device does: "what computes".
+void add_device_option(CLI::App& parser, std::string& choice, const std::string& does);
+
+/// The device that --device names, else Device::preferred(). Throws Error(no_device), which names the option where it
+/// was given.
+clsdf::Device open_device(const std::string& choice);
