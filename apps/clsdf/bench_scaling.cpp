@@ -47,7 +47,7 @@ std::vector<Point> points_of(const std::string& series, const std::optional<Name
         points.push_back({series, value, of, {fmt::format("{} = {:g}", series, value), samples, half_width}});
     };
     if (series == "triangles")
-        for (int level = 2; level <= (options.quick ? 4 : 8); ++level) {
+        for (int level = 2; level <= (options.quick ? 4 : 9); ++level) {
             const std::string name = fmt::format("sphere{}", level);
             const clsdf::Mesh sphere = clsdf::make_shape(name);
             add(static_cast<double>(sphere.triangles().size()), {name, sphere}, resolution, usual);
@@ -57,7 +57,7 @@ std::vector<Point> points_of(const std::string& series, const std::optional<Name
         for (const std::int64_t n : {resolution / 4, resolution / 2, resolution, resolution * 3 / 2, resolution * 2})
             add(static_cast<double>(n), *mesh, n, usual);
     if (series == "d")
-        for (const double percent : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0})
+        for (const double percent : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 100.0})
             add(percent, *mesh, resolution, Length::of_extent(percent / 100));
     if (series == "threads") add(static_cast<double>(options.threads), *mesh, resolution, usual);
     return points;

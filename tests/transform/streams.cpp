@@ -2,6 +2,7 @@
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
 
+#include "core/stopwatch.hpp"
 #include "device/context.hpp"
 #include "transform/slabs.hpp"
 
@@ -134,11 +135,16 @@ BOOST_AUTO_TEST_CASE(comes_one_slab_at_a_time_while_the_next_is_computed) {
         };
         DistanceTransform transform(small_device(grid), mesh(), options);
         bool own_thread = false;
+        bool is_first = true;
         transform.compute_slabs(grid, band_on(grid), {},
                                 [&, caller = std::this_thread::get_id()](const Grid&, const FieldSlab&) {
                                     BOOST_TEST(++inside == 1);
                                     own_thread = std::this_thread::get_id() != caller;
-                                    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+                                    // As long as it takes, where something is to come; else long enough for it.
+                                    const Stopwatch watch;
+                                    while (is_first && !computed_meanwhile && watch.seconds() < (overlap ? 60 : 0.3))
+                                        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+                                    is_first = false;
                                     --inside;
                                 },
                                 {.overlap = overlap});
