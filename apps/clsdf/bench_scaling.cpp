@@ -152,7 +152,7 @@ std::string table_of(const ordered_json& rows) {
         const std::size_t wrong = judged["wrong_values"].get<std::size_t>() + judged["wrong_signs"].get<std::size_t>() +
                                   judged["missed"].get<std::size_t>() + judged["leaked"].get<std::size_t>();
         const double median = wall["median"].get<double>();
-        table.add({row["series"].get<std::string>(), fmt::format("{:g}", row["value"].get<double>()),
+        table.add({row["series"].get<std::string>(), fmt::format("{:.8g}", row["value"].get<double>()),
                    row["mesh"].get<std::string>(), row["method"].get<std::string>(),
                    std::to_string(row["band_samples"].get<std::size_t>()), milliseconds(wall["least"].get<double>()),
                    milliseconds(median), milliseconds(wall["most"].get<double>()),
