@@ -37,7 +37,7 @@ INLINE Reach reach_of_cube(__global const Polyhedron* p, float half_side) {
 }
 
 // The same, enlarged by the slack of a test.
-inline Reach widened(Reach r, float slack) {
+static inline Reach widened(Reach r, float slack) {
     const Reach wide = {r.x + slack, r.y + slack, r.z + slack, r.right + slack, r.left + slack};
     return wide;
 }
@@ -136,7 +136,7 @@ INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, fl
 
 // Where the cap of coarse brick (x, y, z) of the lattice is kept: by groups of 4 x 4 x 4 that start at multiples of
 // four.
-inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
+static inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
     const int3 first = vload3(0, layout.coarse_first) >> 2,
                last = (vload3(0, layout.coarse_first) + vload3(0, layout.coarse_bricks) - 1) >> 2;
     const int3 group = (int3)(x, y, z) >> 2, groups = last - first + 1;

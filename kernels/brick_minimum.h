@@ -7,13 +7,13 @@
 #include "distance.h"
 
 // Offsets of the first sample of sub-block b from the brick's centre.
-inline float subblock_x(uint b) {
+static inline float subblock_x(uint b) {
     return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f;
 }
-inline float subblock_y(uint b) {
+static inline float subblock_y(uint b) {
     return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f;
 }
-inline float subblock_z(uint b) {
+static inline float subblock_z(uint b) {
     return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
 }
 
@@ -44,9 +44,9 @@ INLINE Evaluated evaluated_at(__global const Polyhedron* polyhedra, uint number,
 }
 
 // The distance from the samples of sub-block b to the triangles of a list, into the minimum.
-inline void evaluate(uint b, uint count, __private const uint* chosen, __private const Evaluated* evaluated,
-                     __global const Polyhedron* polyhedra, double3 centre, __global Minimum* minimum, Layout layout,
-                     __private ulong* counters) {
+static inline void evaluate(uint b, uint count, __private const uint* chosen, __private const Evaluated* evaluated,
+                            __global const Polyhedron* polyhedra, double3 centre, __global Minimum* minimum,
+                            Layout layout, __private ulong* counters) {
     const uintL lane = LANE_NUMBERS;
     const floatL i = convert_floatL(lane & (SUBBLOCK_X - 1)) + subblock_x(b);
     const floatL j = convert_floatL((lane / SUBBLOCK_X) & 1u) + subblock_y(b);
@@ -99,7 +99,7 @@ INLINE float cap_of_subblock(__global const Minimum* minimum, uint b, float cap)
     const float reached = sqrt(greatest_lane(minimum->squared[b]));
     return LESSER(reached, cap);
 }
-inline float cap_of_brick(__global const Minimum* minimum, float cap) {
+static inline float cap_of_brick(__global const Minimum* minimum, float cap) {
     floatL greatest = minimum->squared[0];
     for (uint b = 1; b < SUBBLOCKS; ++b) greatest = GREATER(greatest, minimum->squared[b]);
     const float reached = sqrt(greatest_lane(greatest));
@@ -117,7 +117,7 @@ INLINE uint8 row_of(__global const uint* vectors, uint y, uint z) {
 }
 
 // Stores values[begin, end) of a row of a brick.
-inline void store_row(uint8 values, int begin, int end, __global uint* row) {
+static inline void store_row(uint8 values, int begin, int end, __global uint* row) {
     if (end - begin == 8) {
         store_eight(values, 0, row);
         return;
@@ -129,8 +129,9 @@ inline void store_row(uint8 values, int begin, int end, __global uint* row) {
 
 // Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the
 // fill.
-inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum, __global const uint* sign_bits,
-                        __global uchar* computed, Output output, __private ulong* counters) {
+static inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum,
+                               __global const uint* sign_bits, __global uchar* computed, Output output,
+                               __private ulong* counters) {
     const int3 first = vload3(0, layout.first), size = vload3(0, layout.size);
     const int3 begin = max(brick * CLSDF_BRICK, first) - first,
                end = min((brick + 1) * CLSDF_BRICK, first + size) - first;

@@ -25,12 +25,12 @@
 #define CAPACITY (2 * GROUP)
 
 // Sample `lane` of sub-block b, from the brick's first sample.
-inline int3 sample_of(uint b, uint lane) {
+static inline int3 sample_of(uint b, uint lane) {
     return (int3)((b & 1u) * 4 + (lane & 3u), ((b >> 1) & 1u) * 4 + ((lane >> 2) & 3u), (b >> 2) * 2 + (lane >> 4));
 }
 
 // The sub-blocks that a polyhedron touches, 16 bits.
-inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes slopes, float cap, float slack) {
+static inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes slopes, float cap, float slack) {
     const Reach reach = widened(reach_of(p, 1.5f, 1.5f, 0.5f), slack);
     uint touched = 0;
     for (uint b = 0; b < SUBBLOCKS; ++b) {
@@ -43,7 +43,7 @@ inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes 
 
 // Exclusive prefix sum of one value a work-item; `sums` holds 2 GROUP values, and sums[2 GROUP - 1] the total
 // afterwards.
-inline uint group_scan(uint value, __local uint* sums) {
+static inline uint group_scan(uint value, __local uint* sums) {
     const uint item = get_local_id(0);
     sums[item] = 0;
     sums[GROUP + item] = value;
@@ -58,7 +58,7 @@ inline uint group_scan(uint value, __local uint* sums) {
 }
 
 // The least of one value a work-item.
-inline float group_least(float value, __local float* values) {
+static inline float group_least(float value, __local float* values) {
     const uint item = get_local_id(0);
     values[item] = value;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -86,11 +86,11 @@ typedef struct Minimum {
 #endif
 } Minimum;
 
-inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra,
-                     double3 centre, __private Minimum* minimum
+static inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra,
+                            double3 centre, __private Minimum* minimum
 #ifdef COUNT
-                     ,
-                     float half_width, float slack, __private uint* counters
+                            ,
+                            float half_width, float slack, __private uint* counters
 #endif
 ) {
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {

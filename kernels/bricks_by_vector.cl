@@ -16,8 +16,8 @@
 
 // Upper bounds of the distance for the samples of each of a brick's sub-blocks: the distance of its centre to the
 // surface point nearest to the brick's centre, and its radius.
-inline void subblock_caps(Layout layout, int3 first, __global const Polyhedron* nearest, float brick_cap,
-                          __private float* caps) {
+static inline void subblock_caps(Layout layout, int3 first, __global const Polyhedron* nearest, float brick_cap,
+                                 __private float* caps) {
     const float3 spacing = vload3(0, layout.spacing);
     const float3 from_foot = from_foot_to(layout, nearest, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
@@ -36,9 +36,10 @@ inline void subblock_caps(Layout layout, int3 first, __global const Polyhedron* 
 
 // Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
 // `nearest` is a polyhedron whose foot is near the brick.
-inline void lower_minimum(Layout layout, int3 brick, uint count, __global const uint* list, float cap, bool is_first,
-                          __global const Polyhedron* nearest, __global const Polyhedron* polyhedra,
-                          __global Minimum* minimum, __private ulong* counters) {
+static inline void lower_minimum(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
+                                 bool is_first, __global const Polyhedron* nearest,
+                                 __global const Polyhedron* polyhedra, __global Minimum* minimum,
+                                 __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
     subblock_caps(layout, first, nearest, cap, caps);
@@ -89,8 +90,8 @@ typedef struct BrickCaps {
 
 // The distance of the brick's centre to the nearest of the surface points it knows (the feet of the altitudes), and the
 // brick's radius.
-inline void find_brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                            __global const Polyhedron* polyhedra, float coarse_cap, __private BrickCaps* caps) {
+static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                                   __global const Polyhedron* polyhedra, float coarse_cap, __private BrickCaps* caps) {
     floatL least[64 / LANES];
     uintL nearest[64 / LANES];
     for (uint v = 0; v < 64 / LANES; ++v) {
@@ -101,7 +102,7 @@ inline void find_brick_caps(Layout layout, int3 coarse, uint count, __global con
     // A vector is one or half a slice of 4 x 4 bricks.
     const floatL i = convert_floatL(LANE_NUMBERS & 3u) * (CLSDF_BRICK * layout.spacing[0]);
     const floatL j = convert_floatL(LANE_NUMBERS >> 2) * (CLSDF_BRICK * layout.spacing[1]);
-    // Of a long list a part is enough: 2048 points are closer to each other than a brick's samples.
+    // Any of the points bound the distance; of a long list a part is enough.
     const uint stride = max(count > 256 ? 2u : 1u, count / 2048);
     for (uint e = 0; e < count; e += stride) {
         if (e + 16 * stride < count) request_foot(polyhedra + entries[e + 16 * stride]);
@@ -130,8 +131,11 @@ typedef struct Scratch {
     uint list[CLSDF_LIST_PART + LANES];
 } Scratch;
 
+// The host allocates CLSDF_SCRATCH_BYTES for it.
+typedef char ScratchFits[sizeof(Scratch) <= CLSDF_SCRATCH_BYTES ? 1 : -1];
+
 // Which of the 64 bricks of a coarse brick lie in the part.
-inline ulong bricks_of_part(Layout layout, int3 coarse) {
+static inline ulong bricks_of_part(Layout layout, int3 coarse) {
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     ulong in_part = 0;
     for (uint b = 0; b < 64; ++b) {
@@ -142,9 +146,9 @@ inline ulong bricks_of_part(Layout layout, int3 coarse) {
 }
 
 // Which bricks the polyhedra of a part of a list touch; of each brick, which of them.
-inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                         __private const float* caps, float slack, __global const Polyhedron* polyhedra,
-                         __global LaneMask* masks) {
+static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                                __private const float* caps, float slack, __global const Polyhedron* polyhedra,
+                                __global LaneMask* masks) {
     ulong any = 0;
     for (uint e = 0; e < count; e += LANES) {
         uint numbers[LANES];
@@ -156,10 +160,11 @@ inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const 
     return any;
 }
 
-inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries, float coarse_cap,
-                                 __global const Polyhedron* polyhedra, __global const uint* sign_bits,
-                                 __global uchar* computed, __global Scratch* scratch, __global Minimum* minima,
-                                 Output output, __private ulong* counters) {
+static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                                        float coarse_cap, __global const Polyhedron* polyhedra,
+                                        __global const uint* sign_bits, __global uchar* computed,
+                                        __global Scratch* scratch, __global Minimum* minima, Output output,
+                                        __private ulong* counters) {
     const ulong in_part = bricks_of_part(layout, coarse);
     const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
     BrickCaps caps;

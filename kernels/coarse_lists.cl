@@ -176,7 +176,10 @@ INLINE void add_held(__private Held* held, int3 size, Histogram next, int fill, 
 }
 
 INLINE void add_touch(__private Held* held, Touch touch, int3 size, Histogram next, int fill, __global uint* entries) {
-    if (held->count == LANES || held->base != touch.base) add_held(held, size, next, fill, entries);
+    // In a thin part the bits of groups that lie apart may mean the same brick, where their bases are the same; one
+    // touch at a time keeps the lists in order there.
+    const uint room = min(size.x, size.y) < 4 ? 1 : LANES;
+    if (held->count >= room || held->base != touch.base) add_held(held, size, next, fill, entries);
     held->base = touch.base;
     held->polyhedra[held->count] = touch.polyhedron;
     held->low[held->count] = (uint)touch.bricks;

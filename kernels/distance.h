@@ -62,7 +62,8 @@ INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k)
 
 // The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up
 // to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.
-inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 centre, floatL i, floatL j, floatL k) {
+static inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 centre, floatL i, floatL j,
+                                                 floatL k) {
     const double4 gx = vload4(0, p->exact_gradient_x), gy = vload4(0, p->exact_gradient_y),
                   gz = vload4(0, p->exact_gradient_z);
     const double2 base = vload2(0, p->exact_base);

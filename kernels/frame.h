@@ -1,7 +1,7 @@
-// A polyhedron's frame at a point of the lattice, and the polyhedron's test for blocks of samples.
+// A polyhedron's frame at a point of the lattice.
 //
-// Offsets are formed in double and rounded once, so that what follows in float
-// rounds with the size of the block, not with that of the triangle or the grid.
+// Offsets are formed in double and rounded once, so that what follows in float rounds with the size of the block, not
+// with that of the triangle or the grid.
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
@@ -10,9 +10,9 @@
 // Arguments in memory cost more than these functions' own work. Where a work-item is a lane, compilers for GPUs inline
 // everything by themselves; forced to, oclgrind's leaves calls in the code that it does not know.
 #if LANES == 1
-#define INLINE inline
+#define INLINE static inline
 #else
-#define INLINE inline __attribute__((always_inline))
+#define INLINE static inline __attribute__((always_inline))
 #endif
 
 // A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.
@@ -21,15 +21,15 @@
 
 // Asks for a polyhedron ahead of its use. A list's polyhedra lie scattered over more memory than the inner caches hold:
 // measured, two fifths of the time of what reads them was waiting. (OpenCL's own prefetch does nothing in PoCL.)
-inline void request_line(__global const void* at) {
+static inline void request_line(__global const void* at) {
 #if defined(__x86_64__) || defined(__aarch64__)
     __builtin_prefetch((__private const void*)(size_t)at, 0, 2);
 #endif
 }
-inline void request(__global const Polyhedron* p) {
+static inline void request(__global const Polyhedron* p) {
     for (uint line = 0; line < sizeof(Polyhedron); line += 64) request_line((__global const uchar*)p + line);
 }
-inline void request_foot(__global const Polyhedron* p) {
+static inline void request_foot(__global const Polyhedron* p) {
     request_line(p->foot);
     request_line(&p->origin_z);
 }

@@ -47,10 +47,11 @@ typedef uint uintL;
 #define store_lanes(value, offset, p) ((p)[offset] = (value))
 #elif defined(__clang__)
 // PoCL's vstore16 is three stores and two shuffles, its vstore8 two and one; a vector without alignment is one store.
-#define DEFINE_STORE(name, Vector, Element, count, space)                                                              \
-    typedef Vector __attribute__((aligned(4))) Unaligned_##name##_##Vector##_##space;                                  \
-    inline __attribute__((overloadable, always_inline)) void name(Vector value, size_t offset, __##space Element* p) { \
-        *(__##space Unaligned_##name##_##Vector##_##space*)(p + count * offset) = value;                               \
+#define DEFINE_STORE(name, Vector, Element, count, space)                                             \
+    typedef Vector __attribute__((aligned(4))) Unaligned_##name##_##Vector##_##space;                 \
+    static inline __attribute__((overloadable, always_inline)) void name(Vector value, size_t offset, \
+                                                                         __##space Element* p) {      \
+        *(__##space Unaligned_##name##_##Vector##_##space*)(p + count * offset) = value;              \
     }
 DEFINE_STORE(store_lanes, floatL, float, LANES, private)
 DEFINE_STORE(store_lanes, floatL, float, LANES, global)
@@ -69,7 +70,7 @@ DEFINE_STORE(store_eight, float8, float, 8, global)
 
 // Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the
 // compiler has them, save a tree of eight operations in the innermost loops.
-inline uint lanes_to_bits(intL mask) {
+static inline uint lanes_to_bits(intL mask) {
 #if LANES == 1
     return mask != 0;
 #elif LANES == 16 && defined(__AVX512DQ__)
@@ -89,7 +90,7 @@ inline uint lanes_to_bits(intL mask) {
 #endif
 }
 
-inline float greatest_lane(floatL values) {
+static inline float greatest_lane(floatL values) {
 #if LANES == 1
     return values;
 #else

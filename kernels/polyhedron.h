@@ -11,9 +11,8 @@
 //
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
-// where the gradients contain the axis' spacing in units. The numbers are there in double, from which offsets are
-// formed
-// ("exact"), and rounded to float, for steps within a brick and for tests that have slack.
+// where the gradients contain the axis' spacing in units. The numbers are there in double ("exact"), from which offsets
+// are formed, and rounded to float, for steps within a brick and for tests that have slack.
 //
 // The polyhedron, both sides of the face at once, with slack eta and height cap (METHOD, section 8.1):
 //   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,

@@ -20,15 +20,15 @@
 #define SHADOW_STEPS 48
 #define SHADOW_SHARPNESS 12.0f
 
-inline float3 triple(const float* v) {
+static inline float3 triple(const float* v) {
     return (float3)(v[0], v[1], v[2]);
 }
 
-inline double3 triple_of_doubles(const double* v) {
+static inline double3 triple_of_doubles(const double* v) {
     return (double3)(v[0], v[1], v[2]);
 }
 
-inline float value_at(const RenderView* view, __global const float* samples, float3 p) {
+static inline float value_at(const RenderView* view, __global const float* samples, float3 p) {
     const int i = clamp((int)p.x, 0, view->size[0] - 2);
     const int j = clamp((int)p.y, 0, view->size[1] - 2);
     const int k = clamp((int)p.z, 0, view->size[2] - 2);
@@ -44,7 +44,7 @@ inline float value_at(const RenderView* view, __global const float* samples, flo
 }
 
 // Central differences; at the block's border one-sided ones.
-inline float3 gradient_at(const RenderView* view, __global const float* samples, float3 p) {
+static inline float3 gradient_at(const RenderView* view, __global const float* samples, float3 p) {
     float3 gradient;
     for (int axis = 0; axis < 3; ++axis) {
         float3 below = p, above = p;
@@ -70,7 +70,7 @@ inline float3 gradient_at(const RenderView* view, __global const float* samples,
     return gradient;
 }
 
-inline bool is_cut_away(const RenderView* view, float3 p) {
+static inline bool is_cut_away(const RenderView* view, float3 p) {
     const float at[3] = {p.x, p.y, p.z};
     bool any = false;
     for (int axis = 0; axis < 3; ++axis) {
@@ -81,7 +81,7 @@ inline bool is_cut_away(const RenderView* view, float3 p) {
     return any;
 }
 
-inline bool is_in_block(const RenderView* view, float3 p) {
+static inline bool is_in_block(const RenderView* view, float3 p) {
     return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x <= view->size[0] - 1 && p.y <= view->size[1] - 1 &&
            p.z <= view->size[2] - 1;
 }
@@ -93,7 +93,7 @@ typedef struct Stretch {
 } Stretch;
 
 // The ray in the block; `kind` is of the face that it comes in by.
-inline Stretch in_block(const RenderView* view, const double* origin, const double* direction) {
+static inline Stretch in_block(const RenderView* view, const double* origin, const double* direction) {
     Stretch stretch = {0, DBL_MAX, CLSDF_RENDER_BORDER};
     for (int axis = 0; axis < 3; ++axis) {
         const double last = view->size[axis] - 1;
@@ -113,7 +113,7 @@ inline Stretch in_block(const RenderView* view, const double* origin, const doub
 }
 
 // The ray in what is cut away, which is convex; `kind` is of the face that it goes out by. Empty: end < begin.
-inline Stretch in_cut(const RenderView* view, const double* origin, const double* direction) {
+static inline Stretch in_cut(const RenderView* view, const double* origin, const double* direction) {
     Stretch stretch = {-DBL_MAX, DBL_MAX, CLSDF_RENDER_CUT};
     bool any = false;
     for (int axis = 0; axis < 3; ++axis) {
@@ -135,8 +135,8 @@ inline Stretch in_cut(const RenderView* view, const double* origin, const double
 }
 
 // Whether the ray meets the solid between begin and end; then with the point and the kind of what it meets.
-inline bool march(const RenderView* view, __global const float* samples, double3 origin, double3 direction, float rate,
-                  Stretch stretch, RenderHit* hit, float3* point) {
+static inline bool march(const RenderView* view, __global const float* samples, double3 origin, double3 direction,
+                         float rate, Stretch stretch, RenderHit* hit, float3* point) {
     if (stretch.end <= stretch.begin) return false;
     const double3 from = origin + stretch.begin * direction;
     const float3 start = convert_float3(from), way = convert_float3(direction);
@@ -171,14 +171,15 @@ inline bool march(const RenderView* view, __global const float* samples, double3
 }
 
 // A right-handed frame around a unit vector.
-inline void frame_around(float3 normal, float3* u, float3* v) {
+static inline void frame_around(float3 normal, float3* u, float3* v) {
     const float3 other = fabs(normal.x) < 0.6f ? (float3)(1, 0, 0) : (float3)(0, 1, 0);
     *u = normalize(cross(other, normal));
     *v = cross(normal, *u);
 }
 
 // How open the direction is, 0 ... 1: over an open plane the distance grows by the way times the cosine.
-inline float openness(const RenderView* view, __global const float* samples, float3 p, float3 direction, float cosine) {
+static inline float openness(const RenderView* view, __global const float* samples, float3 p, float3 direction,
+                             float cosine) {
     float open = 1;
     for (int tap = 1; tap <= OCCLUSION_TAPS; ++tap) {
         const float way = view->reach * (tap * tap) / (float)(OCCLUSION_TAPS * OCCLUSION_TAPS) + 0.5f;
@@ -191,7 +192,7 @@ inline float openness(const RenderView* view, __global const float* samples, flo
     return clamp(open, 0.0f, 1.0f);
 }
 
-inline float lit(const RenderView* view, __global const float* samples, float3 p, float3 direction) {
+static inline float lit(const RenderView* view, __global const float* samples, float3 p, float3 direction) {
     float light = 1, way = 0.5f;
     for (int step = 0; step < SHADOW_STEPS; ++step) {
         const float3 at = p + way * direction / triple(view->spacing);
@@ -209,8 +210,8 @@ inline float lit(const RenderView* view, __global const float* samples, float3 p
 }
 
 // Each of a pixel's rays looks into one direction of the hemisphere, cosine-weighted, and at one point of the light.
-inline void shade(const RenderView* view, __global const float* samples, float3 point, int column, int row,
-                  RenderHit* hit) {
+static inline void shade(const RenderView* view, __global const float* samples, float3 point, int column, int row,
+                         RenderHit* hit) {
     const float3 gradient = triple(hit->gradient);
     const float size = length(gradient);
     if (!(size > 0)) return;

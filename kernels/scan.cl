@@ -2,7 +2,7 @@
 // sums; each writes its range. (Measured: a tree in local memory is many times slower on a processor, one work-item on
 // a GPU.)
 
-inline uint range_begin(uint count, uint part, uint parts) {
+static inline uint range_begin(uint count, uint part, uint parts) {
     return (uint)((ulong)count * part / parts);
 }
 

@@ -174,7 +174,7 @@ __kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* rec
 }
 
 // Sorts keys[0, count); rows have few crossings as a rule, and n log n operations where they have many.
-inline void sort_keys(__global uint* keys, uint count) {
+static inline void sort_keys(__global uint* keys, uint count) {
     if (count <= 16) {
         for (uint i = 1; i < count; ++i) {
             const uint key = keys[i];

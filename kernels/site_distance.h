@@ -15,13 +15,13 @@ INLINE floatL squared_at_site(uint site, floatL y, floatL z, floatL beyond, floa
     return site == CLSDF_SITE_VERTEX + CLSDF_VERTEX_APEX ? past * past + r * r + zz : beyond * beyond + y * y + zz;
 }
 
-inline bool is_of_left_half(uint site) {
+static inline bool is_of_left_half(uint site) {
     return site == CLSDF_SITE_EDGE + CLSDF_EDGE_LEFT || site == CLSDF_SITE_VERTEX + CLSDF_VERTEX_LEFT;
 }
 
 // As squared_distance and squared_distance_long_brick, for any site but CLSDF_SITE_NEAREST.
-inline floatL squared_distance_to_site(__global const Polyhedron* p, Offsets o, uint site, floatL i, floatL j,
-                                       floatL k) {
+static inline floatL squared_distance_to_site(__global const Polyhedron* p, Offsets o, uint site, floatL i, floatL j,
+                                              floatL k) {
     const floatL dx = i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]);
     const floatL dy = i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]);
     const floatL dz = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + o.z_low));
@@ -35,8 +35,8 @@ inline floatL squared_distance_to_site(__global const Polyhedron* p, Offsets o, 
     return squared_at_site(site, o.y + dy, o.z + dz, beyond, r, past);
 }
 
-inline floatL squared_distance_to_site_long_brick(__global const Polyhedron* p, double4 centre, uint site, floatL i,
-                                                  floatL j, floatL k) {
+static inline floatL squared_distance_to_site_long_brick(__global const Polyhedron* p, double4 centre, uint site,
+                                                         floatL i, floatL j, floatL k) {
     const double4 gx = vload4(0, p->exact_gradient_x), gy = vload4(0, p->exact_gradient_y),
                   gz = vload4(0, p->exact_gradient_z);
     const doubleL di = convert_doubleL(i), dj = convert_doubleL(j), dk = convert_doubleL(k);

@@ -22,7 +22,7 @@
 #define KEY_ARGUMENTS squares, triangles, pass
 #endif
 
-inline void propose(KEY_PARAMETERS, size_t sample, float squared, uint triangle) {
+static inline void propose(KEY_PARAMETERS, size_t sample, float squared, uint triangle) {
 #ifdef KEY_64
     atom_min(keys + sample, (ulong)as_uint(squared) << 32 | triangle);
 #else
@@ -33,7 +33,7 @@ inline void propose(KEY_PARAMETERS, size_t sample, float squared, uint triangle)
 #endif
 }
 
-inline uint2 square_and_triangle(KEY_PARAMETERS, size_t sample) {
+static inline uint2 square_and_triangle(KEY_PARAMETERS, size_t sample) {
 #ifdef KEY_64
     return (uint2)((uint)(keys[sample] >> 32), (uint)keys[sample]);
 #elif defined(NEAREST)

@@ -29,8 +29,8 @@
 #endif
 
 // What normal . point <= room leaves of a convex polygon; returns the number of its corners.
-inline uint clip(__private const double2* polygon, uint count, double2 normal, double room,
-                 __private double2* clipped) {
+static inline uint clip(__private const double2* polygon, uint count, double2 normal, double room,
+                        __private double2* clipped) {
     uint n = 0;
     double2 before = polygon[count - 1];
     double beyond_before = normal.x * before.x + normal.y * before.y - room;
@@ -47,7 +47,7 @@ inline uint clip(__private const double2* polygon, uint count, double2 normal, d
 }
 
 // The rows [x, y) of the part that the polygon of a piece in slice z touches.
-inline int2 rows_of(Layout layout, Piece piece, __global const PiecePlane* planes, int z COUNTERS_PARAMETER) {
+static inline int2 rows_of(Layout layout, Piece piece, __global const PiecePlane* planes, int z COUNTERS_PARAMETER) {
     double2 polygon[MOST_CORNERS], other[MOST_CORNERS];
     const double k = (double)z - (double)piece.origin[2];
     const double margin = 1.5;  // samples
@@ -83,7 +83,7 @@ inline int2 rows_of(Layout layout, Piece piece, __global const PiecePlane* plane
 }
 
 // The samples [x, y) of the part's row (y, z) in the piece.
-inline int2 span_of(Layout layout, Piece piece, __global const PiecePlane* planes, int y, int z) {
+static inline int2 span_of(Layout layout, Piece piece, __global const PiecePlane* planes, int y, int z) {
     const double j = (double)y - (double)piece.origin[1], k = (double)z - (double)piece.origin[2];
     const double first = (double)layout.first[0] - (double)piece.origin[0];
     double low = first, high = first + (layout.size[0] - 1);
@@ -101,13 +101,13 @@ inline int2 span_of(Layout layout, Piece piece, __global const PiecePlane* plane
     return layout.first[0] + (int2)((int)(low - first), (int)(high - first) + 1);
 }
 
-inline double brick_centre(int sample) {
+static inline double brick_centre(int sample) {
     return (double)(sample & ~(CLSDF_BRICK - 1)) + 0.5 * (CLSDF_BRICK - 1);
 }
 
-inline void scan_row(Layout layout, Piece piece, __global const PiecePlane* planes,
-                     __global const Polyhedron* polyhedra, int first_slice, int y, int z,
-                     KEY_PARAMETERS COUNTERS_PARAMETER) {
+static inline void scan_row(Layout layout, Piece piece, __global const PiecePlane* planes,
+                            __global const Polyhedron* polyhedra, int first_slice, int y, int z,
+                            KEY_PARAMETERS COUNTERS_PARAMETER) {
     const int2 span = span_of(layout, piece, planes, y, z);
     if (span.x >= span.y) return;
     COUNT_ADD(CLSDF_SLICES_COVERED, span.y - span.x);

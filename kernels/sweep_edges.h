@@ -11,25 +11,25 @@ typedef struct Wide {  // hi 2^64 + lo
     ulong lo;
 } Wide;
 
-inline Wide wide_product(long a, long b) {
+static inline Wide wide_product(long a, long b) {
     Wide w;
     w.hi = mul_hi(a, b);
     w.lo = (ulong)a * (ulong)b;
     return w;
 }
 
-inline Wide wide_difference(Wide a, Wide b) {
+static inline Wide wide_difference(Wide a, Wide b) {
     Wide w;
     w.lo = a.lo - b.lo;
     w.hi = a.hi - b.hi - (a.lo < b.lo ? 1 : 0);
     return w;
 }
 
-inline double wide_to_double(Wide w) {
+static inline double wide_to_double(Wide w) {
     return (double)w.hi * 18446744073709551616.0 + (double)w.lo;
 }
 
-inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
+static inline Wide twice_area(SweepVertex a, SweepVertex b, SweepVertex c) {
     return wide_difference(wide_product(b.y - a.y, c.z - a.z), wide_product(b.z - a.z, c.y - a.y));
 }
 
@@ -40,7 +40,7 @@ INLINE bool is_displaced_left(SweepVertex p, SweepVertex q) {
 
 // Whether the sample (y, z), or its displacement where it lies on the line, is left of p -> q; the edge function is
 // returned through `weight`.
-inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, __private double* weight) {
+static inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, __private double* weight) {
     const Wide e = wide_difference(wide_product(q.y - p.y, z - p.z), wide_product(q.z - p.z, y - p.y));
     *weight = wide_to_double(e);
     return e.hi > 0 || (e.hi == 0 && e.lo > 0) || (e.hi == 0 && e.lo == 0 && is_displaced_left(p, q));

@@ -14,12 +14,6 @@ constexpr double pairs_per_core_and_launch = 40000;
 constexpr std::size_t bricks_per_coarse = 64;
 constexpr std::size_t samples_per_brick = 512;
 
-/// Of a work-item, as in bricks_by_vector.cl: masks of the polyhedra that touch each brick, and a list.
-constexpr std::size_t scratch_bytes() {
-    constexpr std::size_t widest_vector = 16, bits = 8;
-    return bricks_per_coarse * CLSDF_LIST_PART / bits + (CLSDF_LIST_PART + widest_vector) * sizeof(cl_uint);
-}
-
 /// The minima of one brick.
 std::size_t minimum_bytes(const BrickVariant& variant) {
     return samples_per_brick * (variant.triangle ? sizeof(cl_float) + sizeof(cl_uint) : sizeof(cl_float));
@@ -40,7 +34,7 @@ public:
         const bool has_long_list = std::any_of(lists.lengths.begin(), lists.lengths.end(),
                                                [](std::size_t length) { return length > CLSDF_LIST_PART; });
         const std::size_t minima_per_item = has_long_list ? bricks_per_coarse : 1;
-        scratch_ = pool->lease(work_items_ * scratch_bytes(), "scratch of the bricks");
+        scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");
         minima_ = pool->lease(work_items_ * minima_per_item * minimum_bytes(variant), "minima of the bricks");
         std::vector<cl_uint> first_turns;
         for (const Launch& launch : launches_) first_turns.push_back(launch.begin);

@@ -37,7 +37,7 @@ std::size_t coarse_group_count(const Layout& layout) {
 constexpr double seconds_per_point = 1e-8;  // for a vector of bricks
 constexpr double seconds_per_group = 5e-7;
 
-/// In a narrow band no bound of a coarse brick is below the half width.
+/// In a narrow band hardly any bound of a coarse brick is below the half width.
 bool has_uniform_caps(const Layout& layout) {
     return layout.half_width <= 2 * layout.coarse_radius;
 }
@@ -86,6 +86,17 @@ double seconds_per_polyhedron(const Layout& layout) {
     return seconds_per_group * (groups + 1);
 }
 
+/// They only save a second search: without room for them there are none.
+device::BufferPool::Lease lease_touches(device::BufferPool& pool, std::size_t parts, std::size_t& capacity) {
+    try {
+        return pool.lease(parts * capacity * sizeof(Touch), "touches of the coarse lists");
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::out_of_memory) throw;
+        capacity = 0;
+        return pool.lease(0, "touches of the coarse lists");
+    }
+}
+
 }  // namespace
 
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
@@ -105,10 +116,9 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         const auto histograms = pool->lease(counters * sizeof(cl_uint), "histograms of the coarse lists");
         const auto counts = pool->lease(counters * sizeof(cl_uint), "counts of the coarse lists");
         lists.starts = pool->lease((counters + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        const std::size_t capacity =
-            std::min((kept_touches * polyhedron_count + lists.parts - 1) / lists.parts,
-                     context.capabilities().largest_allocation / (lists.parts * sizeof(Touch)));
-        const auto touches = pool->lease(lists.parts * capacity * sizeof(Touch), "touches of the coarse lists");
+        std::size_t capacity = std::min((kept_touches * polyhedron_count + lists.parts - 1) / lists.parts,
+                                        context.capabilities().largest_allocation / (lists.parts * sizeof(Touch)));
+        const device::BufferPool::Lease touches = lease_touches(*pool, lists.parts, capacity);
         const auto touch_counts = pool->lease(lists.parts * sizeof(cl_uint), "touches of the coarse lists");
         cl::Kernel kernel(programs.coarse_lists, "coarse_lists");
         kernel.setArg(0, layout);

@@ -19,7 +19,8 @@ constexpr double slack_rate = 2e-5;
 // Stands for an infinite half width: beyond any distance that a float can hold the square of with room to spare.
 constexpr double unbounded_half_width = 1e15;
 constexpr double unbounded_polyhedron_half_width = 1e6;
-constexpr std::int64_t index_limit = std::int64_t{1} << 30;
+// Differences of two indices are integers of 32 bits, also from where the coarse bricks that overlap a grid begin.
+constexpr std::int64_t index_limit = (std::int64_t{1} << 30) - 4 * CLSDF_COARSE;
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
     return a / b - (a % b != 0 && (a < 0) != (b < 0) ? 1 : 0);
@@ -73,9 +74,10 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
         const std::int64_t first = grid.first[axis];
         const std::int64_t end = first + grid.size[axis];
         if (first < -index_limit || end > index_limit)
-            throw Error(ErrorCode::invalid_argument, fmt::format("the grid's samples {} to {} on axis {} lie beyond "
-                                                                 "2^30 samples from its origin; move the origin nearer",
-                                                                 first, end - 1, "xyz"[axis]));
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the grid's samples {} to {} on axis {} lie beyond "
+                                    "2^30 - 128 samples from its origin; move the origin nearer",
+                                    first, end - 1, "xyz"[axis]));
         layout.first[axis] = static_cast<std::int32_t>(first);
         layout.size[axis] = static_cast<std::int32_t>(grid.size[axis]);
         const auto range = [&](std::int64_t block, std::int32_t& begin, std::int32_t& count) {

@@ -47,8 +47,8 @@ public:
         }
     }
 
-    /// Records that the first launch's work-items may leave over.
-    std::size_t left_over() const { return parts_ * CLSDF_RECORD_BLOCK; }
+    /// Records that the work-items of a launch may leave over.
+    std::size_t left_over() const { return std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK; }
 
     /// How many records it took, also where there was room for fewer.
     std::size_t find(const Crossings& crossings, std::size_t capacity) {

@@ -4,6 +4,8 @@
 
 #include "device/context.hpp"
 
+#include "layout.h"
+
 #include <cmath>
 
 using namespace clsdf;
@@ -111,5 +113,6 @@ BOOST_AUTO_TEST_CASE(vectors_compute_long_lists_exactly) {
         const Field by_eight = narrow(grid, band, {.triangle = true});
         check_exact(mesh, by_eight, guaranteed);
         check_agreement(field, by_eight);
+        BOOST_TEST(narrow.statistics().coarse_pairs > CLSDF_LIST_PART * narrow.statistics().coarse_bricks);
     }
 }

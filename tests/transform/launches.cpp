@@ -45,10 +45,10 @@ BOOST_AUTO_TEST_CASE(a_triangle_of_many_rows_has_the_right_signs) {
     check_short_launches(solid, grid, Band::symmetric(grid.voxel()));
 }
 
-// More crossings than there is room for at first: four for each row.
+// More crossings than there is room for at first: four for each row, and 32 for each triangle or work-item.
 BOOST_AUTO_TEST_CASE(a_surface_of_many_sheets_has_the_right_signs) {
     std::vector<Mesh> sheets;
-    for (int i = 0; i < 12; ++i) sheets.push_back(cube(0.6 + 0.031 * i));
+    for (int i = 0; i < 60; ++i) sheets.push_back(cube(0.6 + 0.0062 * i));
     const Mesh onion = together(sheets, "cubes within cubes");
     const Grid grid = grid_at({0.01, 0.02, 0.03}, 0.1, 9);
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
