@@ -8,9 +8,9 @@
 #include "layout.h"
 
 // Arguments in memory cost more than these functions' own work. Where a work-item is a lane, compilers for GPUs inline
-// everything by themselves; forced to, oclgrind's leaves calls in the code that it does not know.
+// everything by themselves; forced to, or free to by "static", oclgrind's leaves in the code what it does not know.
 #if LANES == 1
-#define INLINE static inline
+#define INLINE inline
 #else
 #define INLINE static inline __attribute__((always_inline))
 #endif
