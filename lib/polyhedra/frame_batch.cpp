@@ -57,14 +57,20 @@ inline double dot(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
     return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
 }
 
+/// Programs may trap a division by zero, also in lanes that triangle_frame() computes once more.
+inline double divisor(double x) {
+    return x > 0 ? x : 1;
+}
+
 /// triangle_frame() without its special cases.
 CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
     for (std::size_t i = 0; i < lanes; ++i) {
         const double length = std::sqrt(t.squared_base[i]);
+        const double by_length = divisor(length);
         t.length[i] = length;
-        t.along.x[i] = t.base.x[i] / length;
-        t.along.y[i] = t.base.y[i] / length;
-        t.along.z[i] = t.base.z[i] / length;
+        t.along.x[i] = t.base.x[i] / by_length;
+        t.along.y[i] = t.base.y[i] / by_length;
+        t.along.z[i] = t.base.z[i] / by_length;
     }
     for (std::size_t i = 0; i < lanes; ++i) {
         const double right = -dot(t.to_apex, t.along, i);
@@ -82,15 +88,16 @@ CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
         y -= second * t.along.y[i];
         z -= second * t.along.z[i];
         const double height = std::sqrt(x * x + y * y + z * z);
+        const double by_height = divisor(height);
         t.height[i] = height;
-        x /= height;
-        y /= height;
-        z /= height;
+        x /= by_height;
+        y /= by_height;
+        z /= by_height;
         const double third = x * t.along.x[i] + y * t.along.y[i] + z * t.along.z[i];
         x -= third * t.along.x[i];
         y -= third * t.along.y[i];
         z -= third * t.along.z[i];
-        const double norm = std::sqrt(x * x + y * y + z * z);
+        const double norm = divisor(std::sqrt(x * x + y * y + z * z));
         t.across.x[i] = x / norm;
         t.across.y[i] = y / norm;
         t.across.z[i] = z / norm;
@@ -102,14 +109,14 @@ CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
     }
     for (std::size_t i = 0; i < lanes; ++i) {
         const double squared_height = t.height[i] * t.height[i];
-        const double right = std::sqrt(t.right[i] * t.right[i] + squared_height);
-        const double left = std::sqrt(t.left[i] * t.left[i] + squared_height);
+        const double right = divisor(std::sqrt(t.right[i] * t.right[i] + squared_height));
+        const double left = divisor(std::sqrt(t.left[i] * t.left[i] + squared_height));
         t.along_right[i] = t.height[i] / right;
         t.along_left[i] = t.height[i] / left;
         t.across_right[i] = t.right[i] / right;
         t.across_left[i] = t.left[i] / left;
         t.altitude[i] = right * t.along_right[i];
-        t.turn[i] = frame_roundings * (t.right[i] + t.left[i]) / t.altitude[i];
+        t.turn[i] = frame_roundings * (t.right[i] + t.left[i]) / divisor(t.altitude[i]);
     }
     for (std::size_t i = 0; i < lanes; ++i) {
         t.inward_right.x[i] = -t.along_right[i] * t.along.x[i] - t.across_right[i] * t.across.x[i];

@@ -92,7 +92,7 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
 
     frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
-    frame.turn = frame_roundings * frame.base_length() / frame.altitude;
+    frame.turn = frame.altitude > 0 ? frame_roundings * frame.base_length() / frame.altitude : infinite;
     if (!(length > 0)) set_equilateral_normals(frame);
     set_inwards(frame, across);
 
