@@ -131,7 +131,7 @@ private:
         double below = 0;
         if (first_frame.is_box || second_frame.is_box) {
             marks |= edge_at_box;
-        } else if (squared_apart < fold_angle * fold_angle) {
+        } else if (folded(squared_apart)) {
             marks |= edge_open | edge_folded;
             above = below = infinite;
         } else {
