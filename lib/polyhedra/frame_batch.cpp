@@ -52,9 +52,8 @@ struct Batch {
     Lanes turn;
 };
 
-// The order of Eigen's sums, so that the bits are those of triangle_frame().
-inline double dot(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
-    return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
+inline double dot_of_lane(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
+    return dot(a.x[i], a.y[i], a.z[i], b.x[i], b.y[i], b.z[i]);
 }
 
 /// Programs may trap a division by zero, also in lanes that triangle_frame() computes once more.
@@ -62,7 +61,7 @@ inline double divisor(double x) {
     return x > 0 ? x : 1;
 }
 
-/// triangle_frame() without its special cases.
+/// triangle_frame() in triangle_frame.cpp, operation by operation, without its special cases.
 CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
     for (std::size_t i = 0; i < lanes; ++i) {
         const double length = std::sqrt(t.squared_base[i]);
@@ -73,31 +72,31 @@ CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
         t.along.z[i] = t.base.z[i] / by_length;
     }
     for (std::size_t i = 0; i < lanes; ++i) {
-        const double right = -dot(t.to_apex, t.along, i);
-        const double left = -dot(t.from_apex, t.along, i);
+        const double right = -dot_of_lane(t.to_apex, t.along, i);
+        const double left = -dot_of_lane(t.from_apex, t.along, i);
         t.right[i] = 0.0 < right ? right : 0.0;
         t.left[i] = 0.0 < left ? left : 0.0;
     }
     for (std::size_t i = 0; i < lanes; ++i) {
-        const double first = dot(t.apex, t.along, i);
+        const double first = dot_of_lane(t.apex, t.along, i);
         double x = t.apex.x[i] - first * t.along.x[i];
         double y = t.apex.y[i] - first * t.along.y[i];
         double z = t.apex.z[i] - first * t.along.z[i];
-        const double second = x * t.along.x[i] + y * t.along.y[i] + z * t.along.z[i];
+        const double second = dot(x, y, z, t.along.x[i], t.along.y[i], t.along.z[i]);
         x -= second * t.along.x[i];
         y -= second * t.along.y[i];
         z -= second * t.along.z[i];
-        const double height = std::sqrt(x * x + y * y + z * z);
+        const double height = std::sqrt(dot(x, y, z, x, y, z));
         const double by_height = divisor(height);
         t.height[i] = height;
         x /= by_height;
         y /= by_height;
         z /= by_height;
-        const double third = x * t.along.x[i] + y * t.along.y[i] + z * t.along.z[i];
+        const double third = dot(x, y, z, t.along.x[i], t.along.y[i], t.along.z[i]);
         x -= third * t.along.x[i];
         y -= third * t.along.y[i];
         z -= third * t.along.z[i];
-        const double norm = divisor(std::sqrt(x * x + y * y + z * z));
+        const double norm = divisor(std::sqrt(dot(x, y, z, x, y, z)));
         t.across.x[i] = x / norm;
         t.across.y[i] = y / norm;
         t.across.z[i] = z / norm;
