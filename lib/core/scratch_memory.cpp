@@ -10,6 +10,15 @@ ScratchMemory::~ScratchMemory() {
     for (const Block& block : blocks_) free_large_memory(block.memory);
 }
 
+ScratchMemory::Computation::~Computation() {
+    if (has_succeeded_ && scratch_.is_repeated_) {
+        scratch_.trim();
+    } else {
+        scratch_.release();
+    }
+    scratch_.is_repeated_ = has_succeeded_;
+}
+
 void* ScratchMemory::allocate(std::size_t bytes) {
     // The smallest that is large enough, and not so large that its memory would be wasted.
     Block* best = nullptr;
@@ -31,12 +40,25 @@ void ScratchMemory::give_back(void* memory) noexcept {
 }
 
 void ScratchMemory::trim() noexcept {
-    std::erase_if(blocks_, [](Block& block) {
-        const bool is_idle = !block.is_taken && !block.was_taken;
-        if (is_idle) free_large_memory(block.memory);
-        block.was_taken = block.is_taken;
-        return is_idle;
-    });
+    free_unless([](const Block& block) { return block.is_taken || block.was_taken; });
+    for (Block& block : blocks_) block.was_taken = block.is_taken;
+}
+
+void ScratchMemory::release() noexcept {
+    free_unless([](const Block& block) { return block.is_taken; });
+}
+
+std::size_t ScratchMemory::bytes() const {
+    std::size_t bytes = 0;
+    for (const Block& block : blocks_) bytes += block.bytes;
+    return bytes;
+}
+
+template <class Predicate>
+void ScratchMemory::free_unless(const Predicate& is_needed) noexcept {
+    const auto unneeded = std::partition(blocks_.begin(), blocks_.end(), is_needed);
+    for (auto block = unneeded; block != blocks_.end(); ++block) free_large_memory(block->memory);
+    blocks_.erase(unneeded, blocks_.end());
 }
 
 }  // namespace clsdf

@@ -21,7 +21,32 @@ public:
     /// Releases what was not in use since the last call.
     void trim() noexcept;
 
+    /// Releases all that is not in use.
+    void release() noexcept;
+
+    /// In use or kept.
+    std::size_t bytes() const;
+
+    /// Around a computation: keeps what it used where it succeeded, and so did the one before: those who compute once
+    /// keep nothing. Else releases everything.
+    class Computation {
+    public:
+        explicit Computation(ScratchMemory& scratch) : scratch_(scratch) {}
+        Computation(const Computation&) = delete;
+        Computation& operator=(const Computation&) = delete;
+        ~Computation();
+
+        void succeed() { has_succeeded_ = true; }
+
+    private:
+        ScratchMemory& scratch_;
+        bool has_succeeded_ = false;
+    };
+
 private:
+    template <class Predicate>
+    void free_unless(const Predicate& is_needed) noexcept;
+
     struct Block {
         void* memory;
         std::size_t bytes;
@@ -30,6 +55,7 @@ private:
     };
 
     std::vector<Block> blocks_;
+    bool is_repeated_ = false;  // a computation has succeeded before
 };
 
 }  // namespace clsdf

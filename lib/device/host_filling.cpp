@@ -2,22 +2,20 @@
 
 #include "core/large_memory.hpp"
 
-#include <utility>
-
 namespace clsdf::device {
 
-HostFilling::HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes)
+HostFilling::HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes, bool in_place)
     : context_(context), buffer_(std::move(buffer)), bytes_(bytes) {
-    if (bytes_ > 0 && context_.capabilities().is_processor) {
+    if (bytes_ > 0 && in_place) {
         memory_ = guarded([&] {
             return context_.queue().enqueueMapBuffer(*buffer_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes_);
         });
         is_mapped_ = true;
-        if (bytes_ >= large_memory_bytes) advise_huge_pages(memory_, bytes_);
     } else {
         array_ = std::make_unique_for_overwrite<std::byte[]>(bytes_);
         memory_ = array_.get();
     }
+    if (bytes_ >= large_memory_bytes) advise_huge_pages(memory_, bytes_);
 }
 
 HostFilling::~HostFilling() {

@@ -4,14 +4,17 @@
 
 #include <cstddef>
 #include <memory>
+#include <utility>
 
 namespace clsdf::device {
 
-/// A buffer that the host fills: in place where the device shares the host's memory, else by way of an array that is
+/// A buffer that the host fills: in place, as on a processor, whose memory is the host's, or by way of an array that is
 /// copied at the end.
 class HostFilling {
 public:
-    HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes);
+    HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes)
+        : HostFilling(context, std::move(buffer), bytes, context.capabilities().is_processor) {}
+    HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes, bool in_place);
     HostFilling(const HostFilling&) = delete;
     HostFilling& operator=(const HostFilling&) = delete;
     ~HostFilling();

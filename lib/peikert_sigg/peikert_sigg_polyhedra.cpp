@@ -21,7 +21,7 @@ Vector bisector_normal(const Surface& surface, const Corner& edge) {
     if (!surface.has_pair(edge)) return -own;
     const Corner across = surface.across(edge);
     const Vector other = surface.frames()[across.face].inwards[across.vertex];
-    return folded(own, other) ? Vector(-own) : Vector((other - own).normalized());
+    return folded((own - other).squaredNorm()) ? Vector(-own) : Vector((other - own).normalized());
 }
 
 Polyhedron polyhedron_of(const Surface& surface, std::uint32_t face, double half_width) {

@@ -10,9 +10,9 @@ namespace clsdf::polyhedra {
 /// Two faces whose inward directions differ by less than this angle are folded onto each other.
 inline constexpr double fold_angle = 1e-6;
 
-/// `first` and `second` are their unit inward directions at the edge.
-inline bool folded(const Vector& first, const Vector& second) {
-    return (first - second).squaredNorm() < fold_angle * fold_angle;
+/// `squared_apart`: the square of the distance of their unit inward directions at the edge.
+inline bool folded(double squared_apart) {
+    return squared_apart < fold_angle * fold_angle;
 }
 
 /// side_of_plane() where the faces' frames tell, else 0. `sine`: of the second face's inward direction, above the first

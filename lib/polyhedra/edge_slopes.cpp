@@ -24,7 +24,8 @@ public:
         : mesh_(mesh), triangles_(triangles), frames_(frames), faces_(faces), open_(open) {}
 
     /// Sets what is known of the edges of which `vertex` is the lower end, where each has two faces that run along it
-    /// in opposite directions; false, with nothing said of them, where one has not, or many meet.
+    /// in opposite directions; false where one has not, or many meet. Some may have been set by then, to the same as
+    /// set() does.
     bool set_pairs_above(std::uint32_t vertex, const OneRings& rings) {
         constexpr std::size_t few = 16;
         const std::size_t count = rings.size(vertex);
@@ -52,8 +53,9 @@ public:
                 ++arriving;
                 other = j;
             }
-            if (leaving != 1 || arriving != 1 || other == i) return false;
             const Corner& edge = corners[i];
+            // A face with a vertex twice arrives along the edge that it leaves by.
+            if (leaving != 1 || arriving != 1 || corners[other].face == edge.face) return false;
             const Corner across{corners[other].face, previous_of_three(corners[other].vertex)};
             add_pair(edge.face < across.face ? PairBatch::Pair{edge, across, true}
                                              : PairBatch::Pair{across, edge, true});
@@ -129,7 +131,7 @@ private:
         double below = 0;
         if (first_frame.is_box || second_frame.is_box) {
             marks |= edge_at_box;
-        } else if (squared_apart < fold_angle * fold_angle) {
+        } else if (folded(squared_apart)) {
             marks |= edge_open | edge_folded;
             above = below = infinite;
         } else {

@@ -9,13 +9,15 @@ namespace {
 
 // Above the rounding of a product of three vectors no longer than ten, 1e-12.
 constexpr double certain = 1e-9;
+/// Vectors of steeper slopes, at sharp edges, would be longer than ten.
 constexpr float steepest = 8;
 
 constexpr std::size_t few_faces = 12;
 constexpr std::size_t all_triples = 9;  // of so many faces are tried
 
 /// The sign of the t for which t middle is a combination of three vectors by positive factors; 0 where t may be 0, or
-/// where there is none for certain, as where the vectors run the wrong way around `middle`.
+/// where the vectors do not surely run counter-clockwise around `middle`, as the faces of a fan do around its mean
+/// normal. (Where they run clockwise there is such a combination too, which is not looked for.)
 int sign_of_combination(const Vector& a, const Vector& b, const Vector& c, const Vector& middle) {
     // middle . (b x c) a + middle . (c x a) b + middle . (a x b) c = det(a, b, c) middle
     const Vector cross = b.cross(c);

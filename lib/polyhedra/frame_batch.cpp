@@ -52,45 +52,51 @@ struct Batch {
     Lanes turn;
 };
 
-// The order of Eigen's sums, so that the bits are those of triangle_frame().
-inline double dot(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
-    return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
+inline double dot_of_lane(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
+    return dot(a.x[i], a.y[i], a.z[i], b.x[i], b.y[i], b.z[i]);
 }
 
-/// triangle_frame() without its special cases.
+/// Programs may trap a division by zero, also in lanes that triangle_frame() computes once more.
+inline double divisor(double x) {
+    return x > 0 ? x : 1;
+}
+
+/// triangle_frame() in triangle_frame.cpp, operation by operation, without its special cases.
 CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
     for (std::size_t i = 0; i < lanes; ++i) {
         const double length = std::sqrt(t.squared_base[i]);
+        const double by_length = divisor(length);
         t.length[i] = length;
-        t.along.x[i] = t.base.x[i] / length;
-        t.along.y[i] = t.base.y[i] / length;
-        t.along.z[i] = t.base.z[i] / length;
+        t.along.x[i] = t.base.x[i] / by_length;
+        t.along.y[i] = t.base.y[i] / by_length;
+        t.along.z[i] = t.base.z[i] / by_length;
     }
     for (std::size_t i = 0; i < lanes; ++i) {
-        const double right = -dot(t.to_apex, t.along, i);
-        const double left = -dot(t.from_apex, t.along, i);
+        const double right = -dot_of_lane(t.to_apex, t.along, i);
+        const double left = -dot_of_lane(t.from_apex, t.along, i);
         t.right[i] = 0.0 < right ? right : 0.0;
         t.left[i] = 0.0 < left ? left : 0.0;
     }
     for (std::size_t i = 0; i < lanes; ++i) {
-        const double first = dot(t.apex, t.along, i);
+        const double first = dot_of_lane(t.apex, t.along, i);
         double x = t.apex.x[i] - first * t.along.x[i];
         double y = t.apex.y[i] - first * t.along.y[i];
         double z = t.apex.z[i] - first * t.along.z[i];
-        const double second = x * t.along.x[i] + y * t.along.y[i] + z * t.along.z[i];
+        const double second = dot(x, y, z, t.along.x[i], t.along.y[i], t.along.z[i]);
         x -= second * t.along.x[i];
         y -= second * t.along.y[i];
         z -= second * t.along.z[i];
-        const double height = std::sqrt(x * x + y * y + z * z);
+        const double height = std::sqrt(dot(x, y, z, x, y, z));
+        const double by_height = divisor(height);
         t.height[i] = height;
-        x /= height;
-        y /= height;
-        z /= height;
-        const double third = x * t.along.x[i] + y * t.along.y[i] + z * t.along.z[i];
+        x /= by_height;
+        y /= by_height;
+        z /= by_height;
+        const double third = dot(x, y, z, t.along.x[i], t.along.y[i], t.along.z[i]);
         x -= third * t.along.x[i];
         y -= third * t.along.y[i];
         z -= third * t.along.z[i];
-        const double norm = std::sqrt(x * x + y * y + z * z);
+        const double norm = divisor(std::sqrt(dot(x, y, z, x, y, z)));
         t.across.x[i] = x / norm;
         t.across.y[i] = y / norm;
         t.across.z[i] = z / norm;
@@ -102,14 +108,14 @@ CLSDF_SEVERAL_TARGETS void compute(Batch& t) {
     }
     for (std::size_t i = 0; i < lanes; ++i) {
         const double squared_height = t.height[i] * t.height[i];
-        const double right = std::sqrt(t.right[i] * t.right[i] + squared_height);
-        const double left = std::sqrt(t.left[i] * t.left[i] + squared_height);
+        const double right = divisor(std::sqrt(t.right[i] * t.right[i] + squared_height));
+        const double left = divisor(std::sqrt(t.left[i] * t.left[i] + squared_height));
         t.along_right[i] = t.height[i] / right;
         t.along_left[i] = t.height[i] / left;
         t.across_right[i] = t.right[i] / right;
         t.across_left[i] = t.left[i] / left;
         t.altitude[i] = right * t.along_right[i];
-        t.turn[i] = frame_roundings * (t.right[i] + t.left[i]) / t.altitude[i];
+        t.turn[i] = frame_roundings * (t.right[i] + t.left[i]) / divisor(t.altitude[i]);
     }
     for (std::size_t i = 0; i < lanes; ++i) {
         t.inward_right.x[i] = -t.along_right[i] * t.along.x[i] - t.across_right[i] * t.across.x[i];

@@ -14,11 +14,13 @@ CLSDF_SEVERAL_TARGETS void PairBatch::measure(Results& results) const {
         const double y = first[1][i] - second[1][i];
         const double z = first[2][i] - second[2][i];
         const double squared = x * x + y * y + z * z;
+        // Folded pairs, and lanes beyond the size, must not divide by zero: programs may trap that.
+        const double divisor = squared > 0 ? squared : 1;
         const double u = first[0][i] + second[0][i];
         const double v = first[1][i] + second[1][i];
         const double w = first[2][i] + second[2][i];
         results.squared_apart[i] = squared;
-        results.slope[i] = std::sqrt(u * u + v * v + w * w) / std::sqrt(squared);
+        results.slope[i] = std::sqrt(u * u + v * v + w * w) / std::sqrt(divisor);
     }
 }
 

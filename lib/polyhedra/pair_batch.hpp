@@ -40,7 +40,7 @@ public:
         std::array<double, capacity> sine;           ///< of the second face's inward direction above the first's plane
         std::array<double, capacity> squared_apart;  ///< of the distance of their inward directions
         /// The tangent of half the angle by which the wedge between the faces exceeds a straight one, seen from the
-        /// side where it does; both faces have the same.
+        /// side where it does; both faces have the same. Of folded faces it means nothing.
         std::array<double, capacity> slope;
     };
     void measure(Results& results) const;

@@ -60,6 +60,7 @@ Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, bool right_is_n
            (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
 }
 
+// compute() in frame_batch.cpp does the same, operation by operation.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
     const TriangleEdges triangle(corners, lattice.unit);
     const std::uint32_t base = triangle.base;
@@ -72,17 +73,17 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
     if (!(length > vanishing)) length = 0;
     frame.along = length > 0 ? Vector(triangle.vectors[base] / length) : Vector::UnitX();
 
-    frame.base[right] = std::max(0.0, -triangle.vectors[to_apex].dot(frame.along));
-    frame.base[left] = std::max(0.0, -triangle.vectors[from_apex].dot(frame.along));
+    frame.base[right] = std::max(0.0, -dot(triangle.vectors[to_apex], frame.along));
+    frame.base[left] = std::max(0.0, -dot(triangle.vectors[from_apex], frame.along));
     const Vector apex = triangle.apex();
-    Vector altitude = apex - apex.dot(frame.along) * frame.along;
-    altitude -= altitude.dot(frame.along) * frame.along;
-    double height = altitude.norm();
+    Vector altitude = apex - dot(apex, frame.along) * frame.along;
+    altitude -= dot(altitude, frame.along) * frame.along;
+    double height = std::sqrt(dot(altitude, altitude));
     frame.is_box = !(height > sliver * length);
     Vector across = Vector::Zero();
     if (height > 0) {
         across = altitude / height;
-        across = (across - across.dot(frame.along) * frame.along).normalized();
+        across = (across - dot(across, frame.along) * frame.along).normalized();
     }
     if (!(height > 0) || !(across.squaredNorm() > 0.5) || !(std::abs(across.dot(frame.along)) < 1e-12)) {
         height = 0;
@@ -92,7 +93,7 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
 
     frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
-    frame.turn = frame_roundings * frame.base_length() / frame.altitude;
+    frame.turn = frame.altitude > 0 ? frame_roundings * frame.base_length() / frame.altitude : infinite;
     if (!(length > 0)) set_equilateral_normals(frame);
     set_inwards(frame, across);
 

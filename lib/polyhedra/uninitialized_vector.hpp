@@ -41,7 +41,7 @@ struct DefaultInitializingAllocator {
         else
             free_large_memory(memory);
     }
-    static bool is_large(std::size_t count) { return count >= large_memory_bytes / sizeof(T); }
+    static bool is_large(std::size_t count) { return count > (large_memory_bytes - 1) / sizeof(T); }
 
     bool operator==(const DefaultInitializingAllocator& other) const { return scratch == other.scratch; }
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 
 namespace clsdf {
 
@@ -44,8 +45,14 @@ struct DistanceTransform::State {
     }
 
     std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
-        return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
-            device.internal(), pool, scratch, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
+        try {
+            return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
+                device.internal(), pool, scratch, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
+        } catch (const std::bad_alloc&) {
+            throw Error(ErrorCode::out_of_memory,
+                        fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
+                                    mesh.name(), mesh.triangles().size()));
+        }
     }
 
     std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,
@@ -155,6 +162,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             slabs.push_back(std::move(lower));
             pipeline.take_back(slot);
             pool->release();
+            scratch.release();
             continue;
         }
         pipeline.deliver(slot, slab);
@@ -162,7 +170,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     }
     pipeline.finish();
     statistics.device_bytes = pool->peak();
-    statistics.host_bytes = pipeline.host_bytes();
+    statistics.host_bytes = pipeline.host_bytes() + scratch.bytes();
     if (options.progress) options.progress(1.0);
 }
 

@@ -108,6 +108,7 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
     } else {
         std::span<Polyhedron> records;
         std::optional<device::HostFilling> filling;
+        ScratchMemory::Computation computation(scratch);
         const polyhedra::LeanedCounts counts = polyhedra::leaned_frusta(
             mesh, lattice, widths.half_width, widths.slack,
             [&](std::size_t count) -> std::span<Polyhedron> {
@@ -116,7 +117,7 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
                 return records = {static_cast<Polyhedron*>(filling->memory()), count};
             },
             &scratch);
-        scratch.trim();
+        computation.succeed();
         prepared.saddle_vertices = counts.saddle_vertices;
         prepared.point_sites = counts.point_sites;
         prepared.boxes = counts.boxes;

@@ -137,6 +137,34 @@ BOOST_AUTO_TEST_CASE(a_vertex_has_a_fan_for_each_cone_that_ends_there) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(a_face_with_a_vertex_twice_is_not_its_own_neighbour) {
+    // Between the vertices 0 and 1, back and forth, as few and as many faces as take either way through edge_slopes().
+    for (const std::uint32_t others : {0U, 20U}) {
+        std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}};
+        std::vector<Triangle> triangles{{0, 1, 0}};
+        for (std::uint32_t i = 0; i < others; ++i) {
+            const double angle = 0.3 * i;
+            vertices.push_back({-1, std::cos(angle), std::sin(angle)});
+            if (i > 0) triangles.push_back({0, 1 + i, 2 + i});
+        }
+        for (const Triangle& twice : {Triangle{0, 1, 0}, Triangle{0, 0, 1}, Triangle{1, 0, 0}}) {
+            triangles.front() = twice;
+            const Mesh mesh(vertices, triangles, "back and forth");
+            const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+            std::vector<polyhedra::TriangleFrame> frames;
+            for (const auto& [p, q, r] : mesh.triangles())
+                frames.push_back(polyhedra::triangle_frame({mesh.vertices()[p], mesh.vertices()[q], mesh.vertices()[r]},
+                                                           LatticeView{}));
+            const auto faces = edge_slopes(mesh, mesh.triangles(), frames, rings, CLSDF_OPEN_SLOPE);
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const bool is_edge = twice[k] != twice[polyhedra::next_of_three(k)];
+                const int expected = polyhedra::edge_at_box | (is_edge ? polyhedra::edge_non_manifold : 0);
+                BOOST_TEST(static_cast<int>(faces[0].marks[k]) == expected);
+            }
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_tip_with_a_thousand_faces_is_covered) {
     for (const double wave : {0.0, 0.5, 5.0}) {
         BOOST_TEST_CONTEXT("wave " << wave) {

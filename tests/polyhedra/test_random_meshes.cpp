@@ -2,10 +2,12 @@
 #include "coverage.hpp"
 #include "stress_points.hpp"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include <boost/test/unit_test.hpp>
 
+#include <cfenv>
 #include <cstdlib>
 
 /// Environment: CLSDF_COVERAGE_MESHES, the number of random meshes (2000 unless set); CLSDF_COVERAGE_SEED, the first
@@ -74,6 +76,19 @@ BOOST_AUTO_TEST_CASE(every_point_of_the_band_lies_in_the_polyhedron_of_a_nearest
     }
     BOOST_TEST_MESSAGE(points << " points");
     BOOST_TEST(points > 50 * meshes);
+}
+
+BOOST_AUTO_TEST_CASE(nothing_is_divided_by_zero_nor_invalid) {
+    // Programs may trap such operations. The flags are those of a thread.
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+        Random random(seed);
+        const Mesh mesh = awkward_mesh(random);
+        std::feclearexcept(FE_ALL_EXCEPT);
+        polyhedra::leaned_frusta(mesh, {}, 4, least_slack(4));
+        const int raised = std::fetestexcept(FE_INVALID | FE_DIVBYZERO);
+        BOOST_TEST(raised == 0, "seed " << seed << ": " << mesh.name());
+    }
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -140,7 +140,7 @@ BOOST_AUTO_TEST_CASE(frames_made_together_are_those_made_one_by_one) {
             BOOST_TEST((one.foot == other.foot && one.base == other.base && one.altitude == other.altitude));
             BOOST_TEST((one.normal_along == other.normal_along && one.normal_across == other.normal_across));
             BOOST_TEST((one.base_edge == other.base_edge && one.is_box == other.is_box));
-            BOOST_TEST((one.turn == other.turn || (std::isnan(one.turn) && std::isnan(other.turn))));
+            BOOST_TEST(one.turn == other.turn);
         }
     }
     BOOST_TEST(boxes > 1000U);

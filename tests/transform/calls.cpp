@@ -203,6 +203,22 @@ BOOST_AUTO_TEST_CASE(nothing_is_counted_on_the_device_unless_asked_for) {
     BOOST_TEST(transform.statistics().band_samples == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(only_repeated_use_keeps_memory_on_the_host) {
+    const Grid grid = around_dense();
+    const auto triangles = dense().triangles().size();
+    DistanceTransform transform(test_device(), dense());
+    const auto bytes_after_use = [&] {
+        transform(grid, Band::symmetric(grid.voxel()));
+        return transform.statistics().host_bytes;
+    };
+    BOOST_TEST(bytes_after_use() == 0U);
+    for (int again = 0; again < 2; ++again) {
+        const std::size_t bytes = bytes_after_use();
+        BOOST_TEST(bytes > 200 * triangles);
+        BOOST_TEST(bytes < 320 * triangles);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(faces_without_area_are_counted_as_boxes) {
     std::vector<Triangle> triangles = cube(1).triangles();
     triangles.push_back({0, 1, 1});

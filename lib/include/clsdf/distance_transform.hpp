@@ -54,7 +54,9 @@ struct TransformStatistics {
     /// The most that buffers on the device took at once; of a Plan, its own buffers. A field that is computed in place,
     /// on a processor, is not among them.
     std::size_t device_bytes = 0;
-    std::size_t host_bytes = 0;  ///< the library's own arrays for slabs on the host
+    /// The library's own arrays on the host: those for slabs, and what a transform that is used again keeps for the
+    /// next time.
+    std::size_t host_bytes = 0;
 
     // Counted on the device with TransformOptions::count.
     std::size_t brick_pairs = 0;          ///< (polyhedron, brick)
