@@ -17,6 +17,8 @@ function(clsdf_test_defaults)
       PROPERTY ENVIRONMENT
                "POCL_CACHE_DIR=${PROJECT_BINARY_DIR}/pocl-cache"
                "CLSDF_CACHE_DIR=${PROJECT_BINARY_DIR}/program-cache"
+               # LLVM, in PoCL's threads, has an alternate stack for signals too.
+               "ASAN_OPTIONS=use_sigaltstack=0"
                "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt:print_suppressions=0"
                "UBSAN_OPTIONS=print_stacktrace=1")
   endforeach()
