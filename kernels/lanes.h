@@ -58,7 +58,6 @@ DEFINE_STORE(store_lanes, floatL, float, LANES, global)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, private)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, global)
 DEFINE_STORE(store_eight, uint8, uint, 8, global)
-DEFINE_STORE(store_eight, float8, float, 8, global)
 #undef DEFINE_STORE
 #elif LANES == 16
 #define store_lanes vstore16

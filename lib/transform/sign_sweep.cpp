@@ -79,7 +79,7 @@ device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& 
                                       std::size_t rows, const cl::Buffer& starts, const ShortLaunches& launches) {
     constexpr const char* what = "crossings of the surface by rows of samples";
     const std::size_t count = scan(context, programs.scan, pool, *crossings.row_counts, starts, rows, what);
-    // Their number is one of 32 bits; the counts' sum is not.
+    // The counter of records has 32 bits and wraps; the scan's total shows it.
     if (count > crossings.record_count)
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
