@@ -1,8 +1,11 @@
 #include "field/formats.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <iterator>
 #include <type_traits>
@@ -23,24 +26,38 @@ public:
                                 grid.spacing[0]));
     }
 
+    /// Some chunks at a time are made on all cores, and written in their order.
     void append(const FieldSlab& slab, std::int64_t) override {
-        fmt::memory_buffer text;
-        for (const float value : slab.distance) {
-            fmt::format_to(std::back_inserter(text), "{}\n", value);
-            if (text.size() >= chunk) flush(text);
+        const std::span<const float> values = slab.distance;
+        for (std::size_t begin = 0; begin < values.size(); begin += texts_.size() * values_of_chunk) {
+            tbb::parallel_for(std::size_t{0}, texts_.size(), [&](std::size_t i) {
+                const std::size_t first = std::min(begin + i * values_of_chunk, values.size());
+                set_text(values.subspan(first, std::min(values_of_chunk, values.size() - first)), texts_[i]);
+            });
+            for (const fmt::memory_buffer& text : texts_) file_.write(std::string_view(text.data(), text.size()));
         }
-        flush(text);
     }
 
     void finish() override { file_.commit(); }
 
 private:
-    void flush(fmt::memory_buffer& text) {
-        file_.write(std::string_view(text.data(), text.size()));
+    static constexpr std::size_t values_of_chunk = std::size_t{1} << 16;
+
+    /// Beyond the band many values in succession are the same: their text is made once.
+    static void set_text(std::span<const float> values, fmt::memory_buffer& text) {
         text.clear();
+        fmt::memory_buffer line;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            if (i == 0 || std::bit_cast<std::uint32_t>(values[i]) != std::bit_cast<std::uint32_t>(values[i - 1])) {
+                line.clear();
+                fmt::format_to(std::back_inserter(line), "{}\n", values[i]);
+            }
+            text.append(line.data(), line.data() + line.size());
+        }
     }
 
     AtomicFile file_;
+    std::array<fmt::memory_buffer, 16> texts_;
 };
 
 /// The words of a file that is too long for the memory.
