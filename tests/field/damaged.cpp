@@ -9,11 +9,8 @@
 #include <functional>
 #include <random>
 
-using clsdf::Error;
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::test::Format;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
@@ -39,10 +36,10 @@ bool can_be_read(const std::string& path) {
 // its content, and `path` what is read.
 void for_each_file(const std::function<void(const TemporaryFolder& folder, const std::string& path,
                                             const std::string& damaged, const std::string& whole)>& statement) {
-    clsdf::test::for_each_format([&](const TemporaryFolder& folder, const Format& format) {
+    for_each_format([&](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);
-        clsdf::test::example_field(format).write(path);
-        for (const auto& [name, content] : clsdf::test::all_contents(folder)) {
+        example_field(format).write(path);
+        for (const auto& [name, content] : all_contents(folder)) {
             if (name.ends_with(".xdmf")) continue;  // for other programs
             statement(folder, path, name, content);
             replace(folder, name, content);

@@ -7,14 +7,8 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::Index3;
-using clsdf::Vec3;
-using clsdf::test::bytes_of;
-using clsdf::test::check_throws;
-using clsdf::test::content_of;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
@@ -37,7 +31,7 @@ BOOST_AUTO_TEST_SUITE(an_npy_field)
 
 BOOST_AUTO_TEST_CASE(is_what_numpy_expects) {
     const TemporaryFolder folder;
-    clsdf::test::example_field().write(folder.file("field.npy"));
+    example_field().write(folder.file("field.npy"));
     const std::string content = content_of(folder.file("field.npy"));
     const std::size_t header = content.size() - 24 * sizeof(float);
     BOOST_TEST(header % 64 == 0U);
@@ -48,7 +42,7 @@ BOOST_AUTO_TEST_CASE(is_what_numpy_expects) {
 
 BOOST_AUTO_TEST_CASE(has_a_description_beside_it) {
     const TemporaryFolder folder;
-    clsdf::test::example_field().write(folder.file("field.npy"));
+    example_field().write(folder.file("field.npy"));
     const auto description = nlohmann::json::parse(content_of(folder.file("field.npy.json")));
     BOOST_TEST(description["size"].get<Index3>() == (Index3{4, 3, 2}), boost::test_tools::per_element());
     BOOST_TEST(description["lattice"]["first"].get<Index3>() == (Index3{2, 10, 12}), boost::test_tools::per_element());

@@ -6,13 +6,8 @@
 
 #include <boost/test/unit_test.hpp>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::Index3;
-using clsdf::Vec3;
-using clsdf::test::bytes_of;
-using clsdf::test::check_throws;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 

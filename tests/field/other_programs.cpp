@@ -9,15 +9,8 @@
 
 #include <fstream>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::FieldDescription;
-using clsdf::Index3;
-using clsdf::Vec3;
-using clsdf::test::bytes_of;
-using clsdf::test::check_throws;
-using clsdf::test::content_of;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
@@ -142,7 +135,7 @@ BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
 BOOST_AUTO_TEST_CASE(has_no_place_for_triangles_or_unequal_spacing) {
     const TemporaryFolder folder;
     const std::string path = folder.file("a.sdf");
-    Field field = clsdf::test::example_field();
+    Field field = example_field();
     check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { field.write(path); });
     check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { Field::check_output(path, {.triangle = true}); });
     field.triangle.clear();
@@ -156,7 +149,7 @@ BOOST_AUTO_TEST_SUITE(an_h5_field)
 
 BOOST_AUTO_TEST_CASE(without_checksums_is_refused_with_what_to_do) {
     const TemporaryFolder folder;
-    clsdf::test::example_field().write(folder.file("a.h5"));
+    example_field().write(folder.file("a.h5"));
     std::string content = content_of(folder.file("a.h5"));
     BOOST_TEST(content[8] >= 2);  // the version of the superblock
     content[8] = 0;

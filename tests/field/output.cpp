@@ -9,14 +9,8 @@
 #include <sys/resource.h>
 #include <csignal>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::test::check_throws;
-using clsdf::test::content_of;
-using clsdf::test::example_field;
-using clsdf::test::for_each_format;
-using clsdf::test::Format;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
@@ -41,7 +35,7 @@ BOOST_AUTO_TEST_SUITE(writing_a_field)
 
 BOOST_AUTO_TEST_CASE(leaves_nothing_where_the_disk_is_full) {
     for_each_format([](const TemporaryFolder& folder, const Format& format) {
-        const Field field = clsdf::test::large_field(format);
+        const Field field = large_field(format);
         {
             const SmallDisk disk(100000);
             check_throws(ErrorCode::output_failure, {"field"},
@@ -56,7 +50,7 @@ BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
         example_field(format).write(folder.file("field" + format.ending));
         const std::size_t files = folder.file_count();
         const std::string before = content_of(folder.file("field" + format.ending));
-        Field field = clsdf::test::large_field(format);
+        Field field = large_field(format);
         field.triangle.clear();
         {
             const SmallDisk disk(100000);

@@ -10,13 +10,8 @@
 
 #include <cstdlib>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::Vec3;
-using clsdf::test::bytes_of;
-using clsdf::test::check_throws;
-using clsdf::test::content_of;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
@@ -99,7 +94,7 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
         for (const std::string way : {"appended", "base64"}) {
             BOOST_TEST_CONTEXT(way << " with headers of " << header << " bits") {
                 const Field read = Field::read(folder.file("field_" + way + "_" + header + ".vti"));
-                BOOST_CHECK(clsdf::test::same_bits(read.distance, field.distance));
+                BOOST_CHECK(same_bits(read.distance, field.distance));
                 BOOST_CHECK(read.triangle == field.triangle);
                 BOOST_CHECK(read.grid == field.grid);
                 BOOST_CHECK(read.sign == field.sign);

@@ -11,11 +11,8 @@
 #include <random>
 #include <thread>
 
-using clsdf::Field;
-using clsdf::test::example_field;
-using clsdf::test::for_each_format;
-using clsdf::test::Format;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
@@ -35,7 +32,7 @@ BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
         const Field written = example_field(format);
         written.write(folder.file("field" + format.ending));
         const Field read = Field::read(folder.file("field" + format.ending));
-        BOOST_CHECK(clsdf::test::same_bits(read.distance, written.distance));
+        BOOST_CHECK(same_bits(read.distance, written.distance));
         BOOST_TEST(read.triangle == written.triangle, boost::test_tools::per_element());
         BOOST_CHECK(read.grid == written.grid);
         BOOST_TEST(read.band.inside == written.band.inside);
@@ -102,17 +99,16 @@ BOOST_AUTO_TEST_CASE(is_refused_with_the_triangles_of_another_grid) {
         example_field(format).write(path);
         std::filesystem::rename(folder.file("other_triangle" + format.ending),
                                 folder.file("field_triangle" + format.ending));
-        clsdf::test::check_throws(clsdf::ErrorCode::unreadable_input,
-                                  {"field_triangle" + format.ending, "compute both again"}, [&] { Field::read(path); });
+        check_throws(clsdf::ErrorCode::unreadable_input, {"field_triangle" + format.ending, "compute both again"},
+                     [&] { Field::read(path); });
     });
 }
 
 BOOST_AUTO_TEST_CASE(has_the_same_bytes_at_another_time) {
     const TemporaryFolder folder;
     const auto write_all = [&] {
-        for (const Format& format : clsdf::test::all_formats())
-            example_field(format).write(folder.file("field" + format.ending));
-        return clsdf::test::all_contents(folder);
+        for (const Format& format : all_formats()) example_field(format).write(folder.file("field" + format.ending));
+        return all_contents(folder);
     };
     const auto before = write_all();
     std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // files count seconds

@@ -6,11 +6,8 @@
 
 #include <boost/test/unit_test.hpp>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::test::check_throws;
-using clsdf::test::content_of;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 #if CLSDF_HAS_VDB
 
@@ -49,7 +46,7 @@ BOOST_AUTO_TEST_CASE(has_the_same_bits_for_every_band) {
             const Field field = ball(band);
             field.write(folder.file("ball.vdb"));
             const Field read = Field::read(folder.file("ball.vdb"));
-            BOOST_CHECK(clsdf::test::same_bits(read.distance, field.distance));
+            BOOST_CHECK(same_bits(read.distance, field.distance));
             BOOST_CHECK(read.triangle == field.triangle);
             BOOST_CHECK(read.grid == field.grid);
         }
@@ -92,7 +89,7 @@ BOOST_AUTO_TEST_CASE(a_build_without_openvdb_says_what_to_install_before_anythin
     const TemporaryFolder folder;
     const std::string path = folder.file("field.vdb");
     check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { Field::check_output(path); });
-    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { clsdf::test::example_field().write(path); });
+    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { example_field().write(path); });
     check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { Field::read(path); });
     BOOST_TEST(folder.file_count() == 0U);
 }

@@ -6,21 +6,14 @@
 
 #include <boost/test/unit_test.hpp>
 
-using clsdf::ErrorCode;
-using clsdf::Field;
-using clsdf::FieldSlab;
-using clsdf::FieldWriter;
-using clsdf::test::check_throws;
-using clsdf::test::content_of;
-using clsdf::test::for_each_format;
-using clsdf::test::Format;
-using clsdf::test::TemporaryFolder;
+using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
 // Twenty slices, so that slabs of any size cut bricks and leaves of trees.
 Field tall_field(const Format& format) {
-    Field field = clsdf::test::example_field(format);
+    Field field = example_field(format);
     field.grid = field.grid.part({0, 0, 0}, {4, 3, 1});
     field.grid.size[2] = 20;
     field.distance.clear();
@@ -48,14 +41,14 @@ BOOST_AUTO_TEST_CASE(has_the_same_bytes_as_one_written_whole_however_it_is_cut) 
         const Field field = tall_field(format);
         const std::string path = folder.file("field" + format.ending);
         field.write(path);
-        const auto whole = clsdf::test::all_contents(folder);
+        const auto whole = all_contents(folder);
         for (const std::size_t step : {1U, 3U, 8U, 19U}) {
             FieldWriter writer(path, field, {.triangle = !field.triangle.empty()});
             for (std::size_t begin = 0; begin < 20; begin += step)
                 writer.append(slices(field, begin, std::min<std::size_t>(step, 20 - begin)));
             writer.finish();
             BOOST_TEST_CONTEXT("slabs of " << step << " slices") {
-                BOOST_CHECK(clsdf::test::all_contents(folder) == whole);
+                BOOST_CHECK(all_contents(folder) == whole);
             }
         }
     });
