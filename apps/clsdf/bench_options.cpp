@@ -59,7 +59,7 @@ std::vector<clsdf::bench::Method*> BenchOptions::choose(const std::vector<Entry>
 }
 
 std::int64_t BenchOptions::scaled(std::int64_t resolution) const {
-    return quick ? std::max<std::int64_t>(resolution / 8, 16) : resolution;
+    return quick ? resolution / 8 : resolution;
 }
 
 void BenchOptions::say(const std::string& line) const {
