@@ -28,10 +28,8 @@ typedef uint clsdf_uint32;
 #include <cstddef>
 #include <cstdint>
 namespace clsdf {
-// NOLINTBEGIN(readability-identifier-naming): the same names in OpenCL C
 using clsdf_int32 = std::int32_t;
 using clsdf_uint32 = std::uint32_t;
-// NOLINTEND(readability-identifier-naming)
 #endif
 
 // Index of an edge in the slopes, and of a half in pairs.

@@ -71,6 +71,7 @@ Command add_bench(CLI::App& program) {
     const auto options = std::make_shared<BenchOptions>();
     CLI::App* parser = program.add_subcommand("bench", "Measure speed, with the error of what was timed beside it");
     std::vector<std::string> names;
+    names.reserve(benchmarks.size());
     for (const Benchmark& benchmark : benchmarks) names.push_back(benchmark.name);
     takes_one_of(parser->add_option("BENCHMARK", options->benchmark, "what to measure")->required(), names);
     parser->add_option("MESHES", options->meshes,

@@ -81,6 +81,6 @@ std::string title_of(const clsdf::bench::Workload& workload);
 
 // The benchmarks; each prints its table, and returns what --json prints.
 nlohmann::ordered_json run_bench_peers(const BenchOptions& options);
-nlohmann::ordered_json run_bench_scaling(const BenchOptions& options);
+nlohmann::ordered_json run_bench_scaling(const BenchOptions& stated);
 nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
 nlohmann::ordered_json run_bench_papers(const BenchOptions& options);

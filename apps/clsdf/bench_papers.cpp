@@ -73,6 +73,7 @@ double wrong_percent(const clsdf::bench::Judgement& judgement) {
 ordered_json measure_case(const PapersCase& c, const Workload& workload,
                           const std::vector<std::unique_ptr<PapersMethod>>& methods, const BenchOptions& options) {
     std::vector<clsdf::bench::Method*> timed;
+    timed.reserve(methods.size());
     for (const auto& method : methods) timed.push_back(method.get());
     const std::vector<Measurement> measurements = measure_in_turns(workload, timed, options.measure);
     const double one_thread = median_wall(measurements[0]), all_threads = median_wall(measurements[1]);
@@ -115,6 +116,7 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
 /// The papers' comparisons are of their own meshes.
 std::vector<NamedMesh> load_papers_meshes(const BenchOptions& options) {
     std::vector<std::string> known;
+    known.reserve(table_1.size());
     for (const PapersRow& row : table_1) known.emplace_back(row.mesh);
     for (const PapersCase& c : clsdf::bench::papers_cases())
         if (!contains(known, c.mesh)) known.push_back(c.mesh);

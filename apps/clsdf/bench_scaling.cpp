@@ -67,6 +67,7 @@ std::vector<Point> points_of(const std::string& series, const std::optional<Name
 std::string output_of(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "clsdf");
     std::vector<char*> words;
+    words.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) words.push_back(argument.data());
     words.push_back(nullptr);
     std::array<int, 2> ends{};

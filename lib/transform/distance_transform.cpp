@@ -72,7 +72,7 @@ struct DistanceTransform::State {
                  std::vector<Grid> slabs, transform::SlabPipeline& pipeline);
 
     /// The samples of one slab. Its progress runs from `begin` to `end`.
-    void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end);
+    void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end) const;
 };
 
 namespace {
@@ -105,7 +105,7 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
 }  // namespace
 
 void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin,
-                                       double end) {
+                                       double end) const {
     const Stopwatch watch;
     const device::Context& context = device.internal();
     device::guarded([&] {
@@ -157,9 +157,9 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         } catch (const Error& error) {
             // How long a slab's lists are is known when they are made.
             if (error.code() != ErrorCode::out_of_memory || !transform::is_divisible(slab)) throw;
-            auto [lower, upper] = transform::halves_of(slab);
-            slabs.push_back(std::move(upper));
-            slabs.push_back(std::move(lower));
+            const auto [lower, upper] = transform::halves_of(slab);
+            slabs.push_back(upper);
+            slabs.push_back(lower);
             pipeline.take_back(slot);
             pool->release();
             scratch.release();

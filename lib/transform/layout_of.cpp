@@ -20,7 +20,7 @@ constexpr double slack_rate = 2e-5;
 constexpr double unbounded_half_width = 1e15;
 constexpr double unbounded_polyhedron_half_width = 1e6;
 // Differences of two indices are integers of 32 bits, also from where the coarse bricks that overlap a grid begin.
-constexpr std::int64_t index_limit = (std::int64_t{1} << 30) - 4 * CLSDF_COARSE;
+constexpr std::int64_t index_limit = (std::int64_t{1} << 30) - std::int64_t{4} * CLSDF_COARSE;
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {
     return a / b - (a % b != 0 && (a < 0) != (b < 0) ? 1 : 0);
@@ -148,7 +148,7 @@ std::size_t coarse_brick_count(const Layout& layout) {
 
 std::size_t sign_bytes_of_slice(const Grid& grid) {
     // Of each row of whole bricks: a word for 32 samples, a count and a start, and four crossings of three words.
-    const auto rows = static_cast<std::size_t>(grid.size[1] + 2 * CLSDF_BRICK);
+    const auto rows = static_cast<std::size_t>(grid.size[1] + std::int64_t{2} * CLSDF_BRICK);
     const auto words = static_cast<std::size_t>(grid.size[0] / 32 + 2);
     return rows * (words + 2 + 12) * sizeof(std::uint32_t);
 }

@@ -19,8 +19,8 @@ namespace clsdf::transform {
 struct PreparedPieces {
     /// What the host keeps of a piece.
     struct Slices {
-        std::int32_t begin;
-        std::int32_t end;
+        std::int32_t begin = 0;
+        std::int32_t end = 0;
         slices::PieceCost cost;
     };
 

@@ -48,7 +48,7 @@ SlabPipeline::~SlabPipeline() {
 
 SlabPipeline::Slot& SlabPipeline::next() {
     Slot& slot = slots_[turn_++ % slots_.size()];
-    if (slot.delivered.valid()) slot.delivered.get();
+    if (slot.delivered_.valid()) slot.delivered_.get();
     return slot;
 }
 
@@ -57,13 +57,13 @@ void SlabPipeline::place(Slot& slot, const Grid& slab, const Outputs& outputs, c
     slot.host = callers;
     if (callers.distance.empty()) {
         try {
-            resize_on_huge_pages(slot.own_distance, samples);
-            resize_on_huge_pages(slot.own_triangle, outputs.triangle ? samples : 0);
+            resize_on_huge_pages(slot.own_distance_, samples);
+            resize_on_huge_pages(slot.own_triangle_, outputs.triangle ? samples : 0);
         } catch (const std::exception&) {
             throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
                                                               slab.size[0], slab.size[1], slab.size[2]));
         }
-        slot.host = {slot.own_distance, slot.own_triangle};
+        slot.host = {slot.own_distance_, slot.own_triangle_};
     }
     device::guarded([&] {
         slot.distance.place(context_, *pool_, slot.host.distance.data(), samples * sizeof(float));
@@ -84,7 +84,7 @@ void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
         if (!slot.host.triangle.empty()) read.push_back(slot.triangle.fetch(context_, transfers_));
     });
     const FieldSlab values{slot.host.distance, slot.host.triangle};
-    slot.delivered = std::async(policy_, [this, previous = latest_, read, slab, values]() mutable {
+    slot.delivered_ = std::async(policy_, [this, previous = latest_, read, slab, values]() mutable {
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
         device::guarded([&] {
@@ -93,7 +93,7 @@ void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
         });
         if (sink_ && !abandoned_) sink_(slab, values);
     });
-    latest_ = slot.delivered;
+    latest_ = slot.delivered_;
     if (sink_ && policy_ == std::launch::deferred) latest_.get();
 }
 
@@ -103,7 +103,7 @@ void SlabPipeline::finish() {
 
 std::size_t SlabPipeline::host_bytes() const {
     std::size_t values = 0;
-    for (const Slot& slot : slots_) values += slot.own_distance.capacity() + slot.own_triangle.capacity();
+    for (const Slot& slot : slots_) values += slot.own_distance_.capacity() + slot.own_triangle_.capacity();
     return values * sizeof(float);
 }
 

@@ -40,9 +40,9 @@ public:
 
     private:
         friend SlabPipeline;
-        std::vector<float> own_distance;
-        std::vector<std::uint32_t> own_triangle;
-        std::shared_future<void> delivered;
+        std::vector<float> own_distance_;
+        std::vector<std::uint32_t> own_triangle_;
+        std::shared_future<void> delivered_;
     };
 
     /// Without a sink slabs end in the caller's memory. Without overlap it is called from the thread of deliver().

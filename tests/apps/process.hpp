@@ -67,6 +67,7 @@ private:
     [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment) const {
         arguments.insert(arguments.begin(), command_path());
         std::vector<char*> words;
+        words.reserve(arguments.size() + 1);
         for (std::string& argument : arguments) words.push_back(argument.data());
         words.push_back(nullptr);
         for (std::string& variable : environment) ::putenv(variable.data());

@@ -32,7 +32,8 @@ public:
         const CostWatch watch;
         wait(set_up_);
         const Cost set_up = watch.cost();
-        wait(per_brick_ * static_cast<double>((workload.list.bricks() + stride - 1) / stride));
+        const std::size_t bricks = (workload.list.bricks() + stride - 1) / stride;
+        wait(per_brick_ * static_cast<double>(bricks));
         return set_up;
     }
 

@@ -32,7 +32,7 @@ Mesh random_fan(Random& random) {
         const double radius = random.uniform(0.5, 3);
         ring[i] = {radius * std::cos(angle), radius * std::sin(angle), slant + waves * random.uniform(-1, 1)};
     }
-    const Mesh mesh = closed_fan("fan", ring);
+    Mesh mesh = closed_fan("fan", ring);
     if (random.index(2) == 0) return mesh;
     std::vector<Triangle> triangles = mesh.triangles();
     for (Triangle& triangle : triangles) std::swap(triangle[1], triangle[2]);

@@ -34,7 +34,7 @@ void check_by_group(const Mesh& mesh, const Grid& grid, const Band& band, const 
 Device with_float_width(unsigned width) {
     const device::Context& own = test_device().internal();
     const cl::CommandQueue queue(own.context(), own.device());
-    const Device device = Device::from_handles(own.context()(), own.device()(), queue());
+    Device device = Device::from_handles(own.context()(), own.device()(), queue());
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other processor is at hand
     const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
     return device;

@@ -13,7 +13,7 @@ namespace {
 
 /// The tests' device if its launches had to be as short as that.
 Device with_launches_of(double seconds) {
-    const Device device = Device::best();
+    Device device = Device::best();
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): work that takes long would take long to test
     const_cast<device::Context::Capabilities&>(device.internal().capabilities()).launch_seconds = seconds;
     return device;
@@ -48,6 +48,7 @@ BOOST_AUTO_TEST_CASE(a_triangle_of_many_rows_has_the_right_signs) {
 // More crossings than there is room for at first: four for each row, and 32 for each triangle or work-item.
 BOOST_AUTO_TEST_CASE(a_surface_of_many_sheets_has_the_right_signs) {
     std::vector<Mesh> sheets;
+    sheets.reserve(60);
     for (int i = 0; i < 60; ++i) sheets.push_back(cube(0.6 + 0.0062 * i));
     const Mesh onion = together(sheets, "cubes within cubes");
     const Grid grid = grid_at({0.01, 0.02, 0.03}, 0.1, 9);

@@ -42,7 +42,7 @@ Band band_on(const Grid& grid) {
 /// The tests' device as if it allocated at most 40 of the grid's slices at once.
 Device small_device(const Grid& grid) {
     setenv("CLSDF_MAX_ALLOCATION", std::to_string(40 * grid.size[0] * grid.size[1] * 4).c_str(), 1);
-    const Device device = Device::best();
+    Device device = Device::best();
     unsetenv("CLSDF_MAX_ALLOCATION");
     return device;
 }
@@ -118,8 +118,8 @@ BOOST_AUTO_TEST_CASE(holds_two_slabs_at_a_time) {
     const Collected collected = collect(transform, grid, {.triangle = true});
     BOOST_REQUIRE(collected.slabs > 2U);
     const auto slice = static_cast<std::size_t>(grid.size[0] * grid.size[1] * 4);
-    BOOST_TEST(transform.statistics().host_bytes >= 2 * 2 * 32 * slice);
-    BOOST_TEST(transform.statistics().host_bytes <= 2 * 2 * 40 * slice);
+    BOOST_TEST(transform.statistics().host_bytes >= 2UL * 2 * 32 * slice);
+    BOOST_TEST(transform.statistics().host_bytes <= 2UL * 2 * 40 * slice);
     transform(grid, band_on(grid));
     BOOST_TEST(transform.statistics().host_bytes == 0U);
 }
