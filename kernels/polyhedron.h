@@ -5,7 +5,7 @@
 // voxel. The frame of a triangle has its origin at the foot of the altitude on the longest edge:
 //   X along the longest edge, the triangle's base; its ends lie at X = -base[left] and X = +base[right];
 //   Y in the plane, from the base to the apex, which lies at (0, altitude);
-//   Z along the unit normal (the height s of METHOD, section 8).
+//   Z along the unit normal (the height s of docs/method.md, 'Leaned frusta').
 // The altitude cuts the triangle in two right-angled halves; X < 0 is "left", X >= 0 is "right". A slanted edge has the
 // outward unit normal (normal_along, normal_across) in the right half, and the mirror image in the left half.
 //
@@ -14,7 +14,7 @@
 // where the gradients contain the axis' spacing in units. The numbers are there in double ("exact"), from which offsets
 // are formed, and rounded to float, for steps within a brick and for tests that have slack.
 //
-// The polyhedron, both sides of the face at once, with slack eta and height cap (METHOD, section 8.1):
+// The polyhedron, both sides of the face at once, with slack eta and height cap (docs/method.md, 'Rounding and slack'):
 //   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,
 //   |Z| <= cap + eta,  -base[left] - cap - eta <= X <= base[right] + cap + eta.
 #ifndef CLSDF_POLYHEDRON_H
@@ -39,7 +39,8 @@ using clsdf_uint32 = std::uint32_t;
 #define CLSDF_HALF_RIGHT 0
 #define CLSDF_HALF_LEFT 1
 
-// The slope of an edge that no other face shares: its plane never cuts (METHOD, section 8.1: BIG eta >= d).
+// The slope of an edge that no other face shares: its plane never cuts (docs/method.md, 'Leaned frusta': open * eta >=
+// d).
 #define CLSDF_OPEN_SLOPE 1.0e6f
 
 // No slope above 1 and no slanted edge steeper than 0.15 to the base: the lateral planes alone bound the polyhedron

@@ -8,8 +8,8 @@
 
 namespace clsdf::slices {
 
-/// The cone of a vertex: {u : u . n <= 0 for the directions n to all neighbours} (METHOD, section 4.1), and what bounds
-/// its part of the unit ball.
+/// The cone of a vertex: {u : u . n <= 0 for the directions n to all neighbours} (docs/method.md, 'What an exact
+/// polyhedron must contain'), and what bounds its part of the unit ball.
 class MauchCone {
 public:
     /// normal . u <= 0, or <= 1 where it is a cap; of unit length.

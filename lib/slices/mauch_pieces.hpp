@@ -18,10 +18,10 @@ struct MauchPieces {
 
 /// Mauch's polyhedra (S. Mauch, Efficient Algorithms for Solving Static Hamilton-Jacobi Equations, 2003), for a band of
 /// `half_width` units: a tower on both sides of each face, a wedge at each edge, a cone at each vertex, each with the
-/// distance to its own site. They are the sites' normal cones (METHOD, section 4.1), and therefore exact for every set
-/// of triangles, not only for closed surfaces: at an edge the one sector, at a vertex the one cone whose directions
-/// lead away from all faces there. An edge whose faces are in one plane has none, nor has a vertex whose neighbours
-/// surround it.
+/// distance to its own site. They are the sites' normal cones (docs/method.md, 'What an exact polyhedron must
+/// contain'), and therefore exact for every set of triangles, not only for closed surfaces: at an edge the one sector,
+/// at a vertex the one cone whose directions lead away from all faces there. An edge whose faces are in one plane has
+/// none, nor has a vertex whose neighbours surround it.
 ///
 /// A face too degenerate for its walls to be known within CLSDF_PIECE_SLACK gets a box with the distance to the nearest
 /// of its seven sites instead, which does for its edges and vertices too.

@@ -13,7 +13,7 @@ using nlohmann::json;
 
 namespace {
 
-/// METHOD's B2: its obtuse corners make the paper's polyhedra wrong.
+/// The counterexample b2 (docs/method.md): its obtuse corners make the paper's polyhedra wrong.
 const std::string obtuse_tetrahedron =
     "OFF\n4 4 0\n0 0 0\n-4 -4 -3\n1 1 3\n-2 -1 -2\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
 

@@ -3,8 +3,8 @@
 
 #include <clsdf/device.hpp>
 
-#include <boost/test/unit_test.hpp>
 #include <fmt/format.h>
+#include <boost/test/unit_test.hpp>
 
 #include <bit>
 #include <string>
@@ -93,6 +93,6 @@ BOOST_AUTO_TEST_CASE(kernels_of_vectors_are_plain_opencl_c_where_the_compiler_ha
     const Device device = Device::best();
     for (const char* file : {"scan.cl", "coarse_lists.cl", "sign_sweep.cl", "bricks_by_vector.cl", "fill.cl"})
         for (const unsigned lanes : {8U, 16U})
-            BOOST_CHECK_NO_THROW(device::guarded(
-                [&] { build(device.internal(), forget + device::kernel_text(file), lanes); }));
+            BOOST_CHECK_NO_THROW(
+                device::guarded([&] { build(device.internal(), forget + device::kernel_text(file), lanes); }));
 }

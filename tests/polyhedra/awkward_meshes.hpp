@@ -61,7 +61,7 @@ inline Mesh random_stairs(Random& random) {
     return extruded("stairs", profile, random.uniform(1, 20));
 }
 
-/// METHOD's A3 with a flap of random size and lean.
+/// The counterexample a3 (docs/method.md) with a flap of random size and lean.
 inline Mesh random_flap(Random& random) {
     const double height = std::pow(10, random.uniform(-3, 1));
     const double lean = random.uniform(-2, 2);
@@ -112,7 +112,7 @@ inline Mesh random_fan(Random& random) {
     return closed_fan("fan", ring);
 }
 
-/// METHOD's H6: a fan folded into nearly one plane and a half.
+/// Like the counterexample h6 (docs/method.md): a fan folded into nearly one plane and a half.
 inline Mesh random_folded_sheet(Random& random) {
     const double thickness = std::pow(10, random.uniform(-6, 0));
     std::vector<Vec3> vertices{{0, 0, 0}};

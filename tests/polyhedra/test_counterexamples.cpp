@@ -4,7 +4,7 @@
 
 #include <boost/test/unit_test.hpp>
 
-/// METHOD, sections 2 and 8.4.
+/// docs/method.md, 'Counterexamples'.
 namespace clsdf::test {
 namespace {
 

@@ -157,7 +157,8 @@ BOOST_AUTO_TEST_CASE(the_sign_is_exact_where_the_distance_is_not) {
 }
 
 // Shares of the band, in percent, that have a wrong distance or none; what prototypes in double precision found for
-// shapes of the same kind (METHOD, section 3): 2.2 and 2.8 of the stairs at 3 and 10%, 0.1 of the seashell at 10%.
+// shapes of the same kind (docs/peikert-sigg.md, 'What they miss'): 2.2 and 2.8 of the stairs at 3 and 10%, 0.1 of the
+// seashell at 10%.
 BOOST_AUTO_TEST_CASE(the_share_of_wrong_samples_is_that_of_the_paper) {
     const auto wrong_share = [](const char* name, double share) {
         const Mesh mesh = tilted(make_shape(name));
