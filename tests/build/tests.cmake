@@ -13,3 +13,7 @@ add_test(
   NAME licences
   COMMAND ${CMAKE_COMMAND} -DBUILD=${PROJECT_BINARY_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/licences
           -P ${CMAKE_CURRENT_LIST_DIR}/licences.cmake)
+
+# Sections that comments cite by their titles are there.
+add_test(NAME citations COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P
+                                ${CMAKE_CURRENT_LIST_DIR}/citations.cmake)

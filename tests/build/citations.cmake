@@ -1,0 +1,31 @@
+# SOURCE: the source tree.
+#
+# A comment that cites a page of docs/, with a section's title in quotation marks behind it, cites what is there.
+cmake_minimum_required(VERSION 3.25)
+
+set(citation "docs/[a-z0-9-]+\\.md, '[^']+'")
+set(found 0)
+file(GLOB_RECURSE sources ${SOURCE}/kernels/*.cl ${SOURCE}/kernels/*.h ${SOURCE}/lib/*.[ch]pp ${SOURCE}/apps/*.[ch]pp
+     ${SOURCE}/benchmarks/*.[ch]pp ${SOURCE}/tests/*.[ch]pp)
+foreach(source ${sources})
+  file(READ ${source} text)
+  string(REGEX REPLACE "\n *///? *" " " text "${text}")
+  string(REGEX MATCHALL "${citation}" citations "${text}")
+  foreach(each ${citations})
+    string(REGEX MATCH "(docs/[^,]+), '([^']+)'" whole "${each}")
+    set(page ${SOURCE}/${CMAKE_MATCH_1})
+    set(title "${CMAKE_MATCH_2}")
+    set(content "")
+    if(EXISTS ${page})
+      file(READ ${page} content)
+    endif()
+    string(FIND "${content}" "# ${title}\n" position)
+    if(position EQUAL -1)
+      message(SEND_ERROR "${source} cites ${each}, which is not there")
+    endif()
+    math(EXPR found "${found} + 1")
+  endforeach()
+endforeach()
+if(found LESS 5)
+  message(SEND_ERROR "only ${found} citations were found")
+endif()
