@@ -31,10 +31,10 @@ struct Field : FieldDescription {
     std::vector<float> distance;          ///< signed distance in the mesh's units
     std::vector<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
 
-    /// By the file's ending: .nrrd (raw, attached, little endian) or .npy (C order, shape (nz, ny, nx), with
-    /// FILE.npy.json beside it, which says what .npy cannot). Triangles go to a file of their own, FILE_triangle.nrrd
-    /// or FILE_triangle.npy, which the field's header or sidecar names. Nothing appears under its final name before
-    /// everything has been written; the distances appear last.
+    /// By the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, where OpenVDB is built in, .vdb; docs/formats.md says
+    /// what each of them holds. Beside .nrrd and .npy triangles have a file of their own, FILE_triangle.nrrd or
+    /// FILE_triangle.npy. Nothing appears under its final name before everything has been written; the distances appear
+    /// last.
     /// Throws Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) where the
     /// arrays do not fit the grid.
     void write(const std::string& path) const;

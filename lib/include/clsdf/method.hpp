@@ -34,6 +34,7 @@ Polyhedra parse_polyhedra(const std::string& text);
 
 /// "auto", "bricks", "slices".
 const char* name_of(Scan scan);
+/// Throws Error(invalid_argument) that lists the names.
 Scan parse_scan(const std::string& text);
 
 /// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned

@@ -11,9 +11,8 @@ struct ShapeName {
 };
 std::vector<ShapeName> shape_names();
 
-/// Meshes made by code: sphere0 ... sphere9 (subdivided octahedra; sphere6 is the paper's, 16,386 vertices), torus,
-/// knot, seashell, stairs, plate, needle, tetrahedron, noisy, nested. Throws Error(invalid_argument) that names the
-/// nearest one.
+/// Meshes made by code, by the names that shape_names() lists: sphere0 to sphere9 (sphere6 is the paper's, 16,386
+/// vertices), torus, knot, stairs and others. Throws Error(invalid_argument) that names the nearest one.
 Mesh make_shape(const std::string& name);
 
 }  // namespace clsdf

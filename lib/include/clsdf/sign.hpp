@@ -16,6 +16,7 @@ enum class SignRule {
 
 /// "auto", "nonzero", "parity", "none".
 const char* name_of(SignRule rule);
+/// Throws Error(invalid_argument) that lists the names.
 SignRule parse_sign_rule(const std::string& text);
 
 /// The rule that will be used, and what the user should be told about it (empty where nothing).
