@@ -50,7 +50,7 @@ void cut(std::vector<Vector2>& polygon, const Vector2& n, double limit, std::vec
         const double before = n.dot(from) - limit, after = n.dot(to) - limit;
         if (before <= 0) result.push_back(from);
         if ((before < 0 && after > 0) || (before > 0 && after < 0))
-            result.push_back(from + before / (before - after) * (to - from));
+            result.emplace_back(from + before / (before - after) * (to - from));
     }
     polygon.swap(result);
 }
@@ -194,6 +194,7 @@ private:
             if (polygon.size() < 3) return {};
         }
         std::vector<Vector> rays;
+        rays.reserve(polygon.size());
         for (const Vector2& p : polygon) rays.push_back((axis + p.x() * x + p.y() * y).normalized());
         return rays;
     }

@@ -81,7 +81,7 @@ public:
     void convert(const SiteSolid& solid, std::int32_t begin, std::int32_t end, SoftwareScanCounts& counts) {
         const auto [low, high] = heights_of(solid);
         for (std::int32_t k = begin; k < end; ++k) {
-            const float z = static_cast<float>(k - solid.origin[2]);
+            const auto z = static_cast<float>(k - solid.origin[2]);
             // A slice along an end of the solid cuts just inside it.
             const float inset = std::min(slack_, 0.25F * (high - low));
             cut(solid, std::clamp(z, low + inset, high - inset));

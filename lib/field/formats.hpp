@@ -25,12 +25,12 @@ public:
 };
 
 struct Format {
-    const char* ending;  ///< with its dot, in lower case
+    const char* ending = nullptr;  ///< with its dot, in lower case
     /// Throws Error(unsupported) for what the format has no place for. The grid and the band are valid.
     std::unique_ptr<FormatWriter> (*writer)(const std::string& path, const FieldDescription& field,
-                                            const Outputs& outputs);
+                                            const Outputs& outputs) = nullptr;
     /// Throws Error(unreadable_input), or Error(invalid_argument) where a value makes no sense.
-    Field (*read)(const std::string& path);
+    Field (*read)(const std::string& path) = nullptr;
     /// Whether it has a place for other outputs than the distance.
     bool has_extras = true;
     /// Throws Error(unsupported) where this build lacks the format.

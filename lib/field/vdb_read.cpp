@@ -35,7 +35,7 @@ public:
 
     template <class GridType>
     typename GridType::Ptr read(const std::string& name) {
-        const auto grid = openvdb::gridPtrCast<GridType>(file_.readGrid(name));
+        auto grid = openvdb::gridPtrCast<GridType>(file_.readGrid(name));
         if (!grid) input_.fail(fmt::format("grid '{}' is of another type", name));
         return grid;
     }

@@ -21,7 +21,6 @@ namespace clsdf {
 namespace {
 
 using namespace vdb;
-using openvdb::Coord;
 
 constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
 
@@ -147,9 +146,9 @@ public:
         layer.for_each_block([&](const Block& block) {
             bool is_background = true;
             layer.for_each_sample(block, [&](openvdb::Index, std::size_t sample) {
-                const Value value = value_of(sample);
                 is_background = is_background && fill_.is_beyond(distance[sample]) &&
-                                std::memcmp(&value, &background_, sizeof(Value)) == 0;
+                                std::ranges::equal(values.subspan(sample * sizeof(Value), sizeof(Value)),
+                                                   std::as_bytes(std::span(&background_, 1)));
             });
             if (is_background) return;
             auto& leaf = *grid_->tree().touchLeaf(coordinates(block.first));

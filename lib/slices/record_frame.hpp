@@ -12,7 +12,7 @@ namespace clsdf::slices {
 /// A length in units, affine in a sample's offset from an integer origin.
 struct Affine {
     polyhedra::Vector gradient;
-    double constant;
+    double constant = 0;
 
     friend Affine operator*(double factor, const Affine& a) { return {factor * a.gradient, factor * a.constant}; }
     friend Affine operator+(const Affine& a, const Affine& b) {
@@ -63,7 +63,7 @@ public:
 private:
     struct Half {
         Affine away;  ///< from the altitude
-        double base, along, across;
+        double base = 0, along = 0, across = 0;
     };
 
     Half half_of(std::size_t edge) const {
@@ -90,7 +90,7 @@ public:
     std::size_t size() const { return count_; }
 
 private:
-    std::array<PiecePlane, CLSDF_MOST_PLANES> planes_;
+    std::array<PiecePlane, CLSDF_MOST_PLANES> planes_{};
     std::size_t count_ = 0;
 };
 

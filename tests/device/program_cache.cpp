@@ -53,7 +53,7 @@ private:
 
 /// A device with a context of its own that keeps its programs there.
 Device device_with(const std::string& folder) {
-    const Device device = Device::best();
+    Device device = Device::best();
     device.set_program_cache(folder);
     return device;
 }
@@ -206,6 +206,7 @@ BOOST_AUTO_TEST_CASE(serves_many_threads_that_write_and_read_the_same_programs) 
     const TemporaryFolder folder;
     std::atomic<int> wrong = 0;
     std::vector<std::thread> threads;
+    threads.reserve(4);
     for (int t = 0; t < 4; ++t)
         threads.emplace_back([&] {
             const ProgramCache cache(path_of(folder), 20000);
