@@ -1,4 +1,4 @@
-// Inside or outside at every sample: the exact winding number by a sweep along x (METHOD, section 7 and 8.5).
+// Inside or outside at every sample: the exact winding number by a sweep along x (docs/method.md, 'Sign by crossings').
 //
 // y and z of the vertices are snapped to multiples of 2^-b spacings, such that samples are exact: sample (j, k) lies at
 // (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) iff three edge functions, exact

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-/// The bounding polyhedra as Peikert & Sigg published them. They are not exact (METHOD, section 2): they are here to be
-/// compared with.
+/// The bounding polyhedra as Peikert & Sigg published them. They are not exact (docs/method.md, 'Why the published
+/// polyhedra are not exact'): they are here to be compared with.
 namespace clsdf::peikert_sigg {
 
 /// The slab of the half width about a triangle, cut by the bisector planes of the dihedral angles at its edges.

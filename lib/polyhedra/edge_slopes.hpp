@@ -24,13 +24,13 @@ enum EdgeMark : std::uint8_t {
 
 /// Of each edge of a face; edge k runs from the face's vertex k to the next.
 struct FaceEdges {
-    std::array<float, 3> above;           ///< slope of its lateral plane above the face (METHOD, section 8.1) and
-    std::array<float, 3> below;           ///< below it, rounded up to float
+    std::array<float, 3> above;  ///< slope of its lateral plane above the face (docs/method.md, 'Leaned frusta') and
+    std::array<float, 3> below;  ///< below it, rounded up to float
     std::array<std::uint32_t, 3> across;  ///< the other face's edge, packed, where there is exactly one other face
     std::array<std::uint8_t, 3> marks;
 };
 
-/// The slope that no point of the band gets past (BIG in METHOD, section 8.1): open * slack >= half_width.
+/// The slope that no point of the band gets past (docs/method.md, 'Leaned frusta'): open * slack >= half_width.
 float open_slope(double half_width, double slack);
 
 /// `x` >= 0 as a float that is not below it, also after the roundings that led to it.

@@ -245,8 +245,8 @@ std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> 
                                     std::span<const TriangleFrame> frames, std::span<const FaceEdges> faces,
                                     const OneRings& rings, const LatticeView& lattice, double half_width,
                                     double slack) {
-    // A direction rejected by less than this lies within a quarter of the slack of the polyhedron (METHOD,
-    // section 8.2).
+    // A direction rejected by less than this lies within a quarter of the slack of the polyhedron (docs/method.md,
+    // 'Gaps at saddle vertices').
     const double margin = slack / (4 * std::max(half_width, 1.0));
     std::vector<std::uint8_t> marks(rings.vertex_count());
     for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {

@@ -15,8 +15,8 @@ enum VertexMark : std::uint8_t {
     vertex_gap = 2,     ///< directions may be left out by the polyhedra of all its faces: it needs a point site
 };
 
-/// The marks of every vertex (METHOD, section 8.2). A vertex without vertex_gap has its whole normal cone in its faces'
-/// polyhedra, widened by a quarter of the slack.
+/// The marks of every vertex (docs/method.md, 'Gaps at saddle vertices'). A vertex without vertex_gap has its whole
+/// normal cone in its faces' polyhedra, widened by a quarter of the slack.
 std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> triangles,
                                     std::span<const TriangleFrame> frames, std::span<const FaceEdges> faces,
                                     const OneRings& rings, const LatticeView& lattice, double half_width, double slack);

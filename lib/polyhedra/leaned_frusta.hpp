@@ -37,8 +37,8 @@ struct LeanedFrustaOptions {
     bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
 };
 
-/// The exact bounding polyhedra (METHOD, section 8) for a band of `half_width` units (finite), widened by `slack`
-/// units, which must exceed the rounding of every test made with them: slack >= 1e-3 + 2e-5 half_width.
+/// The exact bounding polyhedra (docs/method.md, 'Leaned frusta') for a band of `half_width` units (finite), widened by
+/// `slack` units, which must exceed the rounding of every test made with them: slack >= 1e-3 + 2e-5 half_width.
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options = {});
 

@@ -12,9 +12,9 @@ namespace clsdf::transform {
 
 struct Programs;
 
-/// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (METHOD, sections 7 and 8.5). With
-/// SignRule::none all bits are 0. The mesh's triangles are on the device already. Throws Error(unsupported) where the
-/// mesh reaches farther from the grid than the sweep's integers.
+/// One bit a sample of the part's bricks, 1 inside: rows of layout.sign_words words (docs/method.md, 'Sign by
+/// crossings'). With SignRule::none all bits are 0. The mesh's triangles are on the device already. Throws
+/// Error(unsupported) where the mesh reaches farther from the grid than the sweep's integers.
 device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& programs,
                                       const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                                       const Grid& grid, const Mesh& mesh, SignRule rule, const cl::Buffer& triangles,
