@@ -12,6 +12,7 @@
 
 typedef struct Reach {
     float x, y, z, right, left;
+    float right_end, left_end, apex;  // along the bounds of the corners (touched_within)
 } Reach;
 
 // Of blocks that reach half_x, half_y and half_z samples from their centre.
@@ -28,6 +29,9 @@ INLINE Reach reach_of(__global const Polyhedron* p, float half_x, float half_y, 
     r.z = widen * frame.z;
     r.right = widen * (right.x * half_x + (right.y * half_y + right.z * half_z));
     r.left = widen * (left.x * half_x + (left.y * half_y + left.z * half_z));
+    r.right_end = normal.x * r.x;
+    r.left_end = normal.y * r.x;
+    r.apex = (normal.y * normal.z + normal.x * normal.w) * r.y;
     return r;
 }
 
@@ -38,7 +42,15 @@ INLINE Reach reach_of_cube(__global const Polyhedron* p, float half_side) {
 
 // The same, enlarged by the slack of a test.
 static inline Reach widened(Reach r, float slack) {
-    const Reach wide = {r.x + slack, r.y + slack, r.z + slack, r.right + slack, r.left + slack};
+    // The bounds of the corners are sums of two others, with factors of at most one.
+    const Reach wide = {r.x + slack,
+                        r.y + slack,
+                        r.z + slack,
+                        r.right + slack,
+                        r.left + slack,
+                        r.right_end + 2.0f * slack,
+                        r.left_end + 2.0f * slack,
+                        r.apex + 2.0f * slack};
     return wide;
 }
 
@@ -57,6 +69,10 @@ INLINE Centres centres_of(__global const Polyhedron* p, Place place, floatL i, f
 
 // Bit b: block b, where its lateral planes lie base[b], right[b] and left[b] outward of the edges. `reach` includes the
 // slack of the greatest cap.
+//
+// Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet touch both. The
+// polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of
+// the planes' own, each times a component of a normal.
 INLINE uint touched_within(__global const Polyhedron* p, Place place, Centres c, floatL base, floatL right, floatL left,
                            Reach reach, floatL cap) {
     const float along_right = p->normal_along[CLSDF_HALF_RIGHT], across_right = p->normal_across[CLSDF_HALF_RIGHT];
@@ -68,9 +84,13 @@ INLINE uint touched_within(__global const Polyhedron* p, Place place, Centres c,
         left = LESSER(left, cap);
         in &= (place.beyond_right + c.x <= cap + reach.x) & (place.beyond_left - c.x <= cap + reach.x);
     }
-    in &= (-(place.y + reach.y) - c.y <= base) &
-          ((place.outward_right - reach.right) + (along_right * c.x + across_right * c.y) <= right) &
-          ((place.outward_left - reach.left) + (across_left * c.y - along_left * c.x) <= left);
+    const floatL past_base = -place.y - c.y - base;
+    const floatL past_right = place.outward_right + (along_right * c.x + across_right * c.y) - right;
+    const floatL past_left = place.outward_left + (across_left * c.y - along_left * c.x) - left;
+    in &= (past_base <= reach.y) & (past_right <= reach.right) & (past_left <= reach.left) &
+          (past_right + across_right * past_base <= reach.right_end) &
+          (past_left + across_left * past_base <= reach.left_end) &
+          (along_left * past_right + along_right * past_left <= reach.apex);
     return lanes_to_bits(in);
 }
 
@@ -149,7 +169,7 @@ static inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
 // Bit b: whether the polyhedron itself, with a band's half width and slack, holds sample b.
 INLINE uint covered_samples(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, float half_width,
                             float slack) {
-    const Reach reach = {slack, slack, slack, slack, slack};
+    const Reach reach = widened((Reach){0.0f}, slack);
     return touched_blocks(p, place_of(o), centres_of(p, place_of(o), i, j, k), reach, (floatL)half_width);
 }
 #endif

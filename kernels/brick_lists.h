@@ -3,15 +3,7 @@
 #define CLSDF_BRICK_LISTS_H
 
 #include "lane_polyhedra.h"
-
-// Sub-blocks are SUBBLOCK_X x 2 x 2 samples, a vector; number b of a brick is the b-th with x running fastest.
-#define SUBBLOCK_X (LANES / 4)
-#define SUBBLOCKS_X (CLSDF_BRICK / SUBBLOCK_X)
-#define SUBBLOCKS (512 / LANES)
-
-// How many polyhedra of a brick's list are taken at a time.
-#define CHUNK 128
-#define LIST_ROOM (CHUNK + LANES)
+#include "subblocks.h"
 
 // A bit a lane.
 #if LANES == 16
@@ -74,17 +66,26 @@ INLINE uint lanes_in_list(uint e, uint count) {
     return e + LANES <= count ? LANE_BITS : (1u << (count - e)) - 1;
 }
 
+// Slopes of the lateral planes for blocks whose heights over the face differ by at most `reach` from z: of the side on
+// which they lie; where they may lie on both, the greater ones, which bound both.
+INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL reach, floatL* slopes) {
+    const intL is_above = z > reach, is_below = -z > reach;
+#pragma unroll
+    for (uint edge = 0; edge < 3; ++edge)
+        slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : p->greater[edge];
+}
+
 // Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 touch: brick b's mask of lanes goes to
 // masks[b * stride]. Returns which bricks any of them touches.
 INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes,
                             __global LaneMask* masks, uint stride) {
-    Bounds reach = reach_of_lanes(p, 0.5f * (CLSDF_BRICK - 1), 0.5f * (CLSDF_BRICK - 1), 0.5f * (CLSDF_BRICK - 1));
+    const float half_side = 0.5f * (CLSDF_BRICK - 1);
+    const LaneReach reach = reach_of_lanes(p, half_side, half_side, half_side, slack);
     const Bounds step_x = bounds_product(p->step_x, CLSDF_BRICK), step_y = bounds_product(p->step_y, CLSDF_BRICK),
                  step_z = bounds_product(p->step_z, CLSDF_BRICK);
     Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
                               bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f)));
-    slice = without_reach(slice, reach, slack);
-    const floatL reach_z = reach.z + slack;
+    slice = without_reach(slice, &reach);
     ulong any = 0;
     uint b = 0;
     for (uint z = 0; z < 4; ++z) {
@@ -93,12 +94,9 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
             Bounds at = row;
 #pragma unroll
             for (uint x = 0; x < 4; ++x) {
-                const floatL above = reach_z + at.z, below = reach_z - at.z;
-#define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
-                const uint touched =
-                    lanes & lanes_to_bits(touches(at, fabs(at.z), WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT),
-                                                  WIDTH(CLSDF_EDGE_LEFT), reach_z, (floatL)caps[b], p->all_compact));
-#undef WIDTH
+                floatL slopes[3];
+                slopes_at(p, at.z, reach.z, slopes);
+                const uint touched = lanes & lanes_to_bits(touches(p, at, slopes, &reach, caps[b]));
                 masks[(size_t)b * stride] = (LaneMask)touched;
                 any |= (ulong)(touched != 0) << b;
                 ++b;
@@ -111,50 +109,49 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
     return any;
 }
 
-// Appends the numbers first, first + 1, ... of those polyhedra that touch a sub-block to its list. Returns which of
-// them touch any.
-INLINE uint list_subblocks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes, uint first,
-                           __private uint* lists, __private uint* lengths) {
+// Which sub-blocks each of the polyhedra touches; returns which of the polyhedra touch any.
+INLINE uint touched_subblocks(const LanePolyhedra* p, __private const float* caps, float slack,
+                              __private SubblockMask* masks) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
-    const Bounds reach = reach_of_lanes(p, half_x, 0.5f, 0.5f);
+    const LaneReach reach = reach_of_lanes(p, half_x, 0.5f, 0.5f, slack);
     const Bounds step_x = bounds_product(p->step_x, SUBBLOCK_X), step_y = bounds_product(p->step_y, 2.0f),
                  step_z = bounds_product(p->step_z, 2.0f);
     Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
                               bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
-    slice = without_reach(slice, reach, slack);
-    const floatL reach_z = reach.z + slack;
-    // Slopes of the side of the face on which all of the brick's samples lie; where they lie on both, or within the
-    // slack of the face, the greater ones, which bound both.
+    slice = without_reach(slice, &reach);
     const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
-    const intL is_above = p->at.z - extent > slack, is_below = -p->at.z - extent > slack;
     floatL slopes[3];
-#pragma unroll
-    for (uint edge = 0; edge < 3; ++edge)
-        slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : GREATER(p->above[edge], p->below[edge]);
-    const uintL numbers = LANE_NUMBERS + first;
-    uint any = 0, b = 0;
-    for (uint z = 0; z < 4; ++z) {
+    slopes_at(p, p->at.z, extent + slack, slopes);
+    uintL bits[SUBBLOCKS / 32];
+    for (uint n = 0; n < SUBBLOCKS / 32; ++n) bits[n] = 0;
+    uint b = 0;
+    for (uint x = 0; x < SUBBLOCKS_X; ++x) {
         Bounds row = slice;
-        for (uint y = 0; y < 4; ++y) {
+        for (uint z = 0; z < 4; ++z) {
             Bounds at = row;
 #pragma unroll
-            for (uint x = 0; x < SUBBLOCKS_X; ++x) {
-                const floatL height = fabs(at.z), wide = height + reach_z;
-                const uint touched =
-                    lanes &
-                    lanes_to_bits(touches(at, height, slopes[CLSDF_EDGE_BASE] * wide, slopes[CLSDF_EDGE_RIGHT] * wide,
-                                          slopes[CLSDF_EDGE_LEFT] * wide, reach_z, (floatL)caps[b], p->all_compact));
-                store_lanes(packed(numbers, touched), 0, lists + b * LIST_ROOM + lengths[b]);
-                lengths[b] += popcount(touched);
-                any |= touched;
+            for (uint y = 0; y < 4; ++y) {
+                const intL touched = touches(p, at, slopes, &reach, caps[b]);
+                bits[b / 32] = bits[b / 32] >> 1 | (as_uintL(touched) & 0x80000000u);
                 ++b;
-                at = bounds_sum(at, step_x);
+                at = bounds_sum(at, step_y);
             }
-            row = bounds_sum(row, step_y);
+            row = bounds_sum(row, step_z);
         }
-        slice = bounds_sum(slice, step_z);
+        slice = bounds_sum(slice, step_x);
     }
-    return any;
+#if LANES == 16
+    store_lanes(bits[0], 0, masks);
+    return lanes_to_bits(bits[0] != 0);
+#else
+    for (uint lane = 0; lane < LANES; ++lane) masks[lane] = 0;
+    for (uint n = 0; n < SUBBLOCKS / 32; ++n) {
+        uint words[LANES];
+        store_lanes(bits[n], 0, words);
+        for (uint lane = 0; lane < LANES; ++lane) masks[lane] |= (SubblockMask)words[lane] << 32 * n;
+    }
+    return lanes_to_bits((bits[0] | bits[1]) != 0);
+#endif
 }
 
 // The entries of a list that masks choose; returns how many. There is room for a vector beyond them.

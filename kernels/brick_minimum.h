@@ -1,21 +1,8 @@
-// The least distance of each sample of a brick: from lists by sub-block into the field.
+// The least distance of each sample of a brick, and its way into the field.
 #ifndef CLSDF_BRICK_MINIMUM_H
 #define CLSDF_BRICK_MINIMUM_H
 
-#include "blocks.h"
-#include "brick_lists.h"
-#include "distance.h"
-
-// Offsets of the first sample of sub-block b from the brick's centre.
-static inline float subblock_x(uint b) {
-    return (float)(b % SUBBLOCKS_X * SUBBLOCK_X) - 3.5f;
-}
-static inline float subblock_y(uint b) {
-    return (float)(b / SUBBLOCKS_X % 4 * 2) - 3.5f;
-}
-static inline float subblock_z(uint b) {
-    return (float)(b / (SUBBLOCKS_X * 4) * 2) - 3.5f;
-}
+#include "subblocks.h"
 
 // The state of a brick's samples, a vector per sub-block.
 typedef struct Minimum {
@@ -25,74 +12,27 @@ typedef struct Minimum {
 #endif
 } Minimum;
 
-// A polyhedron at a brick: what its distances take, side by side.
-typedef struct Evaluated {
-    Offsets offsets;
-    Steps steps;
-    uint triangle;
-    uint number;
-} Evaluated;
-
-INLINE Evaluated evaluated_at(__global const Polyhedron* polyhedra, uint number, double3 at) {
-    __global const Polyhedron* p = polyhedra + number;
-    Evaluated e;
-    e.offsets = offsets_at(p, at.x, at.y, at.z);
-    e.steps = steps_of(p);
-    e.triangle = p->triangle;
-    e.number = number;
-    return e;
-}
-
-// The distance from the samples of sub-block b to the triangles of a list, into the minimum.
-static inline void evaluate(uint b, uint count, __private const uint* chosen, __private const Evaluated* evaluated,
-                            __global const Polyhedron* polyhedra, double3 centre, __global Minimum* minimum,
-                            Layout layout, __private ulong* counters) {
-    const uintL lane = LANE_NUMBERS;
-    const floatL i = convert_floatL(lane & (SUBBLOCK_X - 1)) + subblock_x(b);
-    const floatL j = convert_floatL((lane / SUBBLOCK_X) & 1u) + subblock_y(b);
-    const floatL k = convert_floatL(lane / (SUBBLOCK_X * 2)) + subblock_z(b);
-    floatL least = minimum->squared[b];
+static inline void clear_minimum(__global Minimum* minimum) {
+    for (uint b = 0; b < SUBBLOCKS; ++b) {
+        minimum->squared[b] = INFINITY;
 #ifdef NEAREST
-    uintL nearest = minimum->triangle[b];
-#endif
-    for (uint n = 0; n < count; ++n) {
-        __private const Evaluated* e = evaluated + chosen[n];
-#ifdef LONG_BRICKS
-        const floatL squared = squared_distance_long_brick(
-            polyhedra + e->number, frame_at(polyhedra + e->number, centre.x, centre.y, centre.z), i, j, k);
-#else
-        const floatL squared = squared_distance(e->steps, e->offsets, i, j, k);
-#endif
-#ifdef NEAREST
-        const uint triangle = e->triangle;
-        const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
-        nearest = better ? (uintL)triangle : nearest;
-        least = better ? squared : least;
-#else
-        least = squared < least ? squared : least;
-#endif
-#ifdef COUNT
-        const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
-        counters[CLSDF_COUNT_COVERED] +=
-            popcount(covered_samples(polyhedra + e->number, e->offsets, i, j, k, layout.half_width, slack) & LANE_BITS);
+        minimum->triangle[b] = CLSDF_NO_TRIANGLE;
 #endif
     }
-    minimum->squared[b] = least;
-#ifdef NEAREST
-    minimum->triangle[b] = nearest;
-#endif
-#ifdef COUNT
-    counters[CLSDF_COUNT_LANES] += (ulong)count * LANES;
-#endif
 }
 
-// What is written.
-typedef struct Output {
-    __global float* distance;
+// Of triangles that are equally near the one that comes first in the caller's order is kept.
+INLINE void lower_minimum(__global Minimum* minimum, uint b, floatL squared, uint triangle) {
+    const floatL least = minimum->squared[b];
 #ifdef NEAREST
-    __global uint* triangle;
+    const uintL nearest = minimum->triangle[b];
+    const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
+    minimum->triangle[b] = better ? (uintL)triangle : nearest;
+    minimum->squared[b] = better ? squared : least;
+#else
+    minimum->squared[b] = LESSER(squared, least);
 #endif
-} Output;
+}
 
 // Upper bounds of the distances in a sub-block and in a brick, as far as they are computed.
 INLINE float cap_of_subblock(__global const Minimum* minimum, uint b, float cap) {
@@ -106,13 +46,22 @@ static inline float cap_of_brick(__global const Minimum* minimum, float cap) {
     return LESSER(reached, cap);
 }
 
+// What is written.
+typedef struct Output {
+    __global float* distance;
+#ifdef NEAREST
+    __global uint* triangle;
+#endif
+} Output;
+
 // Row (y, z) of a brick's samples, out of the vectors of its sub-blocks.
 INLINE uint8 row_of(__global const uint* vectors, uint y, uint z) {
-    __global const uint* part = vectors + (z / 2 * 4 + y / 2) * SUBBLOCKS_X * LANES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
+    __global const uint* part = vectors + (z / 2 * 4 + y / 2) * LANES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
 #if LANES == 16
-    return (uint8)(vload4(0, part), vload4(0, part + LANES));
+    return (uint8)(vload4(0, part), vload4(0, part + 16 * LANES));
 #else
-    return (uint8)(vload2(0, part), vload2(0, part + LANES), vload2(0, part + 2 * LANES), vload2(0, part + 3 * LANES));
+    return (uint8)(vload2(0, part), vload2(0, part + 16 * LANES), vload2(0, part + 32 * LANES),
+                   vload2(0, part + 48 * LANES));
 #endif
 }
 

@@ -2,8 +2,8 @@
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
 //   coarse brick: an upper bound of the distance for each of its bricks (cap); masks of the polyhedra that touch each;
-//   brick:        its list; for CHUNK polyhedra at a time, the lists of its sub-blocks (one vector of samples each);
-//   sub-block:    the distance to each triangle of its list, the minimum kept in registers.
+//   brick:        its list; for LANES polyhedra at a time, masks of the sub-blocks (a vector of samples each) they
+//   touch; sub-block:    the distance to each triangle that touches it, into the minimum.
 //
 // Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
 // minima wait in memory until the last of them.
@@ -11,8 +11,11 @@
 // Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal
 // that distances take double (distance.h); COUNT counts work.
 
+#include "brick_distance.h"
 #include "brick_lists.h"
-#include "brick_minimum.h"
+
+// After how many polyhedra of a brick's list the bounds of its distances are taken anew.
+#define CHUNK 64
 
 // Upper bounds of the distance for the samples of each of a brick's sub-blocks: the distance of its centre to the
 // surface point nearest to the brick's centre, and its radius.
@@ -20,62 +23,68 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
                                  __private float* caps) {
     const float3 spacing = vload3(0, layout.spacing);
     const float3 from_foot = from_foot_to(layout, nearest, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
-    const float half_x = 0.5f * (SUBBLOCK_X - 1);
-    const float3 half_sides = (float3)(half_x, 0.5f, 0.5f) * spacing;
+    const float3 half_sides = 0.5f * (float3)(SUBBLOCK_X - 1, 1.0f, 1.0f) * spacing;
     const float radius = sqrt(dot(half_sides, half_sides)) * (1.0f + 1.0e-5f) + layout.brick_slack;
-    for (uint b = 0; b < SUBBLOCKS; b += LANES) {
-        const uintL block = LANE_NUMBERS + b;
-        const floatL i = convert_floatL(block & (SUBBLOCKS_X - 1)) * SUBBLOCK_X + (half_x - 3.5f),
-                     j = convert_floatL((block / SUBBLOCKS_X) & 3u) * 2.0f - 3.0f,
-                     k = convert_floatL(block / (SUBBLOCKS_X * 4)) * 2.0f - 3.0f;
-        const floatL x = i * spacing.x + from_foot.x, y = j * spacing.y + from_foot.y, z = k * spacing.z + from_foot.z;
-        const floatL bound = sqrt(x * x + y * y + z * z) * (1.0f + 1.0e-5f) + radius;
-        store_lanes(LESSER(bound, brick_cap), 0, caps + b);
+    for (uint v = 0; v < SUBBLOCK_PLANE / LANES; ++v) {
+        const floatL y = subblocks_j(v) * spacing.y + from_foot.y;
+        const floatL z = subblocks_k(v) * spacing.z + from_foot.z;
+        const floatL squared = y * y + z * z;
+        for (uint plane = 0; plane < SUBBLOCKS_X; ++plane) {
+            const float x = subblock_i(plane) * spacing.x + from_foot.x;
+            const floatL bound = sqrt(squared + x * x) * (1.0f + 1.0e-5f) + radius;
+            store_lanes(LESSER(bound, brick_cap), v, caps + plane * SUBBLOCK_PLANE);
+        }
     }
+}
+
+// The polyhedra numbers[0, LANES) into a brick's minima, as far as `lanes` says that they count. Returns which
+// sub-blocks any of them touches.
+static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private const uint* numbers, uint lanes,
+                                          __private const float* caps, float slack,
+                                          __global const Polyhedron* polyhedra, __global Minimum* minimum,
+                                          __private ulong* counters) {
+    const float centre = 0.5f * (CLSDF_BRICK - 1);
+    const double3 at = convert_double3(first) + (double)centre;
+    const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, centre);
+    SubblockMask masks[LANES], lowered = 0;
+    const uint touching = lanes & touched_subblocks(&p, caps, slack, masks);
+    // What takes double numbers is a long chain of operations: one polyhedron's hides behind the next one's.
+    AtBrick at_brick[LANES];
+    for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n)
+        set_at_brick(polyhedra + numbers[31 - clz(rest & (0 - rest))], at, at_brick + n);
+    for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
+        const uint lane = 31 - clz(rest & (0 - rest));
+        evaluate(polyhedra + numbers[lane], at_brick + n, masks[lane], at, minimum, layout, counters);
+        lowered |= masks[lane];
+    }
+    return lowered;
 }
 
 // Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
 // `nearest` is a polyhedron whose foot is near the brick.
-static inline void lower_minimum(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
+static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
                                  bool is_first, __global const Polyhedron* nearest,
                                  __global const Polyhedron* polyhedra, __global Minimum* minimum,
                                  __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
     subblock_caps(layout, first, nearest, cap, caps);
-    for (uint b = 0; b < SUBBLOCKS; ++b) {
-        if (is_first) {
-            minimum->squared[b] = INFINITY;
-#ifdef NEAREST
-            minimum->triangle[b] = CLSDF_NO_TRIANGLE;
-#endif
-        } else {
-            caps[b] = cap_of_subblock(minimum, b, caps[b]);
-        }
-    }
-    uint numbers[CHUNK], lists[SUBBLOCKS * LIST_ROOM], lengths[SUBBLOCKS];
-    Evaluated evaluated[CHUNK];
-    const float centre = 0.5f * (CLSDF_BRICK - 1);
-    const double3 at = convert_double3(first) + (double)centre;
+    SubblockMask lowered = 0;
+    if (is_first)
+        clear_minimum(minimum);
+    else
+        lowered = ~lowered;
     const float slack = cap * layout.slack_rate + layout.brick_slack;
-    for (uint begin = 0; begin < count; begin += CHUNK) {
-        const uint end = min(begin + CHUNK, count);
-        for (uint b = 0; b < SUBBLOCKS; ++b) lengths[b] = 0;
-        for (uint e = begin; e < end; e += LANES) {
-            const uint n = e - begin;
-            load_numbers(list, e, end, numbers + n);
-            const LanePolyhedra p = lane_polyhedra(polyhedra, numbers + n, first, centre);
-            uint any = list_subblocks(&p, caps, slack, lanes_in_list(e, end), n, lists, lengths);
-            for (; any; any &= any - 1) {
-                const uint c = n + 31 - clz(any & (0 - any));
-                evaluated[c] = evaluated_at(polyhedra, numbers[c], at);
+    for (uint e = 0; e < count; e += LANES) {
+        if (e % CHUNK == 0)
+            for (; lowered; lowered &= lowered - 1) {
+                const uint b = lowest_subblock(lowered);
+                caps[b] = cap_of_subblock(minimum, b, caps[b]);
             }
-        }
-        for (uint b = 0; b < SUBBLOCKS; ++b) {
-            if (lengths[b] == 0) continue;
-            evaluate(b, lengths[b], lists + b * LIST_ROOM, evaluated, polyhedra, at, minimum, layout, counters);
-            if (end < count) caps[b] = cap_of_subblock(minimum, b, caps[b]);
-        }
+        uint numbers[LANES];
+        load_numbers(list, e, count, numbers);
+        lowered |=
+            evaluate_lanes(layout, first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, minimum, counters);
     }
 #ifdef COUNT
     counters[CLSDF_COUNT_BRICK_PAIRS] += count;
@@ -109,10 +118,16 @@ static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __glo
         const float3 from_foot =
             from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
         const floatL x = i + from_foot.x;
+        floatL of_slice[16 / LANES];
+#pragma unroll
+        for (uint v = 0; v < 16 / LANES; ++v) {
+            const floatL y = j + (from_foot.y + (float)(v * LANES / 4) * (CLSDF_BRICK * layout.spacing[1]));
+            of_slice[v] = x * x + y * y;
+        }
+#pragma unroll
         for (uint v = 0; v < 64 / LANES; ++v) {
-            const floatL y = j + (from_foot.y + (float)(v * LANES / 4 % 4) * (CLSDF_BRICK * layout.spacing[1]));
             const float z = from_foot.z + (float)(v * LANES / 16) * (CLSDF_BRICK * layout.spacing[2]);
-            const floatL squared = x * x + (y * y + z * z);
+            const floatL squared = of_slice[v % (16 / LANES)] + z * z;
             nearest[v] = squared < least[v] ? (uintL)entries[e] : nearest[v];
             least[v] = LESSER(squared, least[v]);
         }
@@ -181,7 +196,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
             const uint chosen =
                 choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
             __global Minimum* minimum = minima + (is_short ? 0 : b);
-            lower_minimum(layout, brick, chosen, scratch->list, caps.cap[b], !(begun >> b & 1),
+            evaluate_list(layout, brick, chosen, scratch->list, caps.cap[b], !(begun >> b & 1),
                           polyhedra + caps.nearest[b], polyhedra, minimum, counters);
             begun |= 1ul << b;
             if (is_short)

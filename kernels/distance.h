@@ -39,15 +39,13 @@ INLINE Steps steps_of(__global const Polyhedron* p) {
     return s;
 }
 
-// Squared distance from the samples (i, j, k) away from the point of the offsets, in squared units.
-INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
-    const floatL dx = i * s.x[0] + (j * s.y[0] + k * s.z[0]);
-    const floatL dy = i * s.x[1] + (j * s.y[1] + k * s.z[1]);
-    const floatL dz = i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low));
+// Squared distance from the samples displaced by (dx, dy, dz) along X, Y, Z from the point of the offsets, in squared
+// units. dz contains what the offset of z lacks.
+INLINE floatL squared_distance_displaced(Steps s, Offsets o, floatL dx, floatL dy, floatL dz) {
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
 
-    const intL right = o.x + dx >= 0.0f;
+    const intL right = dx >= -o.x;
     const floatL away = right ? dx : -dx;
     const floatL along = right ? (floatL)s.along_right : (floatL)s.along_left;
     const floatL across = right ? (floatL)s.across_right : (floatL)s.across_left;
@@ -58,6 +56,13 @@ INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k)
     const floatL t = (right ? (floatL)o.along_right : (floatL)o.along_left) + dt;
     const floatL past = (right ? (floatL)o.past_right : (floatL)o.past_left) + dt;
     return squared_from_frame(y, z, beyond, r, t, past);
+}
+
+// The same from the samples (i, j, k) away from the point of the offsets.
+INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
+    return squared_distance_displaced(s, o, i * s.x[0] + (j * s.y[0] + k * s.z[0]),
+                                      i * s.x[1] + (j * s.y[1] + k * s.z[1]),
+                                      i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low)));
 }
 
 // The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up

@@ -52,10 +52,10 @@ INLINE void transpose(__private floatL* rows) {
     }
 }
 
-// What bounds the polyhedra, at one point: Z, the distances outward of the base (-Y) and of the slanted edges, and of
-// the ends of the base along X. All are affine in the sample: the same struct holds a step.
+// What bounds the polyhedra, at one point: Z and the distances outward of the base (-Y) and of the slanted edges. All
+// are affine in the sample: the same struct holds a step.
 typedef struct Bounds {
-    floatL z, base, right, left, beyond_right, beyond_left;
+    floatL z, base, right, left;
 } Bounds;
 
 INLINE Bounds bounds_sum(Bounds a, Bounds b) {
@@ -63,8 +63,6 @@ INLINE Bounds bounds_sum(Bounds a, Bounds b) {
     a.base += b.base;
     a.right += b.right;
     a.left += b.left;
-    a.beyond_right += b.beyond_right;
-    a.beyond_left += b.beyond_left;
     return a;
 }
 
@@ -73,15 +71,15 @@ INLINE Bounds bounds_product(Bounds a, float factor) {
     a.base *= factor;
     a.right *= factor;
     a.left *= factor;
-    a.beyond_right *= factor;
-    a.beyond_left *= factor;
     return a;
 }
 
 typedef struct LanePolyhedra {
-    Bounds at;                      // the centre of a group of blocks
-    Bounds step_x, step_y, step_z;  // of one sample
-    floatL above[3], below[3];      // slopes by edge
+    Bounds at;                                  // the centre of a group of blocks
+    Bounds step_x, step_y, step_z;              // of one sample
+    floatL gradient_x, gradient_y, gradient_z;  // of X
+    floatL along_right, along_left, across_right, across_left;
+    floatL above[3], below[3], greater[3];  // slopes by edge
     bool all_compact;
 } LanePolyhedra;
 
@@ -106,8 +104,6 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
         p.step.base = -y;                                          \
         p.step.right = along_right * x + across_right * y;         \
         p.step.left = across_left * y - along_left * x;            \
-        p.step.beyond_right = x;                                   \
-        p.step.beyond_left = -x;                                   \
     }
     SET_STEP(step_x, WORD_GRADIENT_X)
     SET_STEP(step_y, WORD_GRADIENT_Y)
@@ -124,76 +120,100 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     p.at.z = FRAME(2);
 #undef FRAME
     p.at.base = -y;
-    p.at.beyond_right = x - words[WORD_BASE];
-    p.at.beyond_left = -x - words[WORD_BASE + 1];
-    p.at.right = along_right * p.at.beyond_right + across_right * y;
-    p.at.left = along_left * p.at.beyond_left + across_left * y;
+    p.at.right = along_right * (x - words[WORD_BASE]) + across_right * y;
+    p.at.left = along_left * (-x - words[WORD_BASE + 1]) + across_left * y;
     const intL flags = as_intL(words[WORD_FLAGS]);
     if (lanes_to_bits((flags & (int)CLSDF_POLYHEDRON_NEAR) == 0)) {  // where sums in float round too coarsely
-        float values[6][LANES];
+        float values[4][LANES];
         for (uint lane = 0; lane < LANES; ++lane) {
             const Place place = place_at(polyhedra + numbers[lane], first.x, first.y, first.z, centre);
             values[0][lane] = place.z;
             values[1][lane] = -place.y;
             values[2][lane] = place.outward_right;
             values[3][lane] = place.outward_left;
-            values[4][lane] = place.beyond_right;
-            values[5][lane] = place.beyond_left;
         }
         p.at.z = load_lanes(0, values[0]);
         p.at.base = load_lanes(0, values[1]);
         p.at.right = load_lanes(0, values[2]);
         p.at.left = load_lanes(0, values[3]);
-        p.at.beyond_right = load_lanes(0, values[4]);
-        p.at.beyond_left = load_lanes(0, values[5]);
     }
 #pragma unroll
     for (uint edge = 0; edge < 3; ++edge) {
         p.above[edge] = words[WORD_SLOPE_ABOVE + edge];
         p.below[edge] = words[WORD_SLOPE_BELOW + edge];
+        p.greater[edge] = GREATER(p.above[edge], p.below[edge]);
     }
+    p.gradient_x = words[WORD_GRADIENT_X];
+    p.gradient_y = words[WORD_GRADIENT_Y];
+    p.gradient_z = words[WORD_GRADIENT_Z];
+    p.along_right = along_right;
+    p.along_left = along_left;
+    p.across_right = across_right;
+    p.across_left = across_left;
     p.all_compact = lanes_to_bits((flags & (int)CLSDF_POLYHEDRON_COMPACT) == 0) == 0;
     return p;
 }
 
-// How far blocks that extend half_x, half_y and half_z samples from their centres reach along each bound.
-INLINE Bounds reach_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z) {
-    Bounds reach;
-#define REACH(bound)                                                                                           \
-    reach.bound =                                                                                              \
-        (fabs(p->step_x.bound) * half_x + (fabs(p->step_y.bound) * half_y + fabs(p->step_z.bound) * half_z)) * \
-        (1.0f + 1.0e-6f)
-    REACH(z);
-    REACH(base);
-    REACH(right);
-    REACH(left);
-    REACH(beyond_right);
-    reach.beyond_left = reach.beyond_right;
+// How far blocks reach from their centres along each bound, with slack.
+typedef struct LaneReach {
+    floatL z, base, right, left;
+    // What a bound of a corner, a sum of two others (touches), reaches less than they do.
+    floatL right_end, left_end, apex;
+} LaneReach;
+
+// Of blocks that extend half_x, half_y and half_z samples from their centres.
+INLINE LaneReach reach_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z, float slack) {
+    LaneReach reach;
+#define REACH(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))
+#define REACH_OF(bound) REACH(p->step_x.bound, p->step_y.bound, p->step_z.bound)
+    const floatL x = REACH(p->gradient_x, p->gradient_y, p->gradient_z), y = REACH_OF(base);
+    reach.z = REACH_OF(z) + slack;
+    reach.base = y + slack;
+    reach.right = REACH_OF(right) + slack;
+    reach.left = REACH_OF(left) + slack;
+    // The slack of a sum of two bounds, with factors of at most one, is twice theirs.
+    reach.right_end = reach.right + p->across_right * reach.base - (p->along_right * x + 2.0f * slack);
+    reach.left_end = reach.left + p->across_left * reach.base - (p->along_left * x + 2.0f * slack);
+    reach.apex = p->along_left * reach.right + p->along_right * reach.left -
+                 ((p->along_left * p->across_right + p->along_right * p->across_left) * y + 2.0f * slack);
+#undef REACH_OF
 #undef REACH
     return reach;
 }
 
-INLINE Bounds without_reach(Bounds at, Bounds reach, float slack) {
-    at.base -= reach.base + slack;
-    at.right -= reach.right + slack;
-    at.left -= reach.left + slack;
-    at.beyond_right -= reach.beyond_right + slack;
-    at.beyond_left -= reach.beyond_left + slack;
+INLINE Bounds without_reach(Bounds at, const LaneReach* reach) {
+    at.base -= reach->base;
+    at.right -= reach->right;
+    at.left -= reach->left;
     return at;
 }
 
-// Whether a block is touched, by lane. at: at its centre, less the reach and the slack but for z; wide: widths of the
-// lateral planes there.
-INLINE intL touches(Bounds at, floatL height, floatL base, floatL right, floatL left, floatL reach_z, floatL cap,
-                    bool compact) {
-    intL in = height <= cap + reach_z;
-    if (!compact) {
-        base = LESSER(base, cap);
-        right = LESSER(right, cap);
-        left = LESSER(left, cap);
-        in &= (at.beyond_right <= cap) & (at.beyond_left <= cap);
+// Whether a block is touched: the sign bit of each lane, the others are of no meaning. (Comparisons take as long as
+// additions, of which a processor does half as many at a time as of logical operations.) at: at its centre, without
+// reach; slopes: of the lateral planes there.
+//
+// Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet touch both. The
+// polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of
+// the planes' own, each times a normal's component.
+INLINE intL touches(const LanePolyhedra* p, Bounds at, const floatL* slopes, const LaneReach* reach, float cap) {
+    const floatL height = fabs(at.z), wide = height + reach->z;
+    floatL past_base, past_right, past_left;
+    intL in = as_intL(height - reach->z - cap);
+    if (p->all_compact) {
+        past_base = at.base - slopes[CLSDF_EDGE_BASE] * wide;
+        past_right = at.right - slopes[CLSDF_EDGE_RIGHT] * wide;
+        past_left = at.left - slopes[CLSDF_EDGE_LEFT] * wide;
+    } else {
+        past_base = at.base - LESSER(slopes[CLSDF_EDGE_BASE] * wide, cap);
+        past_right = at.right - LESSER(slopes[CLSDF_EDGE_RIGHT] * wide, cap);
+        past_left = at.left - LESSER(slopes[CLSDF_EDGE_LEFT] * wide, cap);
+        in &= as_intL(at.right + (p->across_right * at.base + (reach->right_end - p->along_right * cap))) &
+              as_intL(at.left + (p->across_left * at.base + (reach->left_end - p->along_left * cap)));
     }
-    return in & (at.base <= base) & (at.right <= right) & (at.left <= left);
+    return in & as_intL(past_base) & as_intL(past_right) & as_intL(past_left) &
+           as_intL(past_right + (p->across_right * past_base + reach->right_end)) &
+           as_intL(past_left + (p->across_left * past_base + reach->left_end)) &
+           as_intL(p->along_left * past_right + (p->along_right * past_left + reach->apex));
 }
 
 #endif

@@ -52,7 +52,7 @@ private:
     Capabilities capabilities_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, cl::Program> programs_;
-    ProgramCache cache_{default_cache_folder()};
+    ProgramCache cache_{{}};
 };
 
 /// Throws cl::Error.

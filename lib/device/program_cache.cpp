@@ -143,8 +143,9 @@ void ProgramCache::prune(const fs::path& newest) const {
     }
 }
 
-fs::path default_cache_folder() {
+fs::path default_cache_folder(bool driver_keeps_programs) {
     if (const char* folder = std::getenv("CLSDF_CACHE_DIR")) return folder;
+    if (driver_keeps_programs) return {};
     // A relative path is to be ignored (XDG Base Directory Specification).
     if (const char* base = std::getenv("XDG_CACHE_HOME"); base != nullptr && fs::path(base).is_absolute())
         return fs::path(base) / "clsdf";

@@ -40,8 +40,8 @@ private:
     std::uintmax_t limit_;
 };
 
-/// The environment variable CLSDF_CACHE_DIR where it is set, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf; empty
-/// where the first is set and empty, or none is an absolute path.
-std::filesystem::path default_cache_folder();
+/// The environment variable CLSDF_CACHE_DIR where it is set; else empty where the driver keeps what it compiles itself,
+/// else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf; empty where none of them is an absolute path.
+std::filesystem::path default_cache_folder(bool driver_keeps_programs);
 
 }  // namespace clsdf::device

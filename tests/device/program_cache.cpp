@@ -230,8 +230,9 @@ BOOST_AUTO_TEST_CASE(is_chosen_by_the_environment) {
     const auto with = [](const std::optional<std::string>& own, const std::optional<std::string>& xdg,
                          const std::optional<std::string>& home) {
         const Variable a("CLSDF_CACHE_DIR", own), b("XDG_CACHE_HOME", xdg), c("HOME", home);
-        BOOST_TEST(Device::best().program_cache() == device::default_cache_folder().string());
-        return device::default_cache_folder().string();
+        // A driver's own is as good as ours, unless ours is asked for.
+        BOOST_TEST(device::default_cache_folder(true).string() == own.value_or(""));
+        return device::default_cache_folder(false).string();
     };
     BOOST_TEST(with("/own", "/xdg", "/home/me") == "/own");
     BOOST_TEST(with("", "/xdg", "/home/me").empty());
@@ -240,6 +241,15 @@ BOOST_AUTO_TEST_CASE(is_chosen_by_the_environment) {
     BOOST_TEST(with(std::nullopt, std::nullopt, "/home/me") == "/home/me/.cache/clsdf");
     BOOST_TEST(with(std::nullopt, std::nullopt, "").empty());
     BOOST_TEST(with(std::nullopt, std::nullopt, std::nullopt).empty());
+}
+
+BOOST_AUTO_TEST_CASE(is_what_a_device_begins_with) {
+    const bool is_pocl = Device::best().platform() == "Portable Computing Language";
+    const Variable xdg("XDG_CACHE_HOME", "/xdg");
+    for (const std::optional<std::string>& own : {std::optional<std::string>("/own"), std::optional<std::string>()}) {
+        const Variable variable("CLSDF_CACHE_DIR", own);
+        BOOST_TEST(Device::best().program_cache() == device::default_cache_folder(is_pocl).string());
+    }
 }
 
 BOOST_AUTO_TEST_CASE(gets_each_program_once_and_gives_it_to_the_next_process) {

@@ -74,7 +74,8 @@ public:
 
     /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
     /// variable CLSDF_CACHE_DIR where it is set, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty where the
-    /// first is set and empty, or none is known: nothing is kept then.
+    /// first is set and empty, where none is known, and, unless the first is set, for PoCL, which keeps programs
+    /// itself: nothing is kept then.
     std::string program_cache() const;
 
     /// Another folder, for programs that are built from now on: call it before the first DistanceTransform is made.
