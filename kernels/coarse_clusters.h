@@ -1,0 +1,177 @@
+// Which coarse bricks LANES polyhedra that follow each other, a cluster, touch. They are neighbours, because polyhedra
+// are in Morton order: most bricks are too far from all of them together. Only the others are tested one by one, each
+// against the cluster's polyhedra, one a lane.
+//
+// What a test says depends on the cluster and on a group of 4 x 4 x 4 bricks, never on the part that is computed or on
+// how the work is divided: clusters begin at multiples of LANES, and groups where the lattice or the cluster says.
+#ifndef CLSDF_COARSE_CLUSTERS_H
+#define CLSDF_COARSE_CLUSTERS_H
+
+#include "blocks.h"
+#if LANES > 1
+#include "lane_polyhedra.h"
+#endif
+
+// From a coarse brick's first sample to its centre, in samples.
+#define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
+
+typedef struct Cluster {
+    uint first, count;  // its polyhedra
+    int3 sample;        // of the lattice, near it
+    float3 from, to;    // a box around its triangles, in units from the sample
+} Cluster;
+
+INLINE Cluster cluster_at(Layout layout, __global const Polyhedron* polyhedra, uint first, uint count) {
+    Cluster cluster;
+    cluster.first = first;
+    cluster.count = count;
+    cluster.sample = vload3(0, &polyhedra[first].origin_x);
+    cluster.from = INFINITY;
+    cluster.to = -INFINITY;
+    const float3 spacing = vload3(0, layout.spacing);
+    for (uint n = first; n < first + count; ++n) {
+        __global const Polyhedron* p = polyhedra + n;
+        const float3 foot =
+            convert_float3(sub_sat(vload3(0, &p->origin_x), cluster.sample)) * spacing + vload3(0, p->foot);
+        // The base is a triangle's longest edge: the altitude on it is at most sqrt(3) / 2 of it.
+        const float right = p->base[CLSDF_HALF_RIGHT], left = p->base[CLSDF_HALF_LEFT];
+        const float extent = GREATER(GREATER(right, left), 0.8661f * (right + left));
+        cluster.from = LESSER(cluster.from, foot - extent);
+        cluster.to = GREATER(cluster.to, foot + extent);
+    }
+    const float3 rounding = 1.0e-5f * (fabs(cluster.from) + fabs(cluster.to));
+    cluster.from -= rounding;
+    cluster.to += rounding;
+    return cluster;
+}
+
+// The largest integer not above the value; beyond the lattice's indices, which are below 2^30, a number that is too.
+INLINE int3 index_below(int3 origin, float3 offset) {
+    const float3 limited = clamp(offset, -2.0e9f, 2.0e9f);
+    const int3 truncated = convert_int3(limited);
+    const int3 below = truncated + (convert_float3(truncated) > limited);  // true is -1
+    return clamp(add_sat(origin, below), (int3)(-0x7FFFFF00), (int3)(0x7FFFFF00));
+}
+
+// The coarse bricks of the lattice that the cluster's box, enlarged by a reach, overlaps; limits included.
+typedef struct CoarseRange {
+    int3 low, high;
+} CoarseRange;
+
+INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float reach) {
+    const float3 per_sample = (1.0f + 1.0e-5f) / vload3(0, layout.spacing);
+    CoarseRange range;
+    range.low = (index_below(cluster.sample, (cluster.from - reach) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
+    range.high = (index_below(cluster.sample, (cluster.to + reach) * per_sample) + 1) >> 5;
+    return range;
+}
+
+// Bits 0 to 3: which of four neighbours that start at `base` lie in [low, high].
+INLINE uint four_in_range(int base, int low, int high) {
+    const int begin = max(low - base, 0), end = min(high - base, 3);
+    return begin > end ? 0u : (0xFu >> (3 - end)) & (0xFu << begin);
+}
+
+// The bricks of a group that starts at `start` that lie in the range: bit b is brick x = b & 3, y = b >> 2 & 3,
+// z = b >> 4.
+INLINE ulong group_in_range(int3 start, CoarseRange range) {
+    const uint in_x = four_in_range(start.x, range.low.x, range.high.x),
+               in_y = four_in_range(start.y, range.low.y, range.high.y),
+               in_z = four_in_range(start.z, range.low.z, range.high.z);
+    const uint rows =
+        (in_y & 1u) * 0xFu | (in_y >> 1 & 1u) * 0xF0u | (in_y >> 2 & 1u) * 0xF00u | (in_y >> 3 & 1u) * 0xF000u;
+    const ulong slice = in_x * 0x1111u & rows;
+    return (in_z & 1u) * slice | (in_z >> 1 & 1u) * (slice << 16) | (in_z >> 2 & 1u) * (slice << 32) |
+           (in_z >> 3 & 1u) * (slice << 48);
+}
+
+// How far apart two intervals lie: their middles, and half their lengths together.
+INLINE floatL gap_between(floatL middles, float half_lengths) {
+    const floatL gap = fabs(middles) - half_lengths;
+    return GREATER(gap, (floatL)0.0f);
+}
+
+// The bricks of a group of which some sample may lie within the brick's cap of the cluster.
+INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, __private const float* caps) {
+    const float3 spacing = vload3(0, layout.spacing), side = CLSDF_COARSE * spacing;
+    const float3 half_lengths = 0.5f * (cluster.to - cluster.from) + COARSE_CENTRE * spacing;
+    const float3 middles = (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * spacing -
+                           0.5f * (cluster.from + cluster.to);
+    ulong near = 0;
+    for (uint first = 0; first < CLSDF_COARSE_GROUP; first += LANES) {
+        const uintL block = LANE_NUMBERS + first;
+        const floatL x = gap_between(convert_floatL(block & 3u) * side.x + middles.x, half_lengths.x),
+                     y = gap_between(convert_floatL(block >> 2 & 3u) * side.y + middles.y, half_lengths.y),
+                     z = gap_between(convert_floatL(block >> 4) * side.z + middles.z, half_lengths.z);
+        const floatL reach = load_lanes(0, caps + first) + layout.coarse_slack;
+        near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= reach * reach) << first;
+    }
+    return near;
+}
+
+// The cluster's polyhedra at a group of coarse bricks.
+#if LANES == 1
+typedef struct ClusterAtGroup {
+    __global const Polyhedron* polyhedron;
+    Place place;
+    Reach reach;
+} ClusterAtGroup;
+
+INLINE ClusterAtGroup cluster_at_group(__global const Polyhedron* polyhedra, Cluster cluster, int3 start, float slack) {
+    ClusterAtGroup at;
+    at.polyhedron = polyhedra + cluster.first;
+    at.place = place_at(at.polyhedron, start.x * CLSDF_COARSE, start.y * CLSDF_COARSE, start.z * CLSDF_COARSE,
+                        2.0f * CLSDF_COARSE - 0.5f);
+    at.reach = widened(reach_of_cube(at.polyhedron, COARSE_CENTRE), slack);
+    return at;
+}
+
+// Bit l: whether polyhedron l touches brick b of the group.
+INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
+    const float i = ((float)(b & 3u) - 1.5f) * CLSDF_COARSE, j = ((float)(b >> 2 & 3u) - 1.5f) * CLSDF_COARSE,
+                k = ((float)(b >> 4) - 1.5f) * CLSDF_COARSE;
+    return touched_blocks(at->polyhedron, at->place, centres_of(at->polyhedron, at->place, i, j, k), at->reach, cap);
+}
+#else
+typedef struct ClusterAtGroup {
+    LanePolyhedra polyhedra;
+    Bounds first;  // at the group's first brick, less the reach and the slack but for z
+    floatL reach_z;
+    uint lanes;
+} ClusterAtGroup;
+
+INLINE ClusterAtGroup cluster_at_group(__global const Polyhedron* polyhedra, Cluster cluster, int3 start, float slack) {
+    uint numbers[LANES];
+    for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = cluster.first + min(lane, cluster.count - 1);
+    ClusterAtGroup at;
+    at.polyhedra = lane_polyhedra(polyhedra, numbers, start * CLSDF_COARSE, COARSE_CENTRE);
+    const Bounds reach = reach_of_lanes(&at.polyhedra, COARSE_CENTRE, COARSE_CENTRE, COARSE_CENTRE);
+    at.first = without_reach(at.polyhedra.at, reach, slack);
+    at.reach_z = reach.z + slack;
+    at.lanes = (1u << cluster.count) - 1;
+    return at;
+}
+
+// Bit l: whether polyhedron l touches brick b of the group.
+INLINE uint touching_lanes(const ClusterAtGroup* group, uint b, float cap) {
+    const LanePolyhedra* p = &group->polyhedra;
+    const float i = (float)(b & 3u) * CLSDF_COARSE, j = (float)(b >> 2 & 3u) * CLSDF_COARSE,
+                k = (float)(b >> 4) * CLSDF_COARSE;
+    Bounds at;
+#define SET(bound) at.bound = i * p->step_x.bound + (j * p->step_y.bound + (k * p->step_z.bound + group->first.bound))
+    SET(z);
+    SET(base);
+    SET(right);
+    SET(left);
+    SET(beyond_right);
+    SET(beyond_left);
+#undef SET
+    const floatL above = group->reach_z + at.z, below = group->reach_z - at.z;
+#define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
+    return group->lanes & lanes_to_bits(touches(at, fabs(at.z), WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT),
+                                                WIDTH(CLSDF_EDGE_LEFT), group->reach_z, (floatL)cap, p->all_compact));
+#undef WIDTH
+}
+#endif
+
+#endif
