@@ -19,6 +19,10 @@ typedef struct Cluster {
     uint first, count;  // its polyhedra
     int3 sample;        // of the lattice, near it
     float3 from, to;    // a box around its triangles, in units from the sample
+#if LANES > 1
+    // Balls around the triangles: the feet of their altitudes, from the sample.
+    float x[LANES], y[LANES], z[LANES], radius[LANES];
+#endif
 } Cluster;
 
 INLINE Cluster cluster_at(Layout layout, __global const Polyhedron* polyhedra, uint first, uint count) {
@@ -38,6 +42,12 @@ INLINE Cluster cluster_at(Layout layout, __global const Polyhedron* polyhedra, u
         const float extent = GREATER(GREATER(right, left), 0.8661f * (right + left));
         cluster.from = LESSER(cluster.from, foot - extent);
         cluster.to = GREATER(cluster.to, foot + extent);
+#if LANES > 1
+        cluster.x[n - first] = foot.x;
+        cluster.y[n - first] = foot.y;
+        cluster.z[n - first] = foot.z;
+        cluster.radius[n - first] = extent;
+#endif
     }
     const float3 rounding = 1.0e-5f * (fabs(cluster.from) + fabs(cluster.to));
     cluster.from -= rounding;
@@ -91,12 +101,16 @@ INLINE floatL gap_between(floatL middles, float half_lengths) {
     return GREATER(gap, (floatL)0.0f);
 }
 
+// The centre of a group's first brick, from the cluster's sample, in units.
+INLINE float3 first_centre(Layout layout, Cluster cluster, int3 start) {
+    return (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * vload3(0, layout.spacing);
+}
+
 // The bricks of a group of which some sample may lie within the brick's cap of the cluster.
 INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, __private const float* caps) {
     const float3 spacing = vload3(0, layout.spacing), side = CLSDF_COARSE * spacing;
     const float3 half_lengths = 0.5f * (cluster.to - cluster.from) + COARSE_CENTRE * spacing;
-    const float3 middles = (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * spacing -
-                           0.5f * (cluster.from + cluster.to);
+    const float3 middles = first_centre(layout, cluster, start) - 0.5f * (cluster.from + cluster.to);
     ulong near = 0;
     for (uint first = 0; first < CLSDF_COARSE_GROUP; first += LANES) {
         const uintL block = LANE_NUMBERS + first;
@@ -117,7 +131,8 @@ typedef struct ClusterAtGroup {
     Reach reach;
 } ClusterAtGroup;
 
-INLINE ClusterAtGroup cluster_at_group(__global const Polyhedron* polyhedra, Cluster cluster, int3 start, float slack) {
+INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start,
+                                       float slack) {
     ClusterAtGroup at;
     at.polyhedron = polyhedra + cluster.first;
     at.place = place_at(at.polyhedron, start.x * CLSDF_COARSE, start.y * CLSDF_COARSE, start.z * CLSDF_COARSE,
@@ -137,10 +152,13 @@ typedef struct ClusterAtGroup {
     LanePolyhedra polyhedra;
     Bounds first;  // at the group's first brick, less the reach and the slack but for z
     floatL reach_z;
+    floatL x, y, z, radius;  // of the balls, from the centre of the group's first brick
+    float3 side;             // of a coarse brick, in units
     uint lanes;
 } ClusterAtGroup;
 
-INLINE ClusterAtGroup cluster_at_group(__global const Polyhedron* polyhedra, Cluster cluster, int3 start, float slack) {
+INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start,
+                                       float slack) {
     uint numbers[LANES];
     for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = cluster.first + min(lane, cluster.count - 1);
     ClusterAtGroup at;
@@ -148,6 +166,12 @@ INLINE ClusterAtGroup cluster_at_group(__global const Polyhedron* polyhedra, Clu
     const Bounds reach = reach_of_lanes(&at.polyhedra, COARSE_CENTRE, COARSE_CENTRE, COARSE_CENTRE);
     at.first = without_reach(at.polyhedra.at, reach, slack);
     at.reach_z = reach.z + slack;
+    at.side = CLSDF_COARSE * vload3(0, layout.spacing);
+    const float3 centre = first_centre(layout, cluster, start);
+    at.x = load_lanes(0, cluster.x) - centre.x;
+    at.y = load_lanes(0, cluster.y) - centre.y;
+    at.z = load_lanes(0, cluster.z) - centre.z;
+    at.radius = load_lanes(0, cluster.radius) * (1.0f + 1.0e-5f) + layout.coarse_slack;
     at.lanes = (1u << cluster.count) - 1;
     return at;
 }
@@ -166,10 +190,17 @@ INLINE uint touching_lanes(const ClusterAtGroup* group, uint b, float cap) {
     SET(beyond_right);
     SET(beyond_left);
 #undef SET
+    const float half_side = COARSE_CENTRE / CLSDF_COARSE;
+    const floatL x = gap_between(group->x - (float)(b & 3u) * group->side.x, half_side * group->side.x),
+                 y = gap_between(group->y - (float)(b >> 2 & 3u) * group->side.y, half_side * group->side.y),
+                 z = gap_between(group->z - (float)(b >> 4) * group->side.z, half_side * group->side.z);
+    const floatL far = group->radius + cap;
+    const intL near = (x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= far * far;
     const floatL above = group->reach_z + at.z, below = group->reach_z - at.z;
 #define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
-    return group->lanes & lanes_to_bits(touches(at, fabs(at.z), WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT),
-                                                WIDTH(CLSDF_EDGE_LEFT), group->reach_z, (floatL)cap, p->all_compact));
+    return group->lanes &
+           lanes_to_bits(near & touches(at, fabs(at.z), WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT),
+                                        WIDTH(CLSDF_EDGE_LEFT), group->reach_z, (floatL)cap, p->all_compact));
 #undef WIDTH
 }
 #endif

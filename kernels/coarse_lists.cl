@@ -95,9 +95,9 @@ typedef struct Found {
 
 // Of a cluster and those bricks of a group, which starts at `start`, that are `near`. base: the number of the group's
 // first brick in the part, negative if it lies before.
-INLINE void find_touches(__global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
+INLINE void find_touches(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
                          __private const float* caps, float slack, int base, int2 size, __private Found* found) {
-    const ClusterAtGroup at = cluster_at_group(polyhedra, cluster, start, slack);
+    const ClusterAtGroup at = cluster_at_group(layout, polyhedra, cluster, start, slack);
     for (; near; near &= near - 1) {
         const uint b = 63 - (uint)clz(near & (0 - near));
         const uint lanes = touching_lanes(&at, b, caps[b]);
@@ -152,7 +152,7 @@ __kernel void coarse_count(Layout layout, uint count, __global const Polyhedron*
                     if (!near) continue;
                     const float slack = greatest * layout.slack_rate + layout.coarse_slack;
                     const int base = (relative.z * size.y + relative.y) * size.x + relative.x;
-                    find_touches(polyhedra, cluster, group, near, group_caps, slack, base, size.xy, &found);
+                    find_touches(layout, polyhedra, cluster, group, near, group_caps, slack, base, size.xy, &found);
                 }
     }
     touch_counts[part] = found.count;

@@ -72,7 +72,8 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
                                                        {{100, 100, 0}, {1, 1, 200}},  {{0, 3, 77}, {200, 40, 30}},
                                                        {{11, 100, 50}, {99, 17, 33}}, {{33, 70, 130}, {96, 96, 20}}};
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
-        for (const Band& band : {Band::symmetric(10 * grid.voxel()), Band::symmetric(40 * grid.voxel()), Band::full()}) {
+        for (const Band& band :
+             {Band::symmetric(10 * grid.voxel()), Band::symmetric(40 * grid.voxel()), Band::full()}) {
             const Lists whole = lists_of(mesh, grid, band, body);
             std::size_t pairs = 0;
             for (const auto& [brick, list] : whole) {
@@ -84,7 +85,7 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
                 BOOST_TEST_CONTEXT("part of " << part_size[0] << " x " << part_size[1] << " x " << part_size[2]
                                               << " from (" << offset[0] << ", " << offset[1] << ", " << offset[2]
                                               << "), width " << band.outside)
-                    for (const auto& [brick, list] : lists_of(mesh, grid.part(offset, part_size), band, body))
-                        BOOST_TEST((list == whole.at(brick)));
+            for (const auto& [brick, list] : lists_of(mesh, grid.part(offset, part_size), band, body))
+                BOOST_TEST((list == whole.at(brick)));
         }
 }
