@@ -131,7 +131,9 @@ private:
         gather.setArg(points_count, static_cast<cl_uint>(count));
         gather.setArg(points_polyhedra, polyhedra_);
         gather.setArg(points_points, *points);
-        queue_.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(count));
+        constexpr std::size_t group = 64;
+        queue_.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange((count + group - 1) / group * group),
+                                    cl::NDRange(group));
 
         cl::Kernel kernel(programs_.coarse_lists, "coarse_caps");
         kernel.setArg(caps_layout, layout_);
@@ -139,9 +141,11 @@ private:
         kernel.setArg(caps_points, *points);
         kernel.setArg(caps_caps, *caps);
         const double seconds = seconds_per_point * static_cast<double>(count);
+        // PoCL compiles a kernel anew for each size of a group: one size for all grids.
+        const cl::NDRange alone = programs_.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
         launches_.over(bricks / programs_.lanes, seconds, [&](std::size_t begin, std::size_t end) {
             kernel.setArg(caps_first, static_cast<cl_uint>(begin));
-            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin));
+            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
         });
         queue_.finish();  // the points go back to the pool
         return caps;
