@@ -20,39 +20,39 @@ typedef struct Cluster {
     int3 sample;        // of the lattice, near it
     float3 from, to;    // a box around its triangles, in units from the sample
 #if LANES > 1
-    // Balls around the triangles: the feet of their altitudes, from the sample.
+    // Balls around the triangles: the feet of their altitudes, from the sample, and radii that hold their rounding.
     float x[LANES], y[LANES], z[LANES], radius[LANES];
 #endif
 } Cluster;
 
-INLINE Cluster cluster_at(Layout layout, __global const Polyhedron* polyhedra, uint first, uint count) {
-    Cluster cluster;
-    cluster.first = first;
-    cluster.count = count;
-    cluster.sample = vload3(0, &polyhedra[first].origin_x);
-    cluster.from = INFINITY;
-    cluster.to = -INFINITY;
+// (Through a pointer: oclgrind's compiler leaves in the code of a returned struct what the simulator does not know.)
+INLINE void find_cluster(Layout layout, __global const Polyhedron* polyhedra, uint first, uint count,
+                         __private Cluster* cluster) {
+    cluster->first = first;
+    cluster->count = count;
+    cluster->sample = vload3(0, &polyhedra[first].origin_x);
+    cluster->from = INFINITY;
+    cluster->to = -INFINITY;
     const float3 spacing = vload3(0, layout.spacing);
     for (uint n = first; n < first + count; ++n) {
         __global const Polyhedron* p = polyhedra + n;
         const float3 foot =
-            convert_float3(sub_sat(vload3(0, &p->origin_x), cluster.sample)) * spacing + vload3(0, p->foot);
+            convert_float3(sub_sat(vload3(0, &p->origin_x), cluster->sample)) * spacing + vload3(0, p->foot);
         // The base is a triangle's longest edge: the altitude on it is at most sqrt(3) / 2 of it.
         const float right = p->base[CLSDF_HALF_RIGHT], left = p->base[CLSDF_HALF_LEFT];
         const float extent = GREATER(GREATER(right, left), 0.8661f * (right + left));
-        cluster.from = LESSER(cluster.from, foot - extent);
-        cluster.to = GREATER(cluster.to, foot + extent);
+        cluster->from = LESSER(cluster->from, foot - extent);
+        cluster->to = GREATER(cluster->to, foot + extent);
 #if LANES > 1
-        cluster.x[n - first] = foot.x;
-        cluster.y[n - first] = foot.y;
-        cluster.z[n - first] = foot.z;
-        cluster.radius[n - first] = extent;
+        cluster->x[n - first] = foot.x;
+        cluster->y[n - first] = foot.y;
+        cluster->z[n - first] = foot.z;
+        cluster->radius[n - first] = extent + 1.0e-5f * (fabs(foot.x) + fabs(foot.y) + fabs(foot.z) + extent);
 #endif
     }
-    const float3 rounding = 1.0e-5f * (fabs(cluster.from) + fabs(cluster.to));
-    cluster.from -= rounding;
-    cluster.to += rounding;
-    return cluster;
+    const float3 rounding = 1.0e-5f * (fabs(cluster->from) + fabs(cluster->to));
+    cluster->from -= rounding;
+    cluster->to += rounding;
 }
 
 // The largest integer not above the value; beyond the lattice's indices, which are below 2^30, a number that is too.
@@ -69,7 +69,7 @@ typedef struct CoarseRange {
 } CoarseRange;
 
 INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float reach) {
-    const float3 per_sample = (1.0f + 1.0e-5f) / vload3(0, layout.spacing);
+    const float3 per_sample = 1.0f / vload3(0, layout.spacing);
     CoarseRange range;
     range.low = (index_below(cluster.sample, (cluster.from - reach) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
     range.high = (index_below(cluster.sample, (cluster.to + reach) * per_sample) + 1) >> 5;
@@ -171,7 +171,7 @@ INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron*
     at.x = load_lanes(0, cluster.x) - centre.x;
     at.y = load_lanes(0, cluster.y) - centre.y;
     at.z = load_lanes(0, cluster.z) - centre.z;
-    at.radius = load_lanes(0, cluster.radius) * (1.0f + 1.0e-5f) + layout.coarse_slack;
+    at.radius = load_lanes(0, cluster.radius) + layout.coarse_slack;
     at.lanes = (1u << cluster.count) - 1;
     return at;
 }

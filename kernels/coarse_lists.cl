@@ -136,7 +136,8 @@ __kernel void coarse_count(Layout layout, uint count, __global const Polyhedron*
     const uint end = begin + share_of(own, step + 1, steps);
     for (uint c = begin + share_of(own, step, steps); c < end; ++c) {
         for (uint lane = 0; lane < LANES; ++lane) request(polyhedra + min((c + 2) * LANES + lane, count - 1));
-        const Cluster cluster = cluster_at(layout, polyhedra, c * LANES, min(count - c * LANES, (uint)LANES));
+        Cluster cluster;
+        find_cluster(layout, polyhedra, c * LANES, min(count - c * LANES, (uint)LANES), &cluster);
         CoarseRange range = bricks_within(layout, cluster, reach);
         // Groups begin with the range, or, where each brick has its own cap, where the caps' groups do.
         int3 start = uniform_caps ? range.low : range.low & ~3;
