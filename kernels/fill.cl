@@ -13,9 +13,8 @@
 // Of a number's place among all of memory's.
 #define NUMBER_OF(address) ((size_t)(address) / sizeof(uint))
 
-// `value` in [begin, end): whole lines of memory, and what there is before and behind them by fours and ones. (Not
-// inlined four times: that took a quarter of a second to compile.)
-static __attribute__((noinline)) void store_run(__global uint* begin, __global uint* end, uint value) {
+// `value` in [begin, end): whole lines of memory, and what there is before and behind them by fours and ones.
+INLINE void store_run(__global uint* begin, __global uint* end, uint value) {
     const uintL line = value;
     for (; begin < end && NUMBER_OF(begin) % 4 != 0; ++begin) *begin = value;
     for (; begin + 4 <= end && NUMBER_OF(begin) % LANES != 0; begin += 4) vstore4((uint4)value, 0, begin);
