@@ -7,6 +7,7 @@
 #ifndef CLSDF_BLOCKS_H
 #define CLSDF_BLOCKS_H
 
+#include "coarse.h"
 #include "frame.h"
 #include "lanes.h"
 
@@ -129,40 +130,13 @@ INLINE uint touched_near_blocks(__global const Polyhedron* p, Place place, Slope
     return touched_within(p, place, c, slopes.base * height, slopes.right * height, slopes.left * height, reach, cap);
 }
 
-// Bit b of the result: block b of a group of 4 x 4 x 4 (x fastest), each of `side` samples a side, whose first sample
-// is (x, y, z) of the lattice. Only the blocks of `wanted` are looked at. caps: one a block; slack: of the greatest.
-INLINE ulong touched_group(__global const Polyhedron* p, int x, int y, int z, float side, ulong wanted,
-                           __private const float* caps, float slack) {
-    // The blocks' centres lie at most 1.5 sides from the centre of the group.
-    const Place place = place_at(p, x, y, z, 2.0f * side - 0.5f);
-    const Reach reach = widened(reach_of_cube(p, 0.5f * (side - 1.0f)), slack);
-    // A vector's blocks, as the first one's; the vectors differ by a translation.
-    const floatL zero = 0.0f;
-    const Centres lanes = centres_of(p, place, convert_floatL(LANE_NUMBERS & 3u) * side,
-                                     convert_floatL((LANE_NUMBERS >> 2) & 3u) * side, zero);
-    ulong touched = 0;
-    for (uint first = 0; first < 64; first += LANES) {
-        if (!(wanted >> first & LANE_BITS)) continue;
-        const float i = ((float)(first & 3u) - 1.5f) * side, j = ((float)((first >> 2) & 3u) - 1.5f) * side,
-                    k = ((float)(first >> 4) - 1.5f) * side;
-        Centres c;
-        c.x = lanes.x + (i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]));
-        c.y = lanes.y + (i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]));
-        c.z = lanes.z + (i * p->gradient_x[2] + (j * p->gradient_y[2] + k * p->gradient_z[2]));
-        touched |= (ulong)touched_blocks(p, place, c, reach, load_lanes(0, caps + first)) << first;
-    }
-    return touched & wanted;
-}
-
 // Where the cap of coarse brick (x, y, z) of the lattice is kept: by groups of 4 x 4 x 4 that start at multiples of
 // four.
 static inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
-    const int3 first = vload3(0, layout.coarse_first) >> 2,
-               last = (vload3(0, layout.coarse_first) + vload3(0, layout.coarse_bricks) - 1) >> 2;
-    const int3 group = (int3)(x, y, z) >> 2, groups = last - first + 1;
-    const size_t number =
-        ((size_t)(group.z - first.z) * groups.y + (group.y - first.y)) * groups.x + (group.x - first.x);
-    return number * 64 + ((z & 3) * 16 + (y & 3) * 4 + (x & 3));
+    const int group_x = (x >> 2) - first_coarse_group(layout, 0), group_y = (y >> 2) - first_coarse_group(layout, 1),
+              group_z = (z >> 2) - first_coarse_group(layout, 2);
+    const size_t number = ((size_t)group_z * coarse_groups(layout, 1) + group_y) * coarse_groups(layout, 0) + group_x;
+    return number * CLSDF_COARSE_GROUP + ((z & 3) * 16 + (y & 3) * 4 + (x & 3));
 }
 
 #ifdef COUNT

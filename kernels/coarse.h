@@ -1,14 +1,25 @@
-// One definition for the host and the kernels: what is kept while the coarse bricks' lists are made.
+// One definition for the host and the kernels: how coarse bricks are grouped, and what is kept while their lists are
+// made.
 #ifndef CLSDF_COARSE_H
 #define CLSDF_COARSE_H
 
-#ifdef __OPENCL_VERSION__
-typedef ulong clsdf_uint64;
-#else
-#include "polyhedron.h"
+#include "layout.h"
+
+// Coarse bricks are taken by groups of 4 x 4 x 4, 64 bits, which tile the lattice from its sample (0, 0, 0) too.
+#define CLSDF_COARSE_GROUP 64
+
+#ifndef __OPENCL_VERSION__
 namespace clsdf {
-using clsdf_uint64 = std::uint64_t;
 #endif
+
+// The first group that overlaps the part on an axis, and how many do.
+static inline clsdf_int32 first_coarse_group(Layout layout, int axis) {
+    return layout.coarse_first[axis] >> 2;
+}
+
+static inline clsdf_int32 coarse_groups(Layout layout, int axis) {
+    return ((layout.coarse_first[axis] + layout.coarse_bricks[axis] - 1) >> 2) - first_coarse_group(layout, axis) + 1;
+}
 
 // A point of the surface: the foot of a polyhedron's altitude.
 typedef struct SurfacePoint {
@@ -16,15 +27,15 @@ typedef struct SurfacePoint {
     float foot[3];          // from there, in units
 } SurfacePoint;
 
-// What a polyhedron touches of a group of 4 x 4 x 4 coarse bricks.
+// Which polyhedra of a cluster touch a coarse brick.
 typedef struct Touch {
-    clsdf_uint32 polyhedron;
-    clsdf_int32 base;  // the number, among the part's coarse bricks, of the group's first; negative if it lies before
-    clsdf_uint64 bricks;  // bit b: x = b & 3, y = b >> 2 & 3, z = b >> 4 of the group
+    clsdf_uint32 cluster;
+    clsdf_uint32 brick;  // its number among the part's coarse bricks
+    clsdf_uint32 lanes;  // bit l: polyhedron l of the cluster
 } Touch;
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(SurfacePoint) == 24 && sizeof(Touch) == 16);
+static_assert(sizeof(SurfacePoint) == 24 && sizeof(Touch) == 12);
 }  // namespace clsdf
 #endif
 

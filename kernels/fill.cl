@@ -6,10 +6,8 @@
 // Whether a line of LANES samples may be stored past the caches: nobody reads a field's empty part soon. (Measured on
 // two cores, 512 MB: 20 ms through the caches, which read each line before they write it, and 9 to 14 past them, which
 // is what the memory takes.)
-#if LANES > 1 && defined(__has_builtin)
-#if __has_builtin(__builtin_nontemporal_store)
+#if LANES > 1 && HAS_BUILTIN(__builtin_nontemporal_store)
 #define STORES_PAST_CACHES
-#endif
 #endif
 
 // Of a number's place among all of memory's.
@@ -59,11 +57,12 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
 }
 
 // One work-item the empty ones of a piece of a row of bricks, in one slice of samples, from slice `first_slice` on.
-// Global size: (pieces of a row of bricks, rows of bricks, slices).
+// Global size: (pieces of a row of bricks, rows of bricks, slices and what fills the last group).
 __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
                                 __global uint* distance, __global uint* triangle, int with_triangle, int first_slice) {
     const int piece = get_global_id(0), pieces = get_global_size(0), brick_y = get_global_id(1),
               z = first_slice + get_global_id(2);
+    if (z >= layout.size[2]) return;
     // Offsets from the first brick's first sample.
     const int shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;
     const int shift_y = layout.first[1] - layout.brick_first[1] * CLSDF_BRICK;

@@ -4,6 +4,13 @@
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 
+// Whether the compiler has a built-in function, which the instruction set alone does not promise.
+#ifdef __has_builtin
+#define HAS_BUILTIN(name) __has_builtin(name)
+#else
+#define HAS_BUILTIN(name) 0
+#endif
+
 #if LANES == 16
 typedef float16 floatL;
 typedef double16 doubleL;
@@ -72,9 +79,9 @@ DEFINE_STORE(store_eight, uint8, uint, 8, global)
 static inline uint lanes_to_bits(intL mask) {
 #if LANES == 1
     return mask != 0;
-#elif LANES == 16 && defined(__AVX512DQ__)
+#elif LANES == 16 && defined(__AVX512DQ__) && HAS_BUILTIN(__builtin_ia32_cvtd2mask512)
     return (uint)(ushort)__builtin_ia32_cvtd2mask512(mask);
-#elif LANES == 8 && defined(__AVX__)
+#elif LANES == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_movmskps256)
     return (uint)__builtin_ia32_movmskps256(as_float8(mask));
 #else
     uintL bits = (as_uintL(mask) >> 31) << LANE_NUMBERS;

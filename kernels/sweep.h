@@ -2,16 +2,13 @@
 #ifndef CLSDF_SWEEP_H
 #define CLSDF_SWEEP_H
 
+#include "polyhedron.h"
+
 #ifdef __OPENCL_VERSION__
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef long clsdf_int64;
-typedef uint clsdf_sweep_uint;
 #else
-#include <cstddef>
-#include <cstdint>
 namespace clsdf {
 using clsdf_int64 = std::int64_t;
-using clsdf_sweep_uint = std::uint32_t;
 #endif
 
 // A triangle whose box holds more rows is shared by several work-items.
@@ -28,17 +25,17 @@ typedef struct SweepVertex {
 
 // Where a row crosses the surface.
 typedef struct SweepRecord {
-    clsdf_sweep_uint row;
-    clsdf_sweep_uint key;    // 2 k + (1 where the surface faces -x there), see sign_sweep.cl
-    clsdf_sweep_uint place;  // among the row's crossings, in no order
+    clsdf_uint32 row;
+    clsdf_uint32 key;    // 2 k + (1 where the surface faces -x there), see sign_sweep.cl
+    clsdf_uint32 place;  // among the row's crossings, in no order
 } SweepRecord;
 
 // What the work-items add up.
 typedef struct SweepTotals {
-    clsdf_sweep_uint records;       // taken, those left over included
-    clsdf_sweep_uint large;         // triangles that wait for the second launch
-    clsdf_sweep_uint large_blocks;  // their rows, by CLSDF_LARGE_ROWS
-    clsdf_sweep_uint largest_rows;  // of one of them
+    clsdf_uint32 records;       // taken, those left over included
+    clsdf_uint32 large;         // triangles that wait for the second launch
+    clsdf_uint32 large_blocks;  // their rows, by CLSDF_LARGE_ROWS
+    clsdf_uint32 largest_rows;  // of one of them
 } SweepTotals;
 
 #ifndef __OPENCL_VERSION__

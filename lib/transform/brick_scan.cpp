@@ -12,6 +12,12 @@ namespace {
 
 constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
 
+constexpr std::size_t fill_group_slices = 32;
+
+std::size_t whole_groups(std::size_t slices) {
+    return (slices + fill_group_slices - 1) / fill_group_slices * fill_group_slices;
+}
+
 class BrickScan final : public FieldScan {
 public:
     BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
@@ -21,6 +27,8 @@ public:
           with_triangle_(variant.triangle),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
           fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
+          // PoCL compiles a kernel anew for each size of a group: one size for all grids.
+          fill_group_(programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1, 1, fill_group_slices)),
           lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.record_count, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
@@ -31,7 +39,7 @@ public:
         fill_kernel_.setArg(1, *computed_);
         fill_kernel_.setArg(2, sign_bits);
         const double slice = static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]);
-        slices_per_fill_ = launches.most(seconds_per_filled_sample * slice);
+        slices_per_fill_ = whole_groups(launches.most(seconds_per_filled_sample * slice));
     }
 
     std::size_t launch_count() const override { return bricks_->launch_count(); }
@@ -52,9 +60,9 @@ public:
                    slices = static_cast<std::size_t>(layout_.size[2]);
         for (std::size_t slice = 0; slice < slices; slice += slices_per_fill_) {
             fill_kernel_.setArg(6, static_cast<cl_int>(slice));
-            const cl::NDRange range(fill_pieces_, brick_rows, std::min(slices_per_fill_, slices - slice));
+            const cl::NDRange range(fill_pieces_, brick_rows, std::min(slices_per_fill_, whole_groups(slices - slice)));
             chain.then([&](auto& target, auto* wait, auto* event) {
-                target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, cl::NullRange, wait, event);
+                target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, fill_group_, wait, event);
             });
         }
     }
@@ -79,6 +87,7 @@ private:
     Layout layout_;
     bool with_triangle_;
     std::size_t fill_pieces_;
+    cl::NDRange fill_group_;
     CoarseLists lists_;
     device::BufferPool::Lease computed_;
     std::unique_ptr<BrickKernel> bricks_;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <numeric>
 
 namespace clsdf::transform {
@@ -16,86 +17,235 @@ namespace {
 // Surface points that the coarse bounds look at, at most: they need not be tight.
 constexpr std::size_t cap_points = 4096;
 
-// What polyhedra touch is kept from counting to filling by groups of coarse bricks, so many for each polyhedron on
-// average. Where there are more, they are found twice.
-constexpr std::size_t kept_touches = 4;
+// Measured on a core, and rounded up.
+constexpr double seconds_per_point = 1e-8;    // for a vector of bricks
+constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
+constexpr double seconds_per_touch = 5e-8;
 
-// Coarse bricks whose bounds lie together: 4 x 4 x 4.
-constexpr std::size_t coarse_group_size = 64;
+constexpr std::size_t group_size = CLSDF_COARSE_GROUP;
 
 std::size_t coarse_group_count(const Layout& layout) {
     std::size_t count = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int32_t first = layout.coarse_first[axis];
-        const std::int32_t last = first + layout.coarse_bricks[axis] - 1;
-        count *= static_cast<std::size_t>((last >> 2) - (first >> 2) + 1);
-    }
+    for (int axis = 0; axis < 3; ++axis) count *= static_cast<std::size_t>(coarse_groups(layout, axis));
     return count;
 }
-
-// Measured on a core, and rounded up.
-constexpr double seconds_per_point = 1e-8;  // for a vector of bricks
-constexpr double seconds_per_group = 5e-7;
 
 /// In a narrow band hardly any bound of a coarse brick is below the half width.
 bool has_uniform_caps(const Layout& layout) {
     return layout.half_width <= 2 * layout.coarse_radius;
 }
 
-void bound_coarse_bricks(device::Context& context, const Programs& programs,
-                         const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                         const cl::Buffer& polyhedra, std::size_t polyhedron_count, const cl::Buffer& caps,
-                         const ShortLaunches& launches) {
-    const cl::CommandQueue& queue = context.queue();
-    const std::size_t bricks = coarse_group_count(layout) * coarse_group_size;
-    if (has_uniform_caps(layout) || polyhedron_count == 0) {
-        queue.enqueueFillBuffer(caps, layout.half_width, 0, bricks * sizeof(float));
-        return;
-    }
-    const std::size_t stride = std::max<std::size_t>(1, polyhedron_count / cap_points);
-    const std::size_t count = (polyhedron_count + stride - 1) / stride;
-    const auto points = pool->lease(count * sizeof(SurfacePoint), "points of the surface");
-    cl::Kernel gather(programs.coarse_lists, "coarse_points");
-    gather.setArg(0, static_cast<cl_uint>(stride));
-    gather.setArg(1, static_cast<cl_uint>(count));
-    gather.setArg(2, polyhedra);
-    gather.setArg(3, *points);
-    queue.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(count));
-
-    cl::Kernel kernel(programs.coarse_lists, "coarse_caps");
-    kernel.setArg(0, layout);
-    kernel.setArg(1, static_cast<cl_uint>(count));
-    kernel.setArg(2, *points);
-    kernel.setArg(3, caps);
-    const double seconds = seconds_per_point * static_cast<double>(count);
-    launches.over(bricks / programs.lanes, seconds, [&](std::size_t begin, std::size_t end) {
-        kernel.setArg(4, static_cast<cl_uint>(begin));
-        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin));
-    });
-    queue.finish();  // the points go back to the pool
+/// Touches of a cluster of polyhedra and a coarse brick that there is room for at first, for each polyhedron on average
+/// (measured, and rounded up). Where there are more, they are found twice.
+std::size_t expected_touches(const Layout& layout, std::size_t lanes) {
+    const std::size_t narrow = lanes == 1 ? 8 : lanes == 8 ? 3 : 2;
+    return has_uniform_caps(layout) ? narrow : narrow * 5 / 2;
 }
 
-/// About what the lists of a polyhedron take a core: the groups of coarse bricks that its box overlaps, triangles being
-/// small as a rule.
-double seconds_per_polyhedron(const Layout& layout) {
+/// How many groups of coarse bricks a cluster's polyhedra are tested against, triangles being small as a rule.
+double groups_of_a_cluster(const Layout& layout) {
     double groups = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double most = layout.coarse_bricks[axis] / 4.0 + 1;
-        groups *= std::min(most, 2.0 * static_cast<double>(layout.half_width) / (4.0 * CLSDF_COARSE) + 1.5);
-    }
-    return seconds_per_group * (groups + 1);
+    for (const std::int32_t bricks : layout.coarse_bricks)
+        groups *= std::min(bricks / 4.0 + 1, 2.0 * static_cast<double>(layout.half_width) / (4.0 * CLSDF_COARSE) + 1.5);
+    return groups;
 }
 
-/// They only save a second search: without room for them there are none.
-device::BufferPool::Lease lease_touches(device::BufferPool& pool, std::size_t parts, std::size_t& capacity) {
-    try {
-        return pool.lease(parts * capacity * sizeof(Touch), "touches of the coarse lists");
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::out_of_memory) throw;
-        capacity = 0;
-        return pool.lease(0, "touches of the coarse lists");
+/// The launches that make the lists.
+class CoarseListMaker {
+public:
+    CoarseListMaker(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+                    const Layout& layout, const cl::Buffer& polyhedra, std::size_t polyhedron_count,
+                    const ShortLaunches& launches)
+        : context_(context),
+          queue_(context.queue()),
+          programs_(programs),
+          pool_(pool),
+          layout_(layout),
+          polyhedra_(polyhedra),
+          polyhedron_count_(polyhedron_count),
+          launches_(launches),
+          bricks_(coarse_brick_count(layout)),
+          parts_(programs.parallel_parts(context, bricks_)),
+          counters_(bricks_ * parts_),
+          histograms_(pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
+          touch_counts_(pool->lease(parts_ * sizeof(cl_uint), "touches of the coarse lists")),
+          touch_starts_(pool->lease((parts_ + 1) * sizeof(cl_uint), "touches of the coarse lists")) {}
+
+    CoarseLists make() {
+        CoarseLists lists;
+        lists.parts = parts_;
+        lists.caps = find_caps();
+        const auto counts = pool_->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
+        find_touches(*lists.caps, *counts);
+        lists.starts = pool_->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        lists.pairs = scan(context_, programs_.scan, pool_, *counts, *lists.starts, counters_,
+                           "pairs of a triangle and a coarse brick");
+        constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
+        lists.entries = pool_->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        write_entries(*lists.starts, *lists.entries);
+        order_by_length(lists);
+        return lists;
     }
-}
+
+private:
+    enum CapsArgument : cl_uint { caps_layout, caps_count, caps_points, caps_caps, caps_first };
+    enum PointsArgument : cl_uint { points_stride, points_count, points_polyhedra, points_points };
+    enum CountArgument : cl_uint {
+        count_layout,
+        count_count,
+        count_polyhedra,
+        count_caps,
+        count_uniform_caps,
+        count_touch_starts,
+        count_touches,
+        count_touch_counts,
+        count_histograms,
+        count_counts,
+        count_step,
+        count_steps
+    };
+    enum FillArgument : cl_uint {
+        fill_layout,
+        fill_touch_starts,
+        fill_touches,
+        fill_touch_counts,
+        fill_starts,
+        fill_histograms,
+        fill_entries,
+        fill_step,
+        fill_steps
+    };
+
+    device::BufferPool::Lease find_caps() {
+        const std::size_t bricks = coarse_group_count(layout_) * group_size;
+        auto caps = pool_->lease(bricks * sizeof(float), "bounds of the coarse bricks");
+        if (has_uniform_caps(layout_) || polyhedron_count_ == 0) {
+            queue_.enqueueFillBuffer(*caps, layout_.half_width, 0, bricks * sizeof(float));
+            return caps;
+        }
+        const std::size_t stride = std::max<std::size_t>(1, polyhedron_count_ / cap_points);
+        const std::size_t count = (polyhedron_count_ + stride - 1) / stride;
+        const auto points = pool_->lease(count * sizeof(SurfacePoint), "points of the surface");
+        cl::Kernel gather(programs_.coarse_lists, "coarse_points");
+        gather.setArg(points_stride, static_cast<cl_uint>(stride));
+        gather.setArg(points_count, static_cast<cl_uint>(count));
+        gather.setArg(points_polyhedra, polyhedra_);
+        gather.setArg(points_points, *points);
+        constexpr std::size_t group = 64;
+        queue_.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange((count + group - 1) / group * group),
+                                    cl::NDRange(group));
+
+        cl::Kernel kernel(programs_.coarse_lists, "coarse_caps");
+        kernel.setArg(caps_layout, layout_);
+        kernel.setArg(caps_count, static_cast<cl_uint>(count));
+        kernel.setArg(caps_points, *points);
+        kernel.setArg(caps_caps, *caps);
+        const double seconds = seconds_per_point * static_cast<double>(count);
+        // PoCL compiles a kernel anew for each size of a group: one size for all grids.
+        const cl::NDRange alone = programs_.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
+        launches_.over(bricks / programs_.lanes, seconds, [&](std::size_t begin, std::size_t end) {
+            kernel.setArg(caps_first, static_cast<cl_uint>(begin));
+            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
+        });
+        queue_.finish();  // the points go back to the pool
+        return caps;
+    }
+
+    /// Counts the entries, and keeps what touches what.
+    void find_touches(const cl::Buffer& caps, const cl::Buffer& counts) {
+        cl::Kernel kernel(programs_.coarse_lists, "coarse_count");
+        kernel.setArg(count_layout, layout_);
+        kernel.setArg(count_count, static_cast<cl_uint>(polyhedron_count_));
+        kernel.setArg(count_polyhedra, polyhedra_);
+        kernel.setArg(count_caps, caps);
+        kernel.setArg(count_uniform_caps, cl_int{has_uniform_caps(layout_) ? 1 : 0});
+        kernel.setArg(count_touch_counts, *touch_counts_);
+        kernel.setArg(count_histograms, *histograms_);
+        kernel.setArg(count_counts, counts);
+        const std::size_t clusters = (polyhedron_count_ + programs_.lanes - 1) / programs_.lanes;
+        const double seconds = seconds_per_cluster * groups_of_a_cluster(layout_) * static_cast<double>(clusters);
+        const std::size_t expected = std::min(expected_touches(layout_, programs_.lanes) * polyhedron_count_,
+                                              context_.capabilities().largest_allocation / sizeof(Touch) / 2);
+        std::vector<cl_uint> found(parts_, static_cast<cl_uint>(expected / parts_));
+        for (bool all_kept = false; !all_kept;) {
+            const std::vector<cl_uint> room = found;
+            make_room(room);
+            kernel.setArg(count_touch_starts, *touch_starts_);
+            kernel.setArg(count_touches, *touches_);
+            launch(kernel, count_step, count_steps, seconds);
+            queue_.enqueueReadBuffer(*touch_counts_, CL_TRUE, 0, parts_ * sizeof(cl_uint), found.data());
+            all_kept = std::equal(found.begin(), found.end(), room.begin(), std::less_equal<>());
+        }
+        touch_count_ = std::accumulate(found.begin(), found.end(), std::size_t{0});
+    }
+
+    /// For so many touches of each part.
+    void make_room(const std::vector<cl_uint>& touches_of_parts) {
+        std::vector<cl_uint> starts(parts_ + 1);
+        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), starts.begin() + 1);
+        queue_.enqueueWriteBuffer(*touch_starts_, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
+        touches_ = {};  // the smaller one goes back first
+        touches_ = pool_->lease(
+            sizeof(Touch) * std::accumulate(touches_of_parts.begin(), touches_of_parts.end(), std::size_t{0}),
+            "touches of the coarse lists");
+    }
+
+    void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
+        cl::Kernel kernel(programs_.coarse_lists, "coarse_fill");
+        kernel.setArg(fill_layout, layout_);
+        kernel.setArg(fill_touch_starts, *touch_starts_);
+        kernel.setArg(fill_touches, *touches_);
+        kernel.setArg(fill_touch_counts, *touch_counts_);
+        kernel.setArg(fill_starts, starts);
+        kernel.setArg(fill_histograms, *histograms_);
+        kernel.setArg(fill_entries, entries);
+        launch(kernel, fill_step, fill_steps, seconds_per_touch * static_cast<double>(touch_count_));
+    }
+
+    /// All parts, in steps, that take a core so many seconds together.
+    void launch(cl::Kernel& kernel, cl_uint step_argument, cl_uint steps_argument, double core_seconds) const {
+        const std::size_t steps = launches_.steps(core_seconds);
+        kernel.setArg(steps_argument, static_cast<cl_uint>(steps));
+        launches_.one_by_one(steps, [&](std::size_t step) {
+            kernel.setArg(step_argument, static_cast<cl_uint>(step));
+            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(parts_),
+                                        cl::NDRange(programs_.part_group()));
+        });
+    }
+
+    /// The long lists first, so that cores end together; among those of like length neighbours follow each other,
+    /// because they share polyhedra (measured: a tenth of the bricks' time).
+    void order_by_length(CoarseLists& lists) const {
+        std::vector<cl_uint> starts(counters_ + 1);
+        queue_.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
+        const auto length = [&](cl_uint brick) {
+            return starts[(std::size_t{brick} + 1) * parts_] - starts[std::size_t{brick} * parts_];
+        };
+        for (cl_uint brick = 0; brick < bricks_; ++brick)
+            if (length(brick) > 0) lists.order.push_back(brick);
+        std::stable_sort(lists.order.begin(), lists.order.end(),
+                         [&](cl_uint a, cl_uint b) { return std::bit_width(length(a)) > std::bit_width(length(b)); });
+        lists.lengths.reserve(lists.order.size());
+        for (const cl_uint brick : lists.order) lists.lengths.push_back(length(brick));
+    }
+
+    device::Context& context_;
+    const cl::CommandQueue& queue_;
+    const Programs& programs_;
+    const std::shared_ptr<device::BufferPool>& pool_;
+    const Layout& layout_;
+    const cl::Buffer& polyhedra_;
+    std::size_t polyhedron_count_;
+    const ShortLaunches& launches_;
+    std::size_t bricks_;
+    std::size_t parts_;
+    std::size_t counters_;  ///< one a brick and part
+    device::BufferPool::Lease histograms_;
+    device::BufferPool::Lease touch_counts_;
+    device::BufferPool::Lease touch_starts_;  ///< where the room for each part's touches begins
+    device::BufferPool::Lease touches_;
+    std::size_t touch_count_ = 0;
+};
 
 }  // namespace
 
@@ -103,72 +253,8 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                               const cl::Buffer& polyhedra, std::size_t polyhedron_count,
                               const ShortLaunches& launches) {
-    return device::guarded([&] {
-        const cl::CommandQueue& queue = context.queue();
-        const std::size_t bricks = coarse_brick_count(layout);
-        CoarseLists lists;
-        lists.parts = programs.parallel_parts(context, bricks);
-        const std::size_t counters = bricks * lists.parts;
-        lists.caps =
-            pool->lease(coarse_group_count(layout) * coarse_group_size * sizeof(float), "bounds of the coarse bricks");
-        bound_coarse_bricks(context, programs, pool, layout, polyhedra, polyhedron_count, *lists.caps, launches);
-
-        const auto histograms = pool->lease(counters * sizeof(cl_uint), "histograms of the coarse lists");
-        const auto counts = pool->lease(counters * sizeof(cl_uint), "counts of the coarse lists");
-        lists.starts = pool->lease((counters + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        std::size_t capacity = std::min((kept_touches * polyhedron_count + lists.parts - 1) / lists.parts,
-                                        context.capabilities().largest_allocation / (lists.parts * sizeof(Touch)));
-        const device::BufferPool::Lease touches = lease_touches(*pool, lists.parts, capacity);
-        const auto touch_counts = pool->lease(lists.parts * sizeof(cl_uint), "touches of the coarse lists");
-        cl::Kernel kernel(programs.coarse_lists, "coarse_lists");
-        kernel.setArg(0, layout);
-        kernel.setArg(1, static_cast<cl_uint>(polyhedron_count));
-        kernel.setArg(2, polyhedra);
-        kernel.setArg(3, *lists.caps);
-        kernel.setArg(4, cl_int{has_uniform_caps(layout) ? 1 : 0});
-        kernel.setArg(5, *histograms);
-        kernel.setArg(6, *counts);
-        kernel.setArg(7, *lists.starts);
-        kernel.setArg(8, *counts);  // no entries yet
-        kernel.setArg(9, static_cast<cl_uint>(capacity));
-        kernel.setArg(10, *touches);
-        kernel.setArg(11, *touch_counts);
-        kernel.setArg(12, cl_int{0});
-        const auto launch = [&] {
-            const std::size_t steps = polyhedron_count / launches.most(seconds_per_polyhedron(layout)) + 1;
-            kernel.setArg(14, static_cast<cl_uint>(steps));
-            launches.one_by_one(steps, [&](std::size_t step) {
-                kernel.setArg(13, static_cast<cl_uint>(step));
-                queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(lists.parts),
-                                           cl::NDRange(programs.part_group()));
-            });
-        };
-        launch();
-
-        lists.pairs = scan(context, programs.scan, pool, *counts, *lists.starts, counters,
-                           "pairs of a triangle and a coarse brick");
-        constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
-        lists.entries = pool->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
-
-        kernel.setArg(8, *lists.entries);
-        kernel.setArg(12, cl_int{1});
-        launch();
-
-        std::vector<cl_uint> starts(counters + 1);
-        queue.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
-        const auto length = [&](cl_uint brick) {
-            return starts[(std::size_t{brick} + 1) * lists.parts] - starts[std::size_t{brick} * lists.parts];
-        };
-        for (cl_uint brick = 0; brick < bricks; ++brick)
-            if (length(brick) > 0) lists.order.push_back(brick);
-        // The long lists first, so that cores end together; among those of like length neighbours follow each other,
-        // because they share polyhedra (measured: a tenth of the bricks' time).
-        std::stable_sort(lists.order.begin(), lists.order.end(),
-                         [&](cl_uint a, cl_uint b) { return std::bit_width(length(a)) > std::bit_width(length(b)); });
-        lists.lengths.reserve(lists.order.size());
-        for (const cl_uint brick : lists.order) lists.lengths.push_back(length(brick));
-        return lists;
-    });
+    return device::guarded(
+        [&] { return CoarseListMaker(context, programs, pool, layout, polyhedra, polyhedron_count, launches).make(); });
 }
 
 }  // namespace clsdf::transform

@@ -24,6 +24,9 @@ public:
         return std::max<std::size_t>(1, static_cast<std::size_t>(core_seconds_ / core_seconds));
     }
 
+    /// How many launches there must be for work that takes a core of a processor so many seconds.
+    std::size_t steps(double core_seconds) const { return static_cast<std::size_t>(core_seconds / core_seconds_) + 1; }
+
     /// enqueue(number) for as many launches.
     template <class Enqueue>
     void one_by_one(std::size_t count, Enqueue&& enqueue) const {

@@ -58,7 +58,7 @@ BOOST_AUTO_TEST_CASE(a_surface_of_many_sheets_has_the_right_signs) {
     check_short_launches(onion, grid, Band::symmetric(0.15));
 }
 
-// They touch more groups of coarse bricks than are kept from counting to writing the lists: four for each polyhedron.
+// They touch more coarse bricks than there is room for at first.
 BOOST_AUTO_TEST_CASE(triangles_over_many_coarse_bricks_are_in_all_their_lists) {
     const Mesh beam = box({-2.5, -1.5, 0.5}, {2.5, 1.5, 720.5});
     Grid grid = grid_at({0, 0, 0}, 1, 4);

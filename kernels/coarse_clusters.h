@@ -1,0 +1,213 @@
+// Which coarse bricks LANES polyhedra that follow each other, a cluster, touch. They are neighbours, because polyhedra
+// are in Morton order: most bricks are too far from all of them together. Only the others are tested one by one, each
+// against the cluster's polyhedra, one a lane.
+//
+// What a test says depends on the cluster and on a group of 4 x 4 x 4 bricks, never on the part that is computed or on
+// how the work is divided: clusters begin at multiples of LANES, and groups where the lattice or the cluster says.
+#ifndef CLSDF_COARSE_CLUSTERS_H
+#define CLSDF_COARSE_CLUSTERS_H
+
+#include "blocks.h"
+#if LANES > 1
+#include "lane_polyhedra.h"
+#endif
+
+// From a coarse brick's first sample to its centre, in samples.
+#define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
+
+typedef struct Cluster {
+    uint first, count;  // its polyhedra
+    int3 sample;        // of the lattice, near it
+    float3 from, to;    // a box around its triangles, in units from the sample
+#if LANES > 1
+    // Balls around the triangles: the feet of their altitudes, from the sample, and radii that hold their rounding.
+    float x[LANES], y[LANES], z[LANES], radius[LANES];
+#endif
+} Cluster;
+
+// (Through a pointer: oclgrind's compiler leaves in the code of a returned struct what the simulator does not know.)
+INLINE void find_cluster(Layout layout, __global const Polyhedron* polyhedra, uint first, uint count,
+                         __private Cluster* cluster) {
+    cluster->first = first;
+    cluster->count = count;
+    cluster->sample = vload3(0, &polyhedra[first].origin_x);
+    cluster->from = INFINITY;
+    cluster->to = -INFINITY;
+    const float3 spacing = vload3(0, layout.spacing);
+    for (uint n = first; n < first + count; ++n) {
+        __global const Polyhedron* p = polyhedra + n;
+        const float3 foot =
+            convert_float3(sub_sat(vload3(0, &p->origin_x), cluster->sample)) * spacing + vload3(0, p->foot);
+        // The base is a triangle's longest edge: the altitude on it is at most sqrt(3) / 2 of it.
+        const float right = p->base[CLSDF_HALF_RIGHT], left = p->base[CLSDF_HALF_LEFT];
+        const float extent = GREATER(GREATER(right, left), 0.8661f * (right + left));
+        cluster->from = LESSER(cluster->from, foot - extent);
+        cluster->to = GREATER(cluster->to, foot + extent);
+#if LANES > 1
+        cluster->x[n - first] = foot.x;
+        cluster->y[n - first] = foot.y;
+        cluster->z[n - first] = foot.z;
+        cluster->radius[n - first] = extent + 1.0e-5f * (fabs(foot.x) + fabs(foot.y) + fabs(foot.z) + extent);
+#endif
+    }
+    const float3 rounding = 1.0e-5f * (fabs(cluster->from) + fabs(cluster->to));
+    cluster->from -= rounding;
+    cluster->to += rounding;
+}
+
+// The largest integer not above the value; beyond the lattice's indices, which are below 2^30, a number that is too.
+INLINE int3 index_below(int3 origin, float3 offset) {
+    const float3 limited = clamp(offset, -2.0e9f, 2.0e9f);
+    const int3 truncated = convert_int3(limited);
+    const int3 below = truncated + (convert_float3(truncated) > limited);  // true is -1
+    return clamp(add_sat(origin, below), (int3)(-0x7FFFFF00), (int3)(0x7FFFFF00));
+}
+
+// The coarse bricks of the lattice that the cluster's box, enlarged by a reach, overlaps; limits included.
+typedef struct CoarseRange {
+    int3 low, high;
+} CoarseRange;
+
+INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float reach) {
+    const float3 per_sample = 1.0f / vload3(0, layout.spacing);
+    CoarseRange range;
+    range.low = (index_below(cluster.sample, (cluster.from - reach) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
+    range.high = (index_below(cluster.sample, (cluster.to + reach) * per_sample) + 1) >> 5;
+    return range;
+}
+
+// Bits 0 to 3: which of four neighbours that start at `base` lie in [low, high].
+INLINE uint four_in_range(int base, int low, int high) {
+    const int begin = max(low - base, 0), end = min(high - base, 3);
+    return begin > end ? 0u : (0xFu >> (3 - end)) & (0xFu << begin);
+}
+
+// The bricks of a group that starts at `start` that lie in the range: bit b is brick x = b & 3, y = b >> 2 & 3,
+// z = b >> 4.
+INLINE ulong group_in_range(int3 start, CoarseRange range) {
+    const uint in_x = four_in_range(start.x, range.low.x, range.high.x),
+               in_y = four_in_range(start.y, range.low.y, range.high.y),
+               in_z = four_in_range(start.z, range.low.z, range.high.z);
+    const uint rows =
+        (in_y & 1u) * 0xFu | (in_y >> 1 & 1u) * 0xF0u | (in_y >> 2 & 1u) * 0xF00u | (in_y >> 3 & 1u) * 0xF000u;
+    const ulong slice = in_x * 0x1111u & rows;
+    return (in_z & 1u) * slice | (in_z >> 1 & 1u) * (slice << 16) | (in_z >> 2 & 1u) * (slice << 32) |
+           (in_z >> 3 & 1u) * (slice << 48);
+}
+
+// How far apart two intervals lie: their middles, and half their lengths together.
+INLINE floatL gap_between(floatL middles, float half_lengths) {
+    const floatL gap = fabs(middles) - half_lengths;
+    return GREATER(gap, (floatL)0.0f);
+}
+
+// The centre of a group's first brick, from the cluster's sample, in units.
+INLINE float3 first_centre(Layout layout, Cluster cluster, int3 start) {
+    return (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * vload3(0, layout.spacing);
+}
+
+// The bricks of a group of which some sample may lie within the brick's cap of the cluster.
+INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, __private const float* caps) {
+    const float3 spacing = vload3(0, layout.spacing), side = CLSDF_COARSE * spacing;
+    const float3 half_lengths = 0.5f * (cluster.to - cluster.from) + COARSE_CENTRE * spacing;
+    const float3 middles = first_centre(layout, cluster, start) - 0.5f * (cluster.from + cluster.to);
+    ulong near = 0;
+    for (uint first = 0; first < CLSDF_COARSE_GROUP; first += LANES) {
+        const uintL block = LANE_NUMBERS + first;
+        const floatL x = gap_between(convert_floatL(block & 3u) * side.x + middles.x, half_lengths.x),
+                     y = gap_between(convert_floatL(block >> 2 & 3u) * side.y + middles.y, half_lengths.y),
+                     z = gap_between(convert_floatL(block >> 4) * side.z + middles.z, half_lengths.z);
+        const floatL reach = load_lanes(0, caps + first) + layout.coarse_slack;
+        near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= reach * reach) << first;
+    }
+    return near;
+}
+
+// The cluster's polyhedra at a group of coarse bricks.
+#if LANES == 1
+typedef struct ClusterAtGroup {
+    __global const Polyhedron* polyhedron;
+    Place place;
+    Reach reach;
+} ClusterAtGroup;
+
+INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start,
+                                       float slack) {
+    ClusterAtGroup at;
+    at.polyhedron = polyhedra + cluster.first;
+    at.place = place_at(at.polyhedron, start.x * CLSDF_COARSE, start.y * CLSDF_COARSE, start.z * CLSDF_COARSE,
+                        2.0f * CLSDF_COARSE - 0.5f);
+    at.reach = widened(reach_of_cube(at.polyhedron, COARSE_CENTRE), slack);
+    return at;
+}
+
+// Bit l: whether polyhedron l touches brick b of the group.
+INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
+    const float i = ((float)(b & 3u) - 1.5f) * CLSDF_COARSE, j = ((float)(b >> 2 & 3u) - 1.5f) * CLSDF_COARSE,
+                k = ((float)(b >> 4) - 1.5f) * CLSDF_COARSE;
+    return touched_blocks(at->polyhedron, at->place, centres_of(at->polyhedron, at->place, i, j, k), at->reach, cap);
+}
+#else
+typedef struct ClusterAtGroup {
+    LanePolyhedra polyhedra;
+    Bounds first;            // at the centre of the group's first brick, less reach and slack but for z
+    floatL reach_z;          // with slack
+    floatL x, y, z, radius;  // of the balls, from there
+    float3 side;             // of a coarse brick, in units
+    uint lanes;
+} ClusterAtGroup;
+
+INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start,
+                                       float slack) {
+    uint numbers[LANES];
+    for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = cluster.first + min(lane, cluster.count - 1);
+    const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, start * CLSDF_COARSE, COARSE_CENTRE);
+#define REACH(bound) \
+    ((fabs(p.step_x.bound) + (fabs(p.step_y.bound) + fabs(p.step_z.bound))) * (COARSE_CENTRE * 1.000001f) + slack)
+    ClusterAtGroup at;
+    at.polyhedra = p;
+    at.first.z = p.at.z;
+    at.first.base = p.at.base - REACH(base);
+    at.first.right = p.at.right - REACH(right);
+    at.first.left = p.at.left - REACH(left);
+    at.reach_z = REACH(z);
+#undef REACH
+    at.side = CLSDF_COARSE * vload3(0, layout.spacing);
+    const float3 centre = first_centre(layout, cluster, start);
+    at.x = load_lanes(0, cluster.x) - centre.x;
+    at.y = load_lanes(0, cluster.y) - centre.y;
+    at.z = load_lanes(0, cluster.z) - centre.z;
+    at.radius = load_lanes(0, cluster.radius) + layout.coarse_slack;
+    at.lanes = (1u << cluster.count) - 1;
+    return at;
+}
+
+// Bit l: whether polyhedron l touches brick b of the group: by the distance of its triangle's ball, and by the planes
+// that bound it.
+INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
+    const LanePolyhedra* p = &at->polyhedra;
+    const float bx = (float)(b & 3u), by = (float)(b >> 2 & 3u), bz = (float)(b >> 4);
+    const float half_side = COARSE_CENTRE / CLSDF_COARSE;
+    const floatL x = gap_between(at->x - bx * at->side.x, half_side * at->side.x),
+                 y = gap_between(at->y - by * at->side.y, half_side * at->side.y),
+                 z = gap_between(at->z - bz * at->side.z, half_side * at->side.z);
+    const floatL far = at->radius + cap;
+    const intL near = (x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= far * far;
+
+    const float i = bx * CLSDF_COARSE, j = by * CLSDF_COARSE, k = bz * CLSDF_COARSE;
+#define AT(bound) (i * p->step_x.bound + (j * p->step_y.bound + (k * p->step_z.bound + at->first.bound)))
+    const floatL height = AT(z), above = at->reach_z + height, below = at->reach_z - height;
+#define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
+    const floatL base = WIDTH(CLSDF_EDGE_BASE), right = WIDTH(CLSDF_EDGE_RIGHT), left = WIDTH(CLSDF_EDGE_LEFT);
+    intL in = fabs(height) <= cap + at->reach_z;
+    // A branch, and not the lesser of width and cap: the loop over bricks is then compiled twice, and where all are
+    // compact, as most are, it takes two thirds of the time.
+    if (!p->all_compact) in &= (AT(base) <= cap) & (AT(right) <= cap) & (AT(left) <= cap);
+    in &= (AT(base) <= base) & (AT(right) <= right) & (AT(left) <= left);
+#undef WIDTH
+#undef AT
+    return at->lanes & lanes_to_bits(near & in);
+}
+#endif
+
+#endif
