@@ -247,7 +247,7 @@ MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double ha
     MauchPieces result;
     result.polyhedra.resize(faces.order.size());
     for_each_index(faces.order.size(), [&](std::size_t face) {
-        result.polyhedra[face] = pack(faces.frames[face], FaceEdges{}, faces.order[face], lattice);
+        result.polyhedra[face] = pack(faces.frames[face], FaceSlopes{}, faces.order[face], lattice);
     });
 
     struct State {
