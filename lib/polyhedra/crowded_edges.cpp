@@ -64,8 +64,8 @@ std::vector<EdgeSlope> crowded_slopes(const MeshFaces& faces, const OneRings& ri
                 frames.clear();
                 for (const EdgeEntry& entry : edge) frames.push_back(faces.frame(entry.edge().face));
                 // A box takes the wedges of all its edges, so that faces beside it need none.
-                const bool at_box = std::any_of(frames.begin(), frames.end(),
-                                                [](const TriangleFrame& frame) { return frame.is_box; });
+                const bool at_box =
+                    std::any_of(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; });
                 if (!at_box) set_around(edge, frames, open, std::span(slopes).subspan(place, edge.size()));
                 for (std::size_t face = 0; face < edge.size(); ++face) {
                     const Corner corner = edge[face].edge();

@@ -39,8 +39,7 @@ inline Double2 product(const Double2& a, const Double2& b) {
     const double b_upper = upper_half(b.high);
     const double a_lower = a.high - a_upper;
     const double b_lower = b.high - b_upper;
-    const double rounding =
-        ((a_upper * b_upper - high) + a_upper * b_lower + a_lower * b_upper) + a_lower * b_lower;
+    const double rounding = ((a_upper * b_upper - high) + a_upper * b_lower + a_lower * b_upper) + a_lower * b_lower;
     return carried(high, rounding + (a.high * b.low + a.low * b.high));
 }
 
@@ -62,9 +61,9 @@ void PlaneSides::set(std::size_t i, const OppositeVertex& vertex) {
     }
 }
 
-// A determinant's roundings are fewer than fifty of 2^-104 of its permanent, less than 2^-98 of it. Where products leave
-// the range of double at its lower end, each loses at most 2^-1074 more, times a length; at the upper end nothing is
-// certain, because comparisons with infinity and with what is no number fail.
+// A determinant's roundings are fewer than fifty of 2^-104 of its permanent, less than 2^-98 of it. Where products
+// leave the range of double at its lower end, each loses at most 2^-1074 more, times a length; at the upper end nothing
+// is certain, because comparisons with infinity and with what is no number fail.
 CLSDF_SEVERAL_TARGETS void PlaneSides::measure(Sides& sides) const {
     constexpr double roundings = 0x1p-98;
     constexpr double underflow = 1e-300;

@@ -145,6 +145,15 @@ BOOST_AUTO_TEST_CASE(where_no_direction_can_be_rejected_there_is_none) {
             if (seed % 2 == 0) fan.lower_slopes(random);
             const double margin = std::pow(10, random.uniform(-7, -1));
             const Vector middle = fan.mean_normal();
+            if (fan.leaving.size() <= polyhedra::FanBatch::most_faces) {
+                polyhedra::FanBatch batch;
+                for (std::uint32_t i = 0; !batch.is_full(); ++i) batch.add(fan, i, fan.leaving);
+                polyhedra::FanBatch::Answers are_covered;
+                batch.ask(margin, are_covered);
+                const bool expected = cannot_all_reject(fan.planes(fan.leaving), margin) &&
+                                      cannot_all_reject(fan.planes(fan.arriving), margin);
+                for (const int is_covered : are_covered) BOOST_TEST((is_covered != 0) == expected);
+            }
             for (const std::vector<Corner>& edges : {fan.leaving, fan.arriving}) {
                 std::vector<Vector> conditions;
                 for (const Corner& edge : edges)

@@ -13,7 +13,9 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <chrono>
+#include <map>
 
 namespace clsdf::test {
 namespace {
@@ -118,6 +120,38 @@ BOOST_AUTO_TEST_CASE(corners_come_by_face_however_many_threads_file_them) {
         }
     }
     BOOST_TEST(corners == 3 * mesh.triangles().size());
+}
+
+BOOST_AUTO_TEST_CASE(every_edge_knows_the_face_across) {
+    Random random(2);
+    // Edges of one face, of two of either orientation, and of more; vertices with few faces and with many.
+    for (const Mesh& mesh : {make_shape("knot"), random_soup(random, 40, 200), random_soup(random, 2000, 9000)}) {
+        std::map<std::array<std::uint32_t, 2>, std::vector<polyhedra::Corner>> faces_at;
+        for (std::uint32_t face = 0; face < mesh.triangles().size(); ++face)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const auto ends =
+                    std::minmax(mesh.triangles()[face][k], mesh.triangles()[face][polyhedra::next_of_three(k)]);
+                faces_at[{ends.first, ends.second}].push_back({face, k});
+            }
+        const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+        const polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
+        for (const auto& [ends, faces] : faces_at) {
+            for (const polyhedra::Corner& edge : faces) {
+                const int marks = edges.faces[edge.face].marks[edge.vertex];
+                if (ends[0] == ends[1]) {
+                    BOOST_TEST(marks == polyhedra::edge_at_box);
+                } else if (faces.size() == 2 && faces[0].face != faces[1].face) {
+                    const polyhedra::Corner& other = edge.face == faces[0].face ? faces[1] : faces[0];
+                    const bool oriented =
+                        mesh.triangles()[edge.face][edge.vertex] != mesh.triangles()[other.face][other.vertex];
+                    BOOST_TEST(marks == (oriented ? 0 : polyhedra::edge_unoriented));
+                    BOOST_TEST(edges.faces[edge.face].across[edge.vertex] == other.packed());
+                } else {
+                    BOOST_TEST(marks == (faces.size() == 1 ? polyhedra::edge_open : polyhedra::edge_non_manifold));
+                }
+            }
+        }
+    }
 }
 
 BOOST_AUTO_TEST_CASE(convex_meshes_have_no_saddles) {
