@@ -102,7 +102,7 @@ void EdgeSlopes::set_other(const Question& edge, int side) {
     if (!(marks & without_pair)) {
         if (side != 0) {
             set_pair(edge, side);
-        } else {
+        } else if (is_first(edge.face, edge.edge) || place_across(edge.face, edge.edge) >= size_) {
             questions_.push_back(edge);
         }
         return;
@@ -159,6 +159,10 @@ void EdgeSlopes::answer_questions() {
             int side = sides[i];
             if (side == 0) side = side_of_plane(opposite_vertex(questions[i]));
             set_pair(questions[i], side);
+            const std::size_t across = place_across(questions[i].face, questions[i].edge);
+            if (across >= size_) continue;
+            const std::uint32_t edge = edges_[begin_ + questions[i].face].across[questions[i].edge] & 3;
+            set_pair({across, edge, questions[i].folded, questions[i].slope}, side);
         }
     }
 }

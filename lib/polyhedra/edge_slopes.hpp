@@ -50,7 +50,8 @@ public:
     }
 
 private:
-    /// An edge of a face of the stretch whose other face lies on a side that its frames do not tell.
+    /// An edge of a face of the stretch whose other face lies on a side that its frames do not tell. Where that is a
+    /// face of the stretch too, the first of them asks for both.
     struct Question {
         std::size_t face;
         std::uint32_t edge;
