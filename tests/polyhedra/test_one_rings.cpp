@@ -124,8 +124,11 @@ BOOST_AUTO_TEST_CASE(corners_come_by_face_however_many_threads_file_them) {
 
 BOOST_AUTO_TEST_CASE(every_edge_knows_the_face_across) {
     Random random(2);
-    // Edges of one face, of two of either orientation, and of more; vertices with few faces and with many.
-    for (const Mesh& mesh : {make_shape("knot"), random_soup(random, 40, 200), random_soup(random, 2000, 9000)}) {
+    // Edges of one face, of two of either orientation, and of more; vertices with few faces and with many; and one
+    // where just one face arrives along each edge that leaves.
+    const Mesh three({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 3}, {0, 1, 2}, {0, 2, 1}}, "three");
+    for (const Mesh& mesh :
+         {make_shape("knot"), random_soup(random, 40, 200), random_soup(random, 2000, 9000), three}) {
         std::map<std::array<std::uint32_t, 2>, std::vector<polyhedra::Corner>> faces_at;
         for (std::uint32_t face = 0; face < mesh.triangles().size(); ++face)
             for (std::uint32_t k = 0; k < 3; ++k) {
