@@ -1,9 +1,13 @@
 #include "peikert_sigg/surface.hpp"
 
 #include "mesh/equal_vertices.hpp"
-#include "polyhedra/parallel.hpp"
+#include "polyhedra/crowded_edges.hpp"
+#include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/pair_edges.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <utility>
 
 namespace clsdf::peikert_sigg {
 
@@ -32,28 +36,31 @@ std::vector<Triangle> select(const Mesh& mesh, const std::vector<std::uint32_t>&
     return triangles;
 }
 
-std::vector<TriangleFrame> frames_of(const Mesh& mesh, const std::vector<Triangle>& triangles) {
+LatticeView unit_of(const Mesh& mesh) {
     const double side = mesh.box().longest_side();
-    const LatticeView unit{mesh.box().lower, side > 0 ? side : 1};
-    std::vector<TriangleFrame> frames(triangles.size());
-    for_each_index(triangles.size(), [&](std::size_t face) {
-        const auto& [a, b, c] = triangles[face];
-        frames[face] = triangle_frame({mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]}, unit);
-    });
-    return frames;
+    return {mesh.box().lower, side > 0 ? side : 1};
 }
 
 }  // namespace
 
-// Of the slopes only what they are decided from is used: the edges' marks and pairs.
 Surface::Surface(const Mesh& mesh)
     : mesh_(&mesh),
       representatives_(first_equal_vertices(mesh.vertices())),
       sources_(faces_of_three_vertices(mesh, representatives_)),
       triangles_(select(mesh, representatives_, sources_)),
-      frames_(frames_of(mesh, triangles_)),
-      rings_(triangles_, mesh.vertices().size()),
-      edges_(edge_slopes(mesh, triangles_, frames_, rings_, 1)) {}
+      frames_(triangles_.size()),
+      rings_(triangles_, mesh.vertices().size()) {
+    const LatticeView unit = unit_of(mesh);
+    const MeshFaces faces{mesh, triangles_, unit};
+    PairedEdges edges = pair_edges(triangles_, rings_);
+    // Of the slopes only what they are decided from is used: the edges' marks and pairs.
+    const float open = 1;
+    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings_, edges, open);
+    measure_edges(faces, edges.faces, crowded, open, [&](const EdgeSlopes& stretch) {
+        for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) frames_[face] = stretch.frame(face);
+    });
+    edges_ = std::move(edges.faces);
+}
 
 EdgeKind Surface::kind(const Corner& edge) const {
     const std::uint8_t set = marks(edge);

@@ -1,197 +1,19 @@
 #include "polyhedra/edge_slopes.hpp"
 
-#include "polyhedra/dihedral.hpp"
-#include "polyhedra/edges_above.hpp"
-#include "polyhedra/pair_batch.hpp"
-#include "polyhedra/parallel.hpp"
+#include "polyhedra/frame_batch.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
-#include <vector>
 
 namespace clsdf::polyhedra {
 
 namespace {
 
-class EdgeSlopes {
-public:
-    EdgeSlopes(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
-               std::span<FaceEdges> faces, float open)
-        : mesh_(mesh), triangles_(triangles), frames_(frames), faces_(faces), open_(open) {}
+constexpr std::size_t faces_at_once = WedgeBatch::capacity / 3;
 
-    /// Sets what is known of the edges of which `vertex` is the lower end, where each has two faces that run along it
-    /// in opposite directions; false where one has not, or many meet. Some may have been set by then, to the same as
-    /// set() does.
-    bool set_pairs_above(std::uint32_t vertex, const OneRings& rings) {
-        constexpr std::size_t few = 16;
-        const std::size_t count = rings.size(vertex);
-        if (count > few) return false;
-        std::array<Corner, few> corners;
-        std::array<std::uint32_t, few> next;
-        std::array<std::uint32_t, few> previous;
-        std::size_t unpaired = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            corners[i] = rings.corner(vertex, i);
-            const Triangle& triangle = triangles_[corners[i].face];
-            next[i] = triangle[next_of_three(corners[i].vertex)];
-            previous[i] = triangle[previous_of_three(corners[i].vertex)];
-            if (previous[i] > vertex) ++unpaired;
-            fetch_ahead(frames_[corners[i].face]);
-        }
-        for (std::size_t i = 0; i < count; ++i) {
-            if (next[i] <= vertex) continue;
-            std::size_t leaving = 0;
-            std::size_t arriving = 0;
-            std::size_t other = 0;
-            for (std::size_t j = 0; j < count; ++j) {
-                if (next[j] == next[i]) ++leaving;
-                if (previous[j] != next[i]) continue;
-                ++arriving;
-                other = j;
-            }
-            const Corner& edge = corners[i];
-            // A face with a vertex twice arrives along the edge that it leaves by.
-            if (leaving != 1 || arriving != 1 || corners[other].face == edge.face) return false;
-            const Corner across{corners[other].face, previous_of_three(corners[other].vertex)};
-            add_pair(edge.face < across.face ? PairBatch::Pair{edge, across, true}
-                                             : PairBatch::Pair{across, edge, true});
-            --unpaired;
-        }
-        return unpaired == 0;
-    }
-
-    /// Sets what is known of one edge, given all its faces.
-    void set(std::span<const EdgeEntry> faces) {
-        if (faces.size() == 2 && faces[0].edge().face != faces[1].edge().face) {
-            const Corner first = faces[0].edge();
-            const Corner second = faces[1].edge();
-            add_pair({first, second, triangles_[first.face][first.vertex] != triangles_[second.face][second.vertex]});
-            return;
-        }
-        const bool at_box = std::any_of(faces.begin(), faces.end(),
-                                        [&](const EdgeEntry& entry) { return frames_[entry.edge().face].is_box; });
-        std::uint8_t marks = faces.size() == 1 ? edge_open : edge_non_manifold;
-        if (at_box) marks |= edge_at_box;
-        for (const EdgeEntry& entry : faces) {
-            faces_[entry.edge().face].marks[entry.edge().vertex] = marks;
-            faces_[entry.edge().face].across[entry.edge().vertex] = 0;
-        }
-        if (at_box) {
-            for (const EdgeEntry& entry : faces) set_slopes(entry.edge(), 0, 0);
-        } else if (faces.size() == 1) {
-            set_slopes(faces[0].edge(), infinite, infinite);
-        } else {
-            set_around(faces);
-        }
-    }
-
-    /// Sets what is known of the edges that are still waiting for others to be measured with.
-    void finish() {
-        PairBatch::Results results;
-        batch_.measure(results);
-        for (std::size_t i = 0; i < batch_.size(); ++i)
-            set_pair(batch_.pair(i), results.sine[i], results.squared_apart[i], results.slope[i]);
-        batch_.clear();
-    }
-
-private:
-    static constexpr double infinite = std::numeric_limits<double>::infinity();
-
-    /// A box takes the wedges of all its edges, so that faces beside it need none.
-    void set_slopes(const Corner& edge, double above, double below) const {
-        const bool is_box = frames_[edge.face].is_box;
-        FaceEdges& face = faces_[edge.face];
-        face.above[edge.vertex] = is_box ? open_ : std::min(open_, widened(above));
-        face.below[edge.vertex] = is_box ? open_ : std::min(open_, widened(below));
-    }
-
-    void add_pair(const PairBatch::Pair& pair) {
-        batch_.add(pair, frames_[pair.first.face], frames_[pair.second.face]);
-        if (batch_.is_full()) finish();
-    }
-
-    void set_pair(const PairBatch::Pair& pair, double sine, double squared_apart, double slope) const {
-        const auto& [first, second, oriented] = pair;
-        const TriangleFrame& first_frame = frames_[first.face];
-        const TriangleFrame& second_frame = frames_[second.face];
-        int side = certain_side(first_frame, second_frame, sine);
-        if (side == 0) side = side_of_plane(mesh_, triangles_, frames_, first, second);
-        std::uint8_t marks = 0;
-        if (!oriented) {
-            marks = edge_unoriented;
-        } else if (side != 0) {
-            marks = side < 0 ? edge_convex : edge_concave;
-        }
-
-        double above = 0;
-        double below = 0;
-        if (first_frame.is_box || second_frame.is_box) {
-            marks |= edge_at_box;
-        } else if (folded(squared_apart)) {
-            marks |= edge_open | edge_folded;
-            above = below = infinite;
-        } else {
-            above = side < 0 ? slope : 0;
-            below = side > 0 ? slope : 0;
-        }
-        set_one_of_pair(first, second, marks, above, below);
-        if (!oriented) std::swap(above, below);
-        set_one_of_pair(second, first, marks, above, below);
-    }
-
-    void set_one_of_pair(const Corner& edge, const Corner& across, std::uint8_t marks, double above,
-                         double below) const {
-        faces_[edge.face].marks[edge.vertex] = marks;
-        faces_[edge.face].across[edge.vertex] = across.packed();
-        set_slopes(edge, above, below);
-    }
-
-    /// Three faces or more: each shares its wedges with the next faces in either direction around the edge. Faces
-    /// folded onto each other have an empty wedge between them, whichever comes first.
-    void set_around(std::span<const EdgeEntry> faces) const {
-        struct Spoke {
-            double angle;
-            Corner edge;
-        };
-        const TriangleFrame& first = frames_[faces[0].edge().face];
-        const Vector x = first.inwards[faces[0].edge().vertex];
-        const Vector y = first.normal;
-        std::vector<Spoke> spokes;
-        for (const EdgeEntry& entry : faces) {
-            const Vector inward = frames_[entry.edge().face].inwards[entry.edge().vertex];
-            spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), entry.edge()});
-        }
-        std::stable_sort(spokes.begin(), spokes.end(),
-                         [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
-
-        constexpr double turn = 2 * std::numbers::pi;
-        const auto slope_of_gap = [](double gap) {
-            if (gap <= std::numbers::pi) return 0.0;
-            return gap < turn - fold_angle ? -1 / std::tan(gap / 2) : infinite;
-        };
-        for (std::size_t i = 0; i < spokes.size(); ++i) {
-            const double angle = spokes[i].angle;
-            const double next = i + 1 < spokes.size() ? spokes[i + 1].angle : spokes.front().angle + turn;
-            const double previous = i > 0 ? spokes[i - 1].angle : spokes.back().angle - turn;
-            const Vector turning = -std::sin(angle) * x + std::cos(angle) * y;
-            double above = slope_of_gap(next - angle);
-            double below = slope_of_gap(angle - previous);
-            if (frames_[spokes[i].edge.face].normal.dot(turning) < 0) std::swap(above, below);
-            set_slopes(spokes[i].edge, above, below);
-        }
-    }
-
-    const Mesh& mesh_;
-    std::span<const Triangle> triangles_;
-    std::span<const TriangleFrame> frames_;
-    std::span<FaceEdges> faces_;
-    float open_;
-    PairBatch batch_;
-};
+/// Edges without exactly one other face.
+constexpr std::uint8_t without_pair = edge_open | edge_non_manifold | edge_at_box;
 
 }  // namespace
 
@@ -199,38 +21,161 @@ float open_slope(double half_width, double slack) {
     return std::max(CLSDF_OPEN_SLOPE, widened(2 * half_width / slack));
 }
 
-UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open,
-                                           ScratchMemory* scratch) {
-    UninitializedVector<FaceEdges> faces(triangles.size(), scratch);
-    for_each_index(triangles.size(), [&](std::size_t face) {
-        if (!frames[face].is_box) return;
-        faces[face].across = {};
-        faces[face].above = faces[face].below = {open, open, open};
-        faces[face].marks = {edge_at_box, edge_at_box, edge_at_box};  // an edge from a vertex to itself is not visited
-    });
-    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
-        EdgeSlopes slopes(mesh, triangles, frames, faces, open);
-        std::vector<EdgeEntry> entries;
-        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) {
-            if (slopes.set_pairs_above(vertex, rings)) return;
-            edges_above(triangles, rings, vertex, entries);
-            for_each_edge(entries, [&](std::span<const EdgeEntry> edge) { slopes.set(edge); });
-        });
-        slopes.finish();
-    });
-    return faces;
+void EdgeSlopes::measure(std::size_t begin, std::size_t end) {
+    begin_ = begin;
+    size_ = end - begin;
+    find_neighbours();
+    measure_frames();
+    slopes_.resize(size_);
+    questions_.clear();
+    for (std::size_t first = 0; first < size_; first += faces_at_once)
+        set_group(first, std::min(size_, first + faces_at_once));
+    answer_questions();
 }
 
-void lean(const TriangleFrame& frame, FaceEdges& edges) {
+void EdgeSlopes::find_neighbours() {
+    across_.resize(3 * size_);
+    beyond_.clear();
+    for (std::size_t face = 0; face < size_; ++face) {
+        const FaceEdges& edges = edges_[begin_ + face];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            std::size_t place = face;
+            if (!(edges.marks[k] & without_pair)) {
+                const std::size_t other = edges.across[k] >> 2;
+                place = other - begin_;
+                if (place >= size_) {
+                    place = size_ + beyond_.size();
+                    beyond_.push_back(faces_.triangles[other]);
+                }
+            }
+            across_[3 * face + k] = static_cast<std::uint32_t>(place);
+        }
+    }
+}
+
+void EdgeSlopes::measure_frames() {
+    frames_.resize(size_ + beyond_.size());
+    const std::span<TriangleFrame> frames(frames_);
+    triangle_frames(faces_.mesh, faces_.triangles.subspan(begin_, size_), faces_.lattice, frames.first(size_));
+    triangle_frames(faces_.mesh, beyond_, faces_.lattice, frames.subspan(size_));
+}
+
+/// Of some faces, no more than are measured at once.
+void EdgeSlopes::set_group(std::size_t first, std::size_t last) {
+    for (std::size_t face = first; face < last; ++face) {
+        const FaceEdges& edges = edges_[begin_ + face];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const TriangleFrame* from = &frames_[face];
+            const TriangleFrame* to = &frames_[place_across(face, k)];
+            std::uint32_t edge_from = k;
+            std::uint32_t edge_to = edges.marks[k] & without_pair ? k : edges.across[k] & 3;
+            if (!is_first(face, k)) {
+                std::swap(from, to);
+                std::swap(edge_from, edge_to);
+            }
+            wedges_.set(3 * (face - first) + k, *from, edge_from, *to, edge_to);
+        }
+    }
+    WedgeBatch::Results results;
+    wedges_.measure(results);
+    for (std::size_t face = first; face < last; ++face) {
+        FaceEdges& edges = edges_[begin_ + face];
+        edges.base = static_cast<std::uint8_t>(frames_[face].base_edge);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::size_t i = 3 * (face - first) + k;
+            const float slope = std::min(open_, results.slope[i]);
+            const int side = results.side[i];
+            slopes_[face].above[k] = side < 0 ? slope : 0;
+            slopes_[face].below[k] = side > 0 ? slope : 0;
+            if (side != 0 && edges.marks[k] == 0) {
+                edges.marks[k] = side < 0 ? edge_convex : edge_concave;
+            } else {
+                set_other({face, k, results.folded[i] != 0, slope}, side);
+            }
+        }
+    }
+}
+
+void EdgeSlopes::set_other(const Question& edge, int side) {
+    FaceEdges& edges = edges_[begin_ + edge.face];
+    std::uint8_t& marks = edges.marks[edge.edge];
+    if (!(marks & without_pair)) {
+        if (side != 0) {
+            set_pair(edge, side);
+        } else if (is_first(edge.face, edge.edge) || place_across(edge.face, edge.edge) >= size_) {
+            questions_.push_back(edge);
+        }
+        return;
+    }
+    EdgeSlope slope{open_, open_};
+    if (frames_[edge.face].is_box) {
+        marks |= edge_at_box;
+    } else if (marks & edge_non_manifold) {
+        slope = crowded_[edges.across[edge.edge]];
+    }
+    slopes_[edge.face].above[edge.edge] = slope.above;
+    slopes_[edge.face].below[edge.edge] = slope.below;
+}
+
+/// A box takes the wedges of all its edges, so that faces beside it need none.
+void EdgeSlopes::set_pair(const Question& edge, int side) {
+    const TriangleFrame& own = frames_[edge.face];
+    std::uint8_t& marks = edges_[begin_ + edge.face].marks[edge.edge];
+    const bool oriented = !(marks & edge_unoriented);
+    if (oriented && side != 0) marks |= side < 0 ? edge_convex : edge_concave;
+
+    float above = 0;
+    float below = 0;
+    if (own.is_box || frames_[place_across(edge.face, edge.edge)].is_box) {
+        marks |= edge_at_box;
+        if (own.is_box) above = below = open_;
+    } else if (edge.folded) {
+        marks |= edge_open | edge_folded;
+        above = below = open_;
+    } else {
+        above = side < 0 ? edge.slope : 0;
+        below = side > 0 ? edge.slope : 0;
+        if (!oriented && !is_first(edge.face, edge.edge)) std::swap(above, below);
+    }
+    slopes_[edge.face].above[edge.edge] = above;
+    slopes_[edge.face].below[edge.edge] = below;
+}
+
+OppositeVertex EdgeSlopes::opposite_vertex(const Question& edge) const {
+    const Corner own{static_cast<std::uint32_t>(begin_ + edge.face), edge.edge};
+    const Corner across = Corner::unpack(edges_[own.face].across[edge.edge]);
+    return is_first(edge.face, edge.edge) ? OppositeVertex(faces_, own.face, across)
+                                          : OppositeVertex(faces_, across.face, own);
+}
+
+void EdgeSlopes::answer_questions() {
+    for (std::size_t first = 0; first < questions_.size(); first += PlaneSides::capacity) {
+        const std::size_t count = std::min(PlaneSides::capacity, questions_.size() - first);
+        const std::span<const Question> questions = std::span(questions_).subspan(first, count);
+        for (std::size_t i = 0; i < count; ++i) sides_.set(i, opposite_vertex(questions[i]));
+        PlaneSides::Sides sides;
+        sides_.measure(sides);
+        for (std::size_t i = 0; i < count; ++i) {
+            int side = sides[i];
+            if (side == 0) side = side_of_plane(opposite_vertex(questions[i]));
+            set_pair(questions[i], side);
+            const std::size_t across = place_across(questions[i].face, questions[i].edge);
+            if (across >= size_) continue;
+            const std::uint32_t edge = edges_[begin_ + questions[i].face].across[questions[i].edge] & 3;
+            set_pair({across, edge, questions[i].folded, questions[i].slope}, side);
+        }
+    }
+}
+
+void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
     const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
                           frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
     if (!(cosine > 0)) return;
     const std::size_t right = next_of_three(frame.base_edge);
     const std::size_t left = previous_of_three(frame.base_edge);
-    for (std::array<float, 3>* slopes : {&edges.above, &edges.below}) {
-        float& at_right = (*slopes)[right];
-        float& at_left = (*slopes)[left];
+    for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
+        float& at_right = (*side)[right];
+        float& at_left = (*side)[left];
         const float from_right = widened(cosine * static_cast<double>(at_right));
         const float from_left = widened(cosine * static_cast<double>(at_left));
         at_right = std::max(at_right, from_left);

@@ -1,51 +1,109 @@
 #pragma once
 
-#include "polyhedra/one_rings.hpp"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/crowded_edges.hpp"
+#include "polyhedra/dihedral.hpp"
+#include "polyhedra/face_edges.hpp"
+#include "polyhedra/lateral_plane.hpp"
+#include "polyhedra/mesh_faces.hpp"
+#include "polyhedra/plane_sides.hpp"
 #include "polyhedra/uninitialized_vector.hpp"
+#include "polyhedra/wedge_batch.hpp"
 
-#include <array>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace clsdf::polyhedra {
-
-/// What an edge is to the vertices at its ends; several may hold.
-enum EdgeMark : std::uint8_t {
-    edge_convex = 1,        ///< of two faces that run along it in opposite directions, by the exact orientation of
-    edge_concave = 2,       ///< the coordinates as given; neither: flat
-    edge_open = 4,          ///< one face, or two folded onto each other: no plane cuts there
-    edge_non_manifold = 8,  ///< three faces or more
-    edge_unoriented =
-        16,            ///< two faces that run along it the same way: what is convex for one is concave for the other
-    edge_at_box = 32,  ///< one of its faces is so degenerate that its polyhedron is a box
-    edge_folded = 64,  ///< open because its two faces are folded onto each other
-};
-
-/// Of each edge of a face; edge k runs from the face's vertex k to the next.
-struct FaceEdges {
-    std::array<float, 3> above;  ///< slope of its lateral plane above the face (docs/method.md, 'Leaned frusta') and
-    std::array<float, 3> below;  ///< below it, rounded up to float
-    std::array<std::uint32_t, 3> across;  ///< the other face's edge, packed, where there is exactly one other face
-    std::array<std::uint8_t, 3> marks;
-};
 
 /// The slope that no point of the band gets past (docs/method.md, 'Leaned frusta'): open * slack >= half_width.
 float open_slope(double half_width, double slack);
 
-/// `x` >= 0 as a float that is not below it, also after the roundings that led to it.
-inline float widened(double x) {
-    return static_cast<float>(x * (1 + 1e-6));
-}
-
 /// The half wedges of every face: each face at an edge takes the angle up to the bisector with the next face on that
-/// side, and the whole wedge where there is none. Not yet leaned.
-UninitializedVector<FaceEdges> edge_slopes(const Mesh& mesh, std::span<const Triangle> triangles,
-                                           std::span<const TriangleFrame> frames, const OneRings& rings, float open,
-                                           ScratchMemory* scratch = nullptr);
+/// side, and the whole wedge where there is none. Measures a stretch of the faces at a time, which stays in the caches;
+/// the faces across its borders are measured by their own stretch once more, to the same bits.
+class EdgeSlopes {
+public:
+    /// Faces of a stretch that is no more than the caches hold.
+    static constexpr std::size_t stretch = 2048;
+
+    /// `edges` as pair_edges() leaves them; the stretches add the other marks and the bases.
+    EdgeSlopes(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open)
+        : faces_(faces), edges_(edges), crowded_(crowded), open_(open) {}
+
+    void measure(std::size_t begin, std::size_t end);
+
+    std::size_t begin() const { return begin_; }
+    std::size_t end() const { return begin_ + size_; }
+
+    /// Of a face of the stretch.
+    const TriangleFrame& frame(std::size_t face) const { return frames_[face - begin_]; }
+    FaceSlopes& slopes(std::size_t face) { return slopes_[face - begin_]; }
+    LateralPlane plane(const Corner& edge) const {
+        const TriangleFrame& frame = frames_[edge.face - begin_];
+        const FaceSlopes& slopes = slopes_[edge.face - begin_];
+        return {frame.normal, frame.inwards[edge.vertex], slopes.above[edge.vertex], slopes.below[edge.vertex]};
+    }
+
+private:
+    /// An edge of a face of the stretch whose other face lies on a side that its frames do not tell. Where that is a
+    /// face of the stretch too, the first of them asks for both.
+    struct Question {
+        std::size_t face;
+        std::uint32_t edge;
+        bool folded;
+        float slope;
+    };
+
+    void find_neighbours();
+    void measure_frames();
+    void set_group(std::size_t first, std::size_t last);
+    void set_other(const Question& edge, int side);
+    void set_pair(const Question& edge, int side);
+    void answer_questions();
+
+    std::size_t place_across(std::size_t face, std::uint32_t edge) const { return across_[3 * face + edge]; }
+    /// Whichever of the two faces comes first in the list is measured from.
+    bool is_first(std::size_t face, std::uint32_t edge) const {
+        return begin_ + face < edges_[begin_ + face].across[edge] >> 2;
+    }
+    OppositeVertex opposite_vertex(const Question& edge) const;
+
+    MeshFaces faces_;
+    std::span<FaceEdges> edges_;
+    std::span<const EdgeSlope> crowded_;
+    float open_;
+
+    std::size_t begin_ = 0;
+    std::size_t size_ = 0;
+    UninitializedVector<TriangleFrame> frames_;  // of the stretch, then of the faces beyond its borders
+    std::vector<FaceSlopes> slopes_;
+    std::vector<std::uint32_t> across_;  // by face and edge, places in frames_; of edges without a pair, of the face
+    std::vector<Triangle> beyond_;       // the faces beyond the borders, once for each edge there
+    WedgeBatch wedges_;
+    std::vector<Question> questions_;
+    PlaneSides sides_;
+};
+
+/// Calls f(stretch) for stretches that cover the faces, on all cores. The stretches are the same on any number of them.
+template <typename Function>
+void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open,
+                   const Function& f) {
+    tbb::enumerable_thread_specific<EdgeSlopes> stretches([&] { return EdgeSlopes(faces, edges, crowded, open); });
+    const std::size_t count = faces.triangles.size();
+    tbb::parallel_for(std::size_t{0}, (count + EdgeSlopes::stretch - 1) / EdgeSlopes::stretch, [&](std::size_t i) {
+        EdgeSlopes& stretch = stretches.local();
+        stretch.measure(i * EdgeSlopes::stretch, std::min(count, (i + 1) * EdgeSlopes::stretch));
+        f(stretch);
+    });
+}
 
 /// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other
 /// contains: the obtuse corner's vertices are cut off otherwise. No other corner of a triangle is obtuse.
-void lean(const TriangleFrame& frame, FaceEdges& edges);
+void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 
 }  // namespace clsdf::polyhedra

@@ -7,11 +7,6 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-// Above the rounding of a product of three vectors no longer than ten, 1e-12.
-constexpr double certain = 1e-9;
-/// Vectors of steeper slopes, at sharp edges, would be longer than ten.
-constexpr float steepest = 8;
-
 constexpr std::size_t few_faces = 12;
 constexpr std::size_t all_triples = 9;  // of so many faces are tried
 
@@ -24,9 +19,9 @@ int sign_of_combination(const Vector& a, const Vector& b, const Vector& c, const
     const double of_a = middle.dot(cross);
     const double of_b = middle.dot(c.cross(a));
     const double of_c = middle.dot(a.cross(b));
-    if (!(std::min({of_a, of_b, of_c}) > certain)) return 0;
+    if (!(std::min({of_a, of_b, of_c}) > certain_product)) return 0;
     const double determinant = a.dot(cross);
-    return determinant > certain ? 1 : determinant < -certain ? -1 : 0;
+    return determinant > certain_product ? 1 : determinant < -certain_product ? -1 : 0;
 }
 
 /// Conditions v . u >= 0, a face each.
@@ -65,25 +60,23 @@ private:
 //
 // If three of the former, v_i, combine to -middle, then middle . u <= 0, and if three of the latter combine to middle,
 // then middle . u >= 0. So middle . u = 0, all v_i . u = 0, and u = 0 because the v_i are independent: there is no u.
-bool cannot_all_reject(std::span<const TriangleFrame> frames, std::span<const FaceEdges> faces,
-                       std::span<const Corner> edges, double margin) {
-    if (edges.size() > few_faces) return false;
+bool cannot_all_reject(std::span<const LateralPlane> planes, double margin) {
+    if (planes.size() > few_faces) return false;
     Vector middle = Vector::Zero();
-    for (const Corner& edge : edges) middle += frames[edge.face].normal;
-    middle /= static_cast<double>(edges.size());
+    for (const LateralPlane& plane : planes) {
+        if (plane.steepest() > static_cast<float>(steepest_slope)) return false;
+        middle += plane.normal;
+    }
+    middle /= static_cast<double>(planes.size());
 
-    const double certain_margin = 0.99 * margin;  // the rest covers the rounding of the conditions
+    const double certain_margin = certain_part * margin;
     Conditions above;
     Conditions below;
-    for (const Corner& edge : edges) {
-        const TriangleFrame& frame = frames[edge.face];
-        const FaceEdges& face = faces[edge.face];
-        if (std::max(face.above[edge.vertex], face.below[edge.vertex]) > steepest) return false;
-        const auto a = static_cast<double>(face.above[edge.vertex]);
-        const auto b = static_cast<double>(face.below[edge.vertex]);
-        const Vector outward = -frame.inwards[edge.vertex];
-        above.add(outward - a * frame.normal - certain_margin * (1 + a) * middle);
-        below.add(outward + b * frame.normal + certain_margin * (1 + b) * middle);
+    for (const LateralPlane& plane : planes) {
+        const auto a = static_cast<double>(plane.above);
+        const auto b = static_cast<double>(plane.below);
+        above.add(-plane.inward - a * plane.normal - certain_margin * (1 + a) * middle);
+        below.add(-plane.inward + b * plane.normal + certain_margin * (1 + b) * middle);
     }
     return above.combine(middle, -1) && below.combine(middle, 1);
 }

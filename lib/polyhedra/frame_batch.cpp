@@ -1,6 +1,7 @@
 #include "polyhedra/frame_batch.hpp"
 
 #include "core/several_targets.hpp"
+#include "polyhedra/lanes.hpp"
 #include "polyhedra/one_rings.hpp"
 
 #include <algorithm>
@@ -9,23 +10,6 @@
 namespace clsdf::polyhedra {
 
 namespace {
-
-constexpr std::size_t lanes = 8;
-
-using Lanes = std::array<double, lanes>;
-
-struct LaneVectors {
-    Lanes x;
-    Lanes y;
-    Lanes z;
-
-    void set(std::size_t i, const Vector& v) {
-        x[i] = v.x();
-        y[i] = v.y();
-        z[i] = v.z();
-    }
-    Vector get(std::size_t i) const { return {x[i], y[i], z[i]}; }
-};
 
 /// Triangles by their base, lane by lane, and what their frames consist of.
 struct Batch {
@@ -51,10 +35,6 @@ struct Batch {
     Lanes altitude;
     Lanes turn;
 };
-
-inline double dot_of_lane(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
-    return dot(a.x[i], a.y[i], a.z[i], b.x[i], b.y[i], b.z[i]);
-}
 
 /// Programs may trap a division by zero, also in lanes that triangle_frame() computes once more.
 inline double divisor(double x) {
@@ -136,7 +116,8 @@ void triangle_frames(const Mesh& mesh, std::span<const Triangle> triangles, cons
     constexpr double long_side = 1e50;
     Batch batch;
     std::array<Vec3, lanes> near_ends;
-    std::array<bool, lanes> right_is_nearer;
+    std::array<std::uint32_t, lanes> nearer_halves;
+    const InUnits in_units(lattice.unit);
     std::array<std::uint32_t, lanes> bases;
     for (std::size_t begin = 0; begin < triangles.size(); begin += lanes) {
         const std::size_t count = std::min(lanes, triangles.size() - begin);
@@ -144,9 +125,9 @@ void triangle_frames(const Mesh& mesh, std::span<const Triangle> triangles, cons
             const Triangle& triangle = triangles[begin + std::min(i, count - 1)];
             const std::array<Vec3, 3> corners{mesh.vertices()[triangle[0]], mesh.vertices()[triangle[1]],
                                               mesh.vertices()[triangle[2]]};
-            const TriangleEdges edges(corners, lattice.unit);
+            const TriangleEdges edges(corners, in_units);
             bases[i] = edges.base;
-            right_is_nearer[i] = edges.right_is_nearer();
+            nearer_halves[i] = edges.nearer_half();
             near_ends[i] = corners[edges.near_end()];
             batch.base.set(i, edges.vectors[edges.base]);
             batch.to_apex.set(i, edges.vectors[next_of_three(edges.base)]);
@@ -175,7 +156,7 @@ void triangle_frames(const Mesh& mesh, std::span<const Triangle> triangles, cons
             frame.base = {batch.right[i], batch.left[i]};
             frame.normal_along = {batch.along_right[i], batch.along_left[i]};
             frame.normal_across = {batch.across_right[i], batch.across_left[i]};
-            frame.foot = foot_of(frame, near_ends[i], right_is_nearer[i], lattice);
+            frame.foot = foot_of(frame, near_ends[i], nearer_halves[i], lattice, in_units);
         }
     }
 }

@@ -2,8 +2,12 @@
 
 #include "polyhedra/cone_search.hpp"
 #include "polyhedra/fan_rejections.hpp"
+#include "polyhedra/fan_screen.hpp"
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/vertex_fans.hpp"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
 #include <limits>
@@ -12,8 +16,6 @@
 namespace clsdf::polyhedra {
 
 namespace {
-
-constexpr std::uint8_t saddle = edge_convex | edge_concave;
 
 /// Widens the normal cone, so that rounding cannot close one that has no thickness.
 constexpr double cone_tolerance = 1e-8;
@@ -26,51 +28,57 @@ constexpr double flat = 1e-9;
 /// Decides one vertex after the other; keeps its memory in between.
 class GapTest {
 public:
-    GapTest(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const TriangleFrame> frames,
-            std::span<const FaceEdges> faces, const OneRings& rings, const LatticeView& lattice, double margin)
-        : mesh_(mesh),
-          triangles_(triangles),
-          frames_(frames),
-          faces_(faces),
+    GapTest(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings, const RecordPlanes& planes,
+            double margin, std::span<std::uint8_t> marks)
+        : faces_(faces),
+          edges_(edges),
           rings_(rings),
-          per_unit_(std::min(1 / lattice.unit, std::numeric_limits<double>::max())),
-          margin_(margin) {}
+          planes_(planes),
+          per_unit_(std::min(1 / faces.lattice.unit, std::numeric_limits<double>::max())),
+          margin_(margin),
+          marks_(marks),
+          screen_(edges, rings, margin) {}
 
-    std::uint8_t operator()(std::size_t vertex) {
-        std::uint8_t edges = 0;
-        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
-            const Corner corner = rings_.corner(vertex, i);
-            fetch_ahead(frames_[corner.face]);
-            edges |= marks_at(corner);
+    /// Sets the mark of a vertex, or puts it off until others like it have come.
+    void look_at(std::uint32_t vertex) {
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) planes_.fetch_ahead(rings_.corner(vertex, i).face);
+        const EdgesAround edges(edges_, rings_, vertex);
+        marks_[vertex] = edges.vertex_mark();
+        if (!edges.are_plain()) {
+            set(vertex, has_gap(vertex, edges));
+        } else if (edges.are_mixed()) {
+            screen_.add(planes_, vertex);
         }
-        const bool is_saddle = (edges & saddle) == saddle;
-        return static_cast<std::uint8_t>((is_saddle ? vertex_saddle : 0) | (has_gap(vertex, edges) ? vertex_gap : 0));
+    }
+
+    /// Sets the marks that are still put off.
+    void finish() {
+        for (const std::uint32_t vertex : screen_.finish())
+            set(vertex, !first_fan_covers(vertex) && fans_leave_directions_out(vertex));
     }
 
 private:
-    std::uint8_t marks_at(const Corner& corner) const {
-        const FaceEdges& face = faces_[corner.face];
-        return face.marks[corner.vertex] | face.marks[previous_of_three(corner.vertex)];
+    void set(std::uint32_t vertex, bool gap) {
+        if (gap) marks_[vertex] |= vertex_gap;
     }
 
-    static bool can_be_mixed(std::uint8_t edges) {
-        return (edges & saddle) == saddle || (edges & edge_unoriented) != 0;
-    }
+    static bool can_be_mixed(const EdgesAround& edges) { return edges.are_mixed() || edges.has(edge_unoriented); }
 
     /// Only a closed fan with edges of both kinds can leave directions out, and only if every fan of the vertex does.
     /// Where more than two faces share an edge there are no fans, and any normal may be left out.
-    bool has_gap(std::size_t vertex, std::uint8_t edges) {
-        if (edges & edge_at_box) return false;  // the box holds all points that are nearest to the vertex
-        if (edges & edge_non_manifold) return has_normals(vertex);
-        if ((edges & edge_open) || !can_be_mixed(edges)) return false;
+    bool has_gap(std::uint32_t vertex, const EdgesAround& edges) {
+        if (edges.has(edge_at_box)) return false;  // the box holds all points that are nearest to the vertex
+        if (edges.has(edge_non_manifold)) return has_normals(vertex);
+        if (edges.has(edge_open) || !can_be_mixed(edges)) return false;
+        return fans_leave_directions_out(vertex);
+    }
 
-        if (!(edges & edge_unoriented) && first_fan_covers(vertex)) return false;
-
-        fans_.build(triangles_, faces_, rings_, vertex);
+    bool fans_leave_directions_out(std::size_t vertex) {
+        fans_.build(faces_.triangles, edges_, rings_, vertex);
         for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
-            std::uint8_t fan_edges = 0;
+            EdgesAround fan_edges;
             for (std::size_t i = fans_.start(fan); i < fans_.start(fan + 1); ++i)
-                fan_edges |= marks_at(fans_.faces()[i].corner);
+                fan_edges.add(edges_, fans_.faces()[i].corner);
             if (!can_be_mixed(fan_edges)) return false;
         }
         spokes_.clear();
@@ -82,33 +90,29 @@ private:
         spokes_.clear();
         for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
             const Corner corner = rings_.corner(vertex, i);
-            const Triangle& triangle = triangles_[corner.face];
+            const Triangle& triangle = faces_.triangles[corner.face];
             spokes_.push_back(spoke(vertex, triangle[next_of_three(corner.vertex)]));
             spokes_.push_back(spoke(vertex, triangle[previous_of_three(corner.vertex)]));
         }
         return for_axes(vertex, [&](const Vector& axis) { return add_normal_cone(axis); });
     }
 
-    /// Whether the faces of one fan, all of one orientation, surely cover the vertex' normals: neither do all reject
-    /// one direction at their edges that leave the vertex, nor at those that arrive. Tells for almost all vertices.
+    /// Whether the faces of the first fan surely cover the vertex' normals: neither do all reject one direction at
+    /// their edges that leave the vertex, nor at those that arrive.
     bool first_fan_covers(std::size_t vertex) {
-        const Corner first = rings_.corner(vertex, 0);
-        leaving_.clear();
+        walk_first_fan(edges_, rings_, vertex, fan_);
         arriving_.clear();
-        Corner corner = first;
-        do {
-            leaving_.push_back(corner);
-            arriving_.push_back({corner.face, previous_of_three(corner.vertex)});
-            corner = Corner::unpack(faces_[corner.face].across[arriving_.back().vertex]);
-        } while (corner.face != first.face);
-        return cannot_all_reject(frames_, faces_, leaving_, margin_) &&
-               cannot_all_reject(frames_, faces_, arriving_, margin_);
+        for (const Corner& corner : fan_)
+            arriving_.push_back(planes_.plane({corner.face, previous_of_three(corner.vertex)}));
+        leaving_.clear();
+        for (const Corner& corner : fan_) leaving_.push_back(planes_.plane(corner));
+        return cannot_all_reject(leaving_, margin_) && cannot_all_reject(arriving_, margin_);
     }
 
     /// The direction from the vertex to a neighbour.
     Vector spoke(std::size_t vertex, std::uint32_t neighbour) const {
-        const Vec3& from = mesh_.vertices()[vertex];
-        const Vec3& to = mesh_.vertices()[neighbour];
+        const Vec3& from = faces_.position(static_cast<std::uint32_t>(vertex));
+        const Vec3& to = faces_.position(neighbour);
         const Vector edge = Vector(to[0] - from[0], to[1] - from[1], to[2] - from[2]) * per_unit_;
         return edge * (1 / edge.norm());
     }
@@ -119,7 +123,7 @@ private:
     /// its opposite are.
     template <typename Search>
     bool for_axes(std::size_t vertex, const Search& search) {
-        const Vector& normal = frames_[rings_.corner(vertex, 0).face].normal;
+        const Vector normal = planes_.normal(rings_.corner(vertex, 0).face);
         Vector sum = Vector::Zero();
         double height = 0;
         for (const Vector& s : spokes_) {
@@ -186,7 +190,7 @@ private:
             const Vector middle = search_.direction();
             for (const bool side_of_middle : {true, false}) {
                 for (const Corner& edge : face_edges_) {
-                    const bool above = (frames_[edge.face].normal.dot(middle) >= 0) == side_of_middle;
+                    const bool above = (planes_.normal(edge.face).dot(middle) >= 0) == side_of_middle;
                     if (!search_.add(rejection(edge, above) - margin_ * middle)) return false;
                 }
             }
@@ -199,10 +203,9 @@ private:
     /// g with g . u > 0 where the plane of the face's edge, on one side of the face, has u outside. Scaled such that g
     /// . u counts in units by which the slack widens that plane.
     Vector rejection(const Corner& edge, bool above) const {
-        const TriangleFrame& frame = frames_[edge.face];
-        const FaceEdges& edges = faces_[edge.face];
-        const auto slope = static_cast<double>((above ? edges.above : edges.below)[edge.vertex]);
-        return (frame.inwards[edge.vertex] + (above ? slope : -slope) * frame.normal) * (-1 / (1 + slope));
+        const LateralPlane plane = planes_.plane(edge);
+        const auto slope = static_cast<double>(above ? plane.above : plane.below);
+        return (plane.inward + (above ? slope : -slope) * plane.normal) * (-1 / (1 + slope));
     }
 
     /// Sets the order in which [first, last) are gone through: thirds of the way round, because opposite conditions
@@ -221,19 +224,21 @@ private:
         }
     }
 
-    const Mesh& mesh_;
-    std::span<const Triangle> triangles_;
-    std::span<const TriangleFrame> frames_;
-    std::span<const FaceEdges> faces_;
+    const MeshFaces& faces_;
+    std::span<const FaceEdges> edges_;
     const OneRings& rings_;
+    const RecordPlanes& planes_;
     double per_unit_;  // only the directions of what it scales are used
     double margin_;
+    std::span<std::uint8_t> marks_;
 
+    FanScreen screen_;
     VertexFans fans_;
-    std::vector<Vector> spokes_;      // unit vectors to the neighbours; of face i of the fans, that at its edge before
-    std::vector<Corner> leaving_;     // of the faces of a fan, their own edges that begin at the vertex,
-    std::vector<Corner> arriving_;    // and those that end there
-    std::vector<Corner> face_edges_;  // at which the faces of a fan reject
+    std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<Corner> fan_;
+    std::vector<LateralPlane> leaving_;   // of the faces of a fan, at their own edges that begin at the vertex,
+    std::vector<LateralPlane> arriving_;  // and at those that end there
+    std::vector<Corner> face_edges_;      // at which the faces of a fan reject
     std::vector<std::size_t> order_;
     ConeSearch search_;
     bool undecided_ = false;  // whether a search that succeeded hangs on rounding
@@ -241,19 +246,19 @@ private:
 
 }  // namespace
 
-std::vector<std::uint8_t> find_gaps(const Mesh& mesh, std::span<const Triangle> triangles,
-                                    std::span<const TriangleFrame> frames, std::span<const FaceEdges> faces,
-                                    const OneRings& rings, const LatticeView& lattice, double half_width,
-                                    double slack) {
-    // A direction rejected by less than this lies within a quarter of the slack of the polyhedron (docs/method.md,
-    // 'Gaps at saddle vertices').
-    const double margin = slack / (4 * std::max(half_width, 1.0));
-    std::vector<std::uint8_t> marks(rings.vertex_count());
-    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
-        GapTest test(mesh, triangles, frames, faces, rings, lattice, margin);
-        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) { marks[vertex] = test(vertex); });
+double rejection_margin(double half_width, double slack) {
+    return slack / (4 * std::max(half_width, 1.0));
+}
+
+void find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
+               const RecordPlanes& planes, double margin, std::span<const std::uint32_t> vertices,
+               std::span<std::uint8_t> marks) {
+    tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, planes, margin, marks); });
+    for_each_range(vertices.size(), [&](std::size_t begin, std::size_t end) {
+        GapTest& test = tests.local();
+        for (const std::uint32_t vertex : vertices.subspan(begin, end - begin)) test.look_at(vertex);
     });
-    return marks;
+    tbb::parallel_for_each(tests.begin(), tests.end(), [](GapTest& test) { test.finish(); });
 }
 
 }  // namespace clsdf::polyhedra

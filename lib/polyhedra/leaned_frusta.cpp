@@ -1,19 +1,33 @@
 #include "polyhedra/leaned_frusta.hpp"
 
+#include "polyhedra/crowded_edges.hpp"
 #include "polyhedra/edge_slopes.hpp"
-#include "polyhedra/frame_batch.hpp"
+#include "polyhedra/gap_screen.hpp"
 #include "polyhedra/gaps.hpp"
+#include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/pack.hpp"
+#include "polyhedra/pair_edges.hpp"
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/point_site.hpp"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/record_planes.hpp"
 
-#include <algorithm>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <atomic>
 #include <new>
 
 namespace clsdf::polyhedra {
+
+namespace {
+
+/// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
+std::size_t spare_records(std::size_t faces) {
+    return 64 + faces / 128;
+}
+
+}  // namespace
 
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options) {
@@ -23,6 +37,7 @@ LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
         return std::span<Polyhedron>(result.polyhedra);
     };
     static_cast<LeanedCounts&>(result) = leaned_frusta(mesh, lattice, half_width, slack, memory, nullptr, options);
+    result.polyhedra.resize(result.records);
     return result;
 }
 
@@ -32,38 +47,49 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     const UninitializedVector<std::uint32_t> order = morton_order(mesh, scratch);
     const std::size_t count = order.size();
     UninitializedVector<Triangle> triangles(count, scratch);
-    UninitializedVector<TriangleFrame> frames(count, scratch);
-    for_each_range(count, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t face = begin; face != end; ++face) triangles[face] = mesh.triangles()[order[face]];
-        triangle_frames(mesh, std::span(triangles).subspan(begin, end - begin), lattice,
-                        std::span(frames).subspan(begin, end - begin));
-    });
+    for_each_index(count, [&](std::size_t face) { triangles[face] = mesh.triangles()[order[face]]; });
+    const MeshFaces faces{mesh, triangles, lattice};
 
     const OneRings rings(triangles, mesh.vertices().size(), scratch);
+    PairedEdges edges = pair_edges(triangles, rings, scratch);
     const float open = open_slope(half_width, slack);
-    UninitializedVector<FaceEdges> faces = edge_slopes(mesh, triangles, frames, rings, open, scratch);
-    if (options.lean) for_each_index(count, [&](std::size_t face) { lean(frames[face], faces[face]); });
-    const std::vector<std::uint8_t> marks =
-        find_gaps(mesh, triangles, frames, faces, rings, lattice, half_width, slack);
+    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings, edges, open);
+
+    const std::size_t room = count + spare_records(count);
+    std::span<Polyhedron> records = memory(room);
+    const double margin = rejection_margin(half_width, slack);
+    std::vector<std::uint8_t> marks(rings.vertex_count());
+    tbb::enumerable_thread_specific<GapScreen> screens(
+        [&] { return GapScreen(triangles, edges.faces, rings, margin, marks); });
+    std::atomic<std::size_t> boxes = 0;
+    measure_edges(faces, edges.faces, crowded, open, [&](EdgeSlopes& stretch) {
+        for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
+            const TriangleFrame& frame = stretch.frame(face);
+            if (options.lean) lean(frame, stretch.slopes(face));
+            if (frame.is_box) ++boxes;
+            // Constructed in its place rather than copied there.
+            new (&records[face]) Polyhedron(pack(frame, stretch.slopes(face), order[face], lattice));
+        }
+        screens.local().look_at(stretch);
+    });
+    std::vector<std::uint32_t> left;
+    for (GapScreen& screen : screens) left.insert(left.end(), screen.finish().begin(), screen.finish().end());
+    find_gaps(faces, edges.faces, rings, RecordPlanes(records.first(count), edges.faces, lattice), margin, left, marks);
 
     LeanedCounts result;
-    std::vector<std::size_t> gaps;
-    for (std::size_t vertex = 0; vertex < marks.size(); ++vertex) {
+    result.boxes = boxes;
+    std::vector<std::uint32_t> gaps;
+    for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
         if (marks[vertex] & vertex_saddle) ++result.saddle_vertices;
         if ((marks[vertex] & vertex_gap) && options.point_sites) gaps.push_back(vertex);
     }
     result.point_sites = gaps.size();
-    result.boxes = static_cast<std::size_t>(
-        std::count_if(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; }));
+    result.records = count + gaps.size();
 
-    const std::span<Polyhedron> polyhedra = memory(count + gaps.size());
-    // Constructed in their place rather than copied there.
-    for_each_index(count, [&](std::size_t face) {
-        new (&polyhedra[face]) Polyhedron(pack(frames[face], faces[face], order[face], lattice));
-    });
+    if (result.records > room) records = memory(result.records);
     for_each_index(gaps.size(), [&](std::size_t i) {
-        const PointSite site = point_site(mesh, triangles, order, rings, gaps[i], lattice, open);
-        new (&polyhedra[count + i]) Polyhedron(pack(site.frame, site.edges, order[site.face], lattice));
+        const PointSite site = point_site(faces, order, rings, gaps[i], open);
+        new (&records[count + i]) Polyhedron(pack(site.frame, site.slopes, order[site.face], lattice));
     });
     return result;
 }

@@ -20,6 +20,7 @@ struct LatticeView {
 };
 
 struct LeanedCounts {
+    std::size_t records = 0;          ///< polyhedra of triangles and of point sites
     std::size_t saddle_vertices = 0;  ///< with convex and concave edges, by exact predicates
     std::size_t point_sites = 0;
     std::size_t boxes = 0;  ///< faces so degenerate that their polyhedron is a box
@@ -42,8 +43,9 @@ struct LeanedFrustaOptions {
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const LeanedFrustaOptions& options = {});
 
-/// The same polyhedra, written to `memory(count)`, which is called once. What is needed on the way may come from
-/// `scratch`.
+/// The same polyhedra, written to `memory(count)`, memory for as many records or more than there are. It is called once
+/// more where there are unusually many point sites: then for all of them, and with what was written before. What is
+/// needed on the way may come from `scratch`.
 LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
                            const std::function<std::span<Polyhedron>(std::size_t)>& memory, ScratchMemory* scratch,
                            const LeanedFrustaOptions& options = {});

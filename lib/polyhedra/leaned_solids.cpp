@@ -3,10 +3,9 @@
 
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/gaps.hpp"
-#include "polyhedra/parallel.hpp"
+#include "polyhedra/pack.hpp"
 #include "polyhedra/point_site.hpp"
 #include "polyhedra/solid_mesh.hpp"
-#include "polyhedra/triangle_frame.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +22,7 @@ constexpr double half_width_in_units = 16;
 
 /// One side of a leaned frustum, from the foot of the frame: |Z| up to the half width, and the outward distance from
 /// every edge up to its slope times |Z| and up to the half width.
-ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, bool is_front) {
+ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceSlopes& slopes, bool is_front) {
     const double cap = half_width_in_units;
     const Vector up = is_front ? frame.normal : Vector(-frame.normal);
     std::vector<HalfSpace> half_spaces{{-up, 0},
@@ -38,7 +37,7 @@ ConvexPolyhedron side_of(const TriangleFrame& frame, const FaceEdges& edges, boo
             offset = outward.dot(frame.along) * frame.base[CLSDF_HALF_RIGHT];
         if (frame.polyhedron_edge(k) == CLSDF_EDGE_LEFT)
             offset = -outward.dot(frame.along) * frame.base[CLSDF_HALF_LEFT];
-        const double slope = is_front ? edges.above[k] : edges.below[k];
+        const double slope = is_front ? slopes.above[k] : slopes.below[k];
         half_spaces.push_back({outward - slope * up, offset});
         half_spaces.push_back({outward, offset + cap});
     }
@@ -75,39 +74,50 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     const double slack = 1e-3 + 2e-5 * half_width_in_units;
     const float open = open_slope(half_width_in_units, slack);
 
-    UninitializedVector<TriangleFrame> frames(triangles.size());
-    for_each_index(triangles.size(), [&](std::size_t face) {
-        const auto& [a, b, c] = triangles[face];
-        frames[face] = triangle_frame({welded.vertices()[a], welded.vertices()[b], welded.vertices()[c]}, lattice);
-    });
+    std::vector<std::uint32_t> order(triangles.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const MeshFaces faces{welded, triangles, lattice};
     const OneRings rings(triangles, welded.vertices().size());
-    UninitializedVector<FaceEdges> edges = edge_slopes(welded, triangles, frames, rings, open);
-    for_each_index(triangles.size(), [&](std::size_t face) { lean(frames[face], edges[face]); });
+    PairedEdges edges = pair_edges(triangles, rings);
+    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings, edges, open);
+    UninitializedVector<TriangleFrame> frames(triangles.size());
+    std::vector<FaceSlopes> slopes(triangles.size());
+    std::vector<Polyhedron> records(triangles.size());
+    measure_edges(faces, edges.faces, crowded, open, [&](EdgeSlopes& stretch) {
+        for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
+            frames[face] = stretch.frame(face);
+            lean(frames[face], stretch.slopes(face));
+            slopes[face] = stretch.slopes(face);
+            records[face] = pack(frames[face], slopes[face], order[face], lattice);
+        }
+    });
 
     std::vector<BoundingSolid> result;
-    const auto add = [&](std::uint32_t triangle, SolidPart part, const TriangleFrame& frame, const FaceEdges& slopes) {
-        const ConvexPolyhedron solid = side_of(frame, slopes, part != SolidPart::back);
+    const auto add = [&](std::uint32_t triangle, SolidPart part, const TriangleFrame& frame, const FaceSlopes& planes) {
+        const ConvexPolyhedron solid = side_of(frame, planes, part != SolidPart::back);
         if (solid.is_empty()) return;
         const Vector foot = to_vector(lattice.origin) + lattice.unit * frame.foot;
         result.push_back({triangle, part, solid_mesh(solid, foot, lattice.unit)});
     };
     for (const std::uint32_t face : selected) {
-        add(face, SolidPart::front, frames[face], edges[face]);
-        add(face, SolidPart::back, frames[face], edges[face]);
+        add(face, SolidPart::front, frames[face], slopes[face]);
+        add(face, SolidPart::back, frames[face], slopes[face]);
     }
 
-    const std::vector<std::uint8_t> marks =
-        find_gaps(welded, triangles, frames, edges, rings, lattice, half_width_in_units, slack);
-    std::vector<std::uint32_t> order(triangles.size());
-    std::iota(order.begin(), order.end(), 0U);
-    for (std::size_t vertex = 0; vertex < marks.size(); ++vertex) {
+    std::vector<std::uint8_t> marks(rings.vertex_count());
+    std::vector<std::uint32_t> used;
+    for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex)
+        if (rings.size(vertex) > 0) used.push_back(vertex);
+    find_gaps(faces, edges.faces, rings, RecordPlanes(records, edges.faces, lattice),
+              rejection_margin(half_width_in_units, slack), used, marks);
+    for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
         if (!(marks[vertex] & vertex_gap)) continue;
         bool all = true;
         for (std::size_t i = 0; i < rings.size(vertex) && all; ++i)
             all = std::find(selected.begin(), selected.end(), rings.corner(vertex, i).face) != selected.end();
         if (!all) continue;
-        const PointSite site = point_site(welded, triangles, order, rings, vertex, lattice, open);
-        add(site.face, SolidPart::point_site, site.frame, site.edges);
+        const PointSite site = point_site(faces, order, rings, vertex, open);
+        add(site.face, SolidPart::point_site, site.frame, site.slopes);
     }
     return result;
 }

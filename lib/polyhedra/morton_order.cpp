@@ -79,14 +79,15 @@ void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned sh
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh, ScratchMemory* scratch) {
     const std::size_t count = mesh.triangles().size();
     const CentroidCode code(mesh);
-    UninitializedVector<Keyed> sorted(count, scratch);
-    UninitializedVector<Keyed> other(count, scratch);
+    UninitializedVector<Keyed> memory(2 * count, scratch);  // in one piece, as large as what is needed next
+    std::span<Keyed> sorted = std::span(memory).first(count);
+    std::span<Keyed> other = std::span(memory).subspan(count);
     for_each_index(count, [&](std::size_t t) {
         sorted[t] = {code(mesh.triangles()[t]), static_cast<std::uint32_t>(t)};
     });
     for (std::size_t pass = 0; pass < digits; ++pass) {
         sort_by_digit(sorted, other, static_cast<unsigned>(pass) * digit_bits);
-        sorted.swap(other);
+        std::swap(sorted, other);
     }
     UninitializedVector<std::uint32_t> order(count, scratch);
     for_each_index(count, [&](std::size_t i) { order[i] = sorted[i].triangle; });

@@ -21,11 +21,13 @@ struct Corner {
     static Corner unpack(std::uint32_t packed) { return {packed >> 2, packed & 3}; }
 };
 
+// Read from a word of three pairs of bits: which of three an edge is cannot be predicted, and a wrong guess costs more
+// than all the rest.
 constexpr std::uint32_t next_of_three(std::uint32_t k) {
-    return k == 2 ? 0 : k + 1;
+    return 0b00'10'01U >> 2 * k & 3;
 }
 constexpr std::uint32_t previous_of_three(std::uint32_t k) {
-    return k == 0 ? 2 : k - 1;
+    return 0b01'00'10U >> 2 * k & 3;
 }
 
 /// The corners that meet at each vertex, by face.
@@ -47,9 +49,13 @@ public:
         return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
     }
 
+    /// Whether a corner is the first of its vertex.
+    bool is_first(const Corner& corner) const { return (first_[corner.face] >> corner.vertex & 1) != 0; }
+
 private:
     std::vector<std::uint32_t> start_;            // of each vertex in corners_, and the end of the last
     UninitializedVector<std::uint32_t> corners_;  // packed
+    UninitializedVector<std::uint8_t> first_;     // by face, a bit for each of its corners
 };
 
 /// Calls f(vertex) for every vertex that the list first names between its places `begin` and `end`, in that order:
@@ -58,11 +64,8 @@ template <typename Function>
 void for_each_vertex(std::span<const Triangle> triangles, const OneRings& rings, std::size_t begin, std::size_t end,
                      const Function& f) {
     for (std::size_t face = begin; face != end; ++face)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t vertex = triangles[face][k];
-            const Corner first = rings.corner(vertex, 0);
-            if (first.face == face && first.vertex == k) f(vertex);
-        }
+        for (std::uint32_t k = 0; k < 3; ++k)
+            if (rings.is_first({static_cast<std::uint32_t>(face), k})) f(triangles[face][k]);
 }
 
 }  // namespace clsdf::polyhedra

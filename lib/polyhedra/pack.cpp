@@ -60,7 +60,7 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
 
 }  // namespace
 
-Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_t triangle,
+Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
                 const LatticeView& lattice) {
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every member is set below; clearing first costs as much
     Polyhedron polyhedron;
@@ -73,8 +73,8 @@ Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_
         store(frame.normal_across[half], polyhedron.exact_normal_across[half], polyhedron.normal_across[half]);
     }
     for (std::uint32_t k = 0; k < 3; ++k) {
-        polyhedron.slope_above[frame.polyhedron_edge(k)] = edges.above[k];
-        polyhedron.slope_below[frame.polyhedron_edge(k)] = edges.below[k];
+        polyhedron.slope_above[frame.polyhedron_edge(k)] = slopes.above[k];
+        polyhedron.slope_below[frame.polyhedron_edge(k)] = slopes.below[k];
     }
     polyhedron.triangle = triangle;
     polyhedron.flags = 0;

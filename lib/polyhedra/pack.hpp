@@ -1,11 +1,12 @@
 #pragma once
 
-#include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/face_edges.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 namespace clsdf::polyhedra {
 
 /// The device's record of a polyhedron. `triangle`: index in the caller's order.
-Polyhedron pack(const TriangleFrame& frame, const FaceEdges& edges, std::uint32_t triangle, const LatticeView& lattice);
+Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
+                const LatticeView& lattice);
 
 }  // namespace clsdf::polyhedra

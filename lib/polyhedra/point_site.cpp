@@ -1,5 +1,7 @@
 #include "polyhedra/point_site.hpp"
 
+#include "polyhedra/wedge_batch.hpp"
+
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -12,13 +14,12 @@ namespace {
 constexpr std::size_t few_neighbours = 24;
 
 /// Directions to the vertex' neighbours, each once.
-std::vector<Vector> neighbour_directions(const Mesh& mesh, std::span<const Triangle> triangles, const OneRings& rings,
-                                         std::size_t vertex, const LatticeView& lattice) {
+std::vector<Vector> neighbour_directions(const MeshFaces& faces, const OneRings& rings, std::uint32_t vertex) {
     std::vector<std::uint32_t> neighbours;
     for (std::size_t i = 0; i < rings.size(vertex); ++i) {
         const Corner corner = rings.corner(vertex, i);
-        neighbours.push_back(triangles[corner.face][next_of_three(corner.vertex)]);
-        neighbours.push_back(triangles[corner.face][previous_of_three(corner.vertex)]);
+        neighbours.push_back(faces.triangles[corner.face][next_of_three(corner.vertex)]);
+        neighbours.push_back(faces.triangles[corner.face][previous_of_three(corner.vertex)]);
     }
     std::sort(neighbours.begin(), neighbours.end());
     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
@@ -26,7 +27,8 @@ std::vector<Vector> neighbour_directions(const Mesh& mesh, std::span<const Trian
     directions.reserve(neighbours.size());
     for (const std::uint32_t neighbour : neighbours)
         directions.push_back(
-            ((to_vector(mesh.vertices()[neighbour]) - to_vector(mesh.vertices()[vertex])) / lattice.unit).normalized());
+            ((to_vector(faces.position(neighbour)) - to_vector(faces.position(vertex))) / faces.lattice.unit)
+                .normalized());
     return directions;
 }
 
@@ -52,7 +54,7 @@ std::optional<std::vector<Vector>> extreme_rays(const std::vector<Vector>& neigh
 }
 
 /// Sets the slopes of a frame around the rays' mean; false where the cone is too wide, or no cone.
-bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, FaceEdges& edges) {
+bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, FaceSlopes& slopes) {
     constexpr double lowest = 1e-3;  // sine of a ray's angle to the frame's plane
     constexpr double tolerance = 1e-6;
     for (std::uint32_t k = 0; k < 3; ++k) {
@@ -63,32 +65,33 @@ bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, Fac
             if (height < lowest) return false;
             slope = std::max(slope, ray.dot(outward) / height);
         }
-        edges.above[k] = widened(slope + tolerance);
-        edges.below[k] = 0;
+        slopes.above[k] = widened(slope + tolerance);
+        slopes.below[k] = 0;
     }
     return true;
 }
 
 }  // namespace
 
-PointSite point_site(const Mesh& mesh, std::span<const Triangle> triangles, std::span<const std::uint32_t> order,
-                     const OneRings& rings, std::size_t vertex, const LatticeView& lattice, float open) {
+PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> order, const OneRings& rings,
+                     std::uint32_t vertex, float open) {
     PointSite site;
     site.face = rings.corner(vertex, 0).face;
     for (std::size_t i = 1; i < rings.size(vertex); ++i) {
         const std::uint32_t face = rings.corner(vertex, i).face;
         if (order[face] < order[site.face]) site.face = face;
     }
-    const Vector position = (to_vector(mesh.vertices()[vertex]) - to_vector(lattice.origin)) / lattice.unit;
+    const LatticeView& lattice = faces.lattice;
+    const Vector position = (to_vector(faces.position(vertex)) - to_vector(lattice.origin)) / lattice.unit;
 
-    const auto rays = extreme_rays(neighbour_directions(mesh, triangles, rings, vertex, lattice));
+    const auto rays = extreme_rays(neighbour_directions(faces, rings, vertex));
     Vector sum = Vector::Zero();
     if (rays)
         for (const Vector& ray : *rays) sum += ray;
     const double length = sum.norm();
     site.frame = point_frame(position, length > 1e-3 ? Vector(sum / length) : Vector::UnitZ());
-    const bool bounded = rays && rays->size() >= 3 && length > 1e-3 && set_slopes(*rays, site.frame, site.edges);
-    if (!bounded) site.edges.above = site.edges.below = {open, open, open};
+    const bool bounded = rays && rays->size() >= 3 && length > 1e-3 && set_slopes(*rays, site.frame, site.slopes);
+    if (!bounded) site.slopes.above = site.slopes.below = {open, open, open};
     return site;
 }
 

@@ -16,14 +16,6 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
-/// Differences are taken before positions are brought to units: a small triangle far from the lattice's origin keeps
-/// its shape to the last bit of the coordinates given.
-Vector difference(const Vec3& to, const Vec3& from, double unit) {
-    const Vector difference{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-    const double per_unit = 1 / unit;
-    return per_unit < infinite ? Vector(per_unit * difference) : Vector(difference / unit);
-}
-
 /// Returns the slanted edge's length.
 double set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
     const double length = std::sqrt(frame.base[half] * frame.base[half] + altitude * altitude);
@@ -47,22 +39,10 @@ void set_equilateral_normals(TriangleFrame& frame) {
 
 }  // namespace
 
-TriangleEdges::TriangleEdges(const std::array<Vec3, 3>& corners, double unit)
-    : vectors{difference(corners[1], corners[0], unit), difference(corners[2], corners[1], unit),
-              difference(corners[0], corners[2], unit)},
-      squared{vectors[0].squaredNorm(), vectors[1].squaredNorm(), vectors[2].squaredNorm()} {
-    base = squared[0] >= squared[1] ? 0 : 1;
-    if (squared[2] > squared[base]) base = 2;
-}
-
-Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, bool right_is_nearer, const LatticeView& lattice) {
-    return difference(near_end, lattice.origin, lattice.unit) +
-           (right_is_nearer ? -frame.base[right] : frame.base[left]) * frame.along;
-}
-
 // compute() in frame_batch.cpp does the same, operation by operation.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
-    const TriangleEdges triangle(corners, lattice.unit);
+    const InUnits in_units(lattice.unit);
+    const TriangleEdges triangle(corners, in_units);
     const std::uint32_t base = triangle.base;
     const std::uint32_t to_apex = next_of_three(base);
     const std::uint32_t from_apex = previous_of_three(base);
@@ -93,11 +73,12 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
 
     frame.altitude = set_slanted_edge(frame, right, height) * frame.normal_along[right];
     set_slanted_edge(frame, left, height);
-    frame.turn = frame.altitude > 0 ? frame_roundings * frame.base_length() / frame.altitude : infinite;
+    frame.turn =
+        !frame.is_box && frame.altitude > 0 ? frame_roundings * frame.base_length() / frame.altitude : infinite;
     if (!(length > 0)) set_equilateral_normals(frame);
     set_inwards(frame, across);
 
-    frame.foot = foot_of(frame, corners[triangle.near_end()], triangle.right_is_nearer(), lattice);
+    frame.foot = foot_of(frame, corners[triangle.near_end()], triangle.nearer_half(), lattice, in_units);
     return frame;
 }
 

@@ -247,7 +247,7 @@ MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double ha
     MauchPieces result;
     result.polyhedra.resize(faces.order.size());
     for_each_index(faces.order.size(), [&](std::size_t face) {
-        result.polyhedra[face] = pack(faces.frames[face], FaceEdges{}, faces.order[face], lattice);
+        result.polyhedra[face] = pack(faces.frames[face], FaceSlopes{}, faces.order[face], lattice);
     });
 
     struct State {
@@ -263,8 +263,7 @@ MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double ha
         polyhedra.add_face(face, collector, state.counts);
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = faces.triangles[face][k];
-            const Corner first = rings.corner(vertex, 0);
-            if (first.face != face || first.vertex != k) continue;
+            if (!rings.is_first({static_cast<std::uint32_t>(face), k})) continue;
             edges_above(faces.triangles, rings, vertex, state.entries);
             for_each_edge(state.entries,
                           [&](std::span<const EdgeEntry> edge) { polyhedra.add_edge(edge, collector, state.counts); });

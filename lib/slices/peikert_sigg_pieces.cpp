@@ -33,7 +33,7 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
         const auto& [a, b, c] = mesh.triangles()[index];
         const std::array<Vec3, 3> corners{mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]};
         result.polyhedra[i] =
-            polyhedra::pack(polyhedra::triangle_frame(corners, lattice), polyhedra::FaceEdges{}, index, lattice);
+            polyhedra::pack(polyhedra::triangle_frame(corners, lattice), polyhedra::FaceSlopes{}, index, lattice);
     });
     result.pieces = collect_pieces(paper.polyhedra.size(), grid, [&](std::size_t i, PieceCollector& collector) {
         const peikert_sigg::Polyhedron& polyhedron = paper.polyhedra[i];

@@ -12,8 +12,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 #include <span>
+#include <utility>
 
 namespace clsdf::transform {
 
@@ -107,21 +108,24 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         prepared.pieces = prepare_pieces(context, pool, mauch.pieces);
     } else {
         std::span<Polyhedron> records;
-        std::optional<device::HostFilling> filling;
+        std::unique_ptr<device::HostFilling> filling;
+        const auto memory = [&](std::size_t count) {
+            const std::size_t bytes = count * sizeof(Polyhedron);
+            auto larger = std::make_unique<device::HostFilling>(context, pool->lease(bytes, "polyhedra"), bytes);
+            const std::span<Polyhedron> filled(static_cast<Polyhedron*>(larger->memory()), count);
+            std::copy(records.begin(), records.end(), filled.begin());
+            filling = std::move(larger);
+            return records = filled;
+        };
         ScratchMemory::Computation computation(scratch);
-        const polyhedra::LeanedCounts counts = polyhedra::leaned_frusta(
-            mesh, lattice, widths.half_width, widths.slack,
-            [&](std::size_t count) -> std::span<Polyhedron> {
-                const std::size_t bytes = count * sizeof(Polyhedron);
-                filling.emplace(context, pool->lease(bytes, "polyhedra"), bytes);
-                return records = {static_cast<Polyhedron*>(filling->memory()), count};
-            },
-            &scratch);
+        const polyhedra::LeanedCounts counts =
+            polyhedra::leaned_frusta(mesh, lattice, widths.half_width, widths.slack, memory, &scratch);
         computation.succeed();
         prepared.saddle_vertices = counts.saddle_vertices;
         prepared.point_sites = counts.point_sites;
         prepared.boxes = counts.boxes;
-        prepared.record_count = prepared.polyhedron_count = records.size();
+        prepared.record_count = prepared.polyhedron_count = counts.records;
+        records = records.first(counts.records);
         if (scan == Scan::slices)
             prepared.pieces =
                 prepare_pieces(context, pool, slices::leaned_pieces(records, widths.half_width, widths.slack, layout));

@@ -1,5 +1,7 @@
 #include "polyhedra/cone_search.hpp"
+#include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/fan_rejections.hpp"
+#include "polyhedra/fan_screen.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
@@ -41,32 +43,45 @@ Mesh random_fan(Random& random) {
 
 /// The faces around vertex 0, and their edges that leave it and that arrive there, counter-clockwise.
 struct Fan {
+    polyhedra::OneRings rings;
+    polyhedra::PairedEdges edges;
     std::vector<polyhedra::TriangleFrame> frames;
-    polyhedra::UninitializedVector<polyhedra::FaceEdges> faces;
+    std::vector<polyhedra::FaceSlopes> slopes;
     std::vector<Corner> leaving;
     std::vector<Corner> arriving;
 
-    explicit Fan(const Mesh& mesh) {
-        for (const auto& [a, b, c] : mesh.triangles())
-            frames.push_back(
-                polyhedra::triangle_frame({mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]}, {}));
-        const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
-        faces = edge_slopes(mesh, mesh.triangles(), frames, rings, CLSDF_OPEN_SLOPE);
-        for (std::size_t face = 0; face < frames.size(); ++face) lean(frames[face], faces[face]);
-        const Corner first = rings.corner(0, 0);
-        Corner corner = first;
-        do {
-            leaving.push_back(corner);
+    explicit Fan(const Mesh& mesh)
+        : rings(mesh.triangles(), mesh.vertices().size()), edges(pair_edges(mesh.triangles(), rings)) {
+        const polyhedra::LatticeView lattice;
+        measure_edges({mesh, mesh.triangles(), lattice}, edges.faces, {}, CLSDF_OPEN_SLOPE,
+                      [&](polyhedra::EdgeSlopes& stretch) {
+                          for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
+                              lean(stretch.frame(face), stretch.slopes(face));
+                              frames.push_back(stretch.frame(face));
+                              slopes.push_back(stretch.slopes(face));
+                          }
+                      });
+        walk_first_fan(edges.faces, rings, 0, leaving);
+        for (const Corner& corner : leaving)
             arriving.push_back({corner.face, polyhedra::previous_of_three(corner.vertex)});
-            corner = Corner::unpack(faces[corner.face].across[arriving.back().vertex]);
-        } while (corner.face != first.face);
+    }
+
+    polyhedra::LateralPlane plane(const Corner& edge) const {
+        const polyhedra::FaceSlopes& of_face = slopes[edge.face];
+        return {frames[edge.face].normal, frames[edge.face].inwards[edge.vertex], of_face.above[edge.vertex],
+                of_face.below[edge.vertex]};
+    }
+    std::vector<polyhedra::LateralPlane> planes(const std::vector<Corner>& of) const {
+        std::vector<polyhedra::LateralPlane> result;
+        for (const Corner& edge : of) result.push_back(plane(edge));
+        return result;
     }
 
     /// Lower planes reject more.
     void lower_slopes(Random& random) {
-        for (polyhedra::FaceEdges& face : faces)
-            for (std::array<float, 3>* slopes : {&face.above, &face.below})
-                for (float& slope : *slopes) slope *= static_cast<float>(random.uniform(0, 1));
+        for (polyhedra::FaceSlopes& face : slopes)
+            for (std::array<float, 3>* side : {&face.above, &face.below})
+                for (float& slope : *side) slope *= static_cast<float>(random.uniform(0, 1));
     }
 
     Vector mean_normal() const {
@@ -77,9 +92,9 @@ struct Fan {
 
     /// g with g . u >= margin where the plane of the edge, above or below the face, rejects u by the margin.
     Vector rejection(const Corner& edge, bool above) const {
-        const polyhedra::TriangleFrame& frame = frames[edge.face];
-        const auto slope = static_cast<double>((above ? faces[edge.face].above : faces[edge.face].below)[edge.vertex]);
-        return -(frame.inwards[edge.vertex] + (above ? slope : -slope) * frame.normal) / (1 + slope);
+        const polyhedra::LateralPlane of_edge = plane(edge);
+        const auto slope = static_cast<double>(above ? of_edge.above : of_edge.below);
+        return -(of_edge.inward + (above ? slope : -slope) * of_edge.normal) / (1 + slope);
     }
 };
 
@@ -130,6 +145,15 @@ BOOST_AUTO_TEST_CASE(where_no_direction_can_be_rejected_there_is_none) {
             if (seed % 2 == 0) fan.lower_slopes(random);
             const double margin = std::pow(10, random.uniform(-7, -1));
             const Vector middle = fan.mean_normal();
+            if (fan.leaving.size() <= polyhedra::FanBatch::most_faces) {
+                polyhedra::FanBatch batch;
+                for (std::uint32_t i = 0; !batch.is_full(); ++i) batch.add(fan, i, fan.leaving);
+                polyhedra::FanBatch::Answers are_covered;
+                batch.ask(margin, are_covered);
+                const bool expected = cannot_all_reject(fan.planes(fan.leaving), margin) &&
+                                      cannot_all_reject(fan.planes(fan.arriving), margin);
+                for (const int is_covered : are_covered) BOOST_TEST((is_covered != 0) == expected);
+            }
             for (const std::vector<Corner>& edges : {fan.leaving, fan.arriving}) {
                 std::vector<Vector> conditions;
                 for (const Corner& edge : edges)
@@ -137,7 +161,7 @@ BOOST_AUTO_TEST_CASE(where_no_direction_can_be_rejected_there_is_none) {
                 const double best = greatest_least_product(conditions);
                 ++asked;
                 if (best >= margin) ++rejected;
-                if (!cannot_all_reject(fan.frames, fan.faces, edges, margin)) continue;
+                if (!cannot_all_reject(fan.planes(edges), margin)) continue;
                 ++certain;
                 BOOST_TEST(best < margin);
                 for (int i = 0; i < 2000; ++i) {

@@ -1,5 +1,9 @@
 #include "coverage.hpp"
+#include "polyhedra/crowded_edges.hpp"
 #include "polyhedra/dihedral.hpp"
+#include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/pair_edges.hpp"
+#include "polyhedra/plane_sides.hpp"
 #include "polyhedra/vertex_fans.hpp"
 #include "stress_points.hpp"
 #include "support/test_meshes.hpp"
@@ -9,7 +13,9 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <chrono>
+#include <map>
 
 namespace clsdf::test {
 namespace {
@@ -58,6 +64,7 @@ BOOST_AUTO_TEST_SUITE(one_rings)
 
 BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
     std::array<std::size_t, 3> seen{};
+    std::size_t open = 0;  // by PlaneSides
     for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
         BOOST_TEST_CONTEXT("seed " << seed) {
             Random random(seed);
@@ -78,16 +85,22 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
                 for (Vec3& vertex : vertices) vertex[2] = vertex[0];
                 mesh = Mesh(vertices, mesh.triangles(), "flat");
             }
-            std::vector<polyhedra::TriangleFrame> frames;
-            for (const auto& [p, q, r] : mesh.triangles())
-                frames.push_back(polyhedra::triangle_frame({mesh.vertices()[p], mesh.vertices()[q], mesh.vertices()[r]},
-                                                           LatticeView{}));
-            const int side = side_of_plane(mesh, mesh.triangles(), frames, {0, 0}, {1, 0});
-            BOOST_TEST(side == exact_side(mesh, mesh.triangles()[0], 3));
+            const LatticeView lattice;
+            const polyhedra::OppositeVertex opposite({mesh, mesh.triangles(), lattice}, 0, {1, 0});
+            const int side = exact_side(mesh, mesh.triangles()[0], 3);
+            BOOST_TEST(side_of_plane(opposite) == side);
+
+            polyhedra::PlaneSides together;
+            for (std::size_t i = 0; i < polyhedra::PlaneSides::capacity; ++i) together.set(i, opposite);
+            polyhedra::PlaneSides::Sides sides;
+            together.measure(sides);
+            for (const int other : sides) BOOST_TEST((other == side || other == 0));
+            if (side != 0 && sides[0] == 0) ++open;
             ++seen.at(static_cast<std::size_t>(side) + 1);
         }
     }
     for (const std::size_t times : seen) BOOST_TEST(times > 300U);
+    BOOST_TEST(open == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(corners_come_by_face_however_many_threads_file_them) {
@@ -109,6 +122,41 @@ BOOST_AUTO_TEST_CASE(corners_come_by_face_however_many_threads_file_them) {
     BOOST_TEST(corners == 3 * mesh.triangles().size());
 }
 
+BOOST_AUTO_TEST_CASE(every_edge_knows_the_face_across) {
+    Random random(2);
+    // Edges of one face, of two of either orientation, and of more; vertices with few faces and with many; and one
+    // where just one face arrives along each edge that leaves.
+    const Mesh three({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 3}, {0, 1, 2}, {0, 2, 1}}, "three");
+    for (const Mesh& mesh :
+         {make_shape("knot"), random_soup(random, 40, 200), random_soup(random, 2000, 9000), three}) {
+        std::map<std::array<std::uint32_t, 2>, std::vector<polyhedra::Corner>> faces_at;
+        for (std::uint32_t face = 0; face < mesh.triangles().size(); ++face)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const auto ends =
+                    std::minmax(mesh.triangles()[face][k], mesh.triangles()[face][polyhedra::next_of_three(k)]);
+                faces_at[{ends.first, ends.second}].push_back({face, k});
+            }
+        const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+        const polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
+        for (const auto& [ends, faces] : faces_at) {
+            for (const polyhedra::Corner& edge : faces) {
+                const int marks = edges.faces[edge.face].marks[edge.vertex];
+                if (ends[0] == ends[1]) {
+                    BOOST_TEST(marks == polyhedra::edge_at_box);
+                } else if (faces.size() == 2 && faces[0].face != faces[1].face) {
+                    const polyhedra::Corner& other = edge.face == faces[0].face ? faces[1] : faces[0];
+                    const bool oriented =
+                        mesh.triangles()[edge.face][edge.vertex] != mesh.triangles()[other.face][other.vertex];
+                    BOOST_TEST(marks == (oriented ? 0 : polyhedra::edge_unoriented));
+                    BOOST_TEST(edges.faces[edge.face].across[edge.vertex] == other.packed());
+                } else {
+                    BOOST_TEST(marks == (faces.size() == 1 ? polyhedra::edge_open : polyhedra::edge_non_manifold));
+                }
+            }
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(convex_meshes_have_no_saddles) {
     const LeanedFrusta sphere = frusta_of(make_shape("sphere6"));
     BOOST_TEST(sphere.saddle_vertices == 0U);
@@ -122,13 +170,9 @@ BOOST_AUTO_TEST_CASE(a_vertex_has_a_fan_for_each_cone_that_ends_there) {
               {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}}, "pyramids");
     const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
     BOOST_TEST(rings.size(0) == 6U);
-    std::vector<polyhedra::TriangleFrame> frames;
-    for (const auto& [p, q, r] : mesh.triangles())
-        frames.push_back(
-            polyhedra::triangle_frame({mesh.vertices()[p], mesh.vertices()[q], mesh.vertices()[r]}, LatticeView{}));
-    const auto faces = edge_slopes(mesh, mesh.triangles(), frames, rings, CLSDF_OPEN_SLOPE);
+    const polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
     polyhedra::VertexFans fans;
-    fans.build(mesh.triangles(), faces, rings, 0);
+    fans.build(mesh.triangles(), edges.faces, rings, 0);
     BOOST_REQUIRE(fans.fan_count() == 2U);
     for (std::size_t fan = 0; fan < 2; ++fan) {
         BOOST_TEST(fans.start(fan + 1) - fans.start(fan) == 3U);
@@ -138,7 +182,7 @@ BOOST_AUTO_TEST_CASE(a_vertex_has_a_fan_for_each_cone_that_ends_there) {
 }
 
 BOOST_AUTO_TEST_CASE(a_face_with_a_vertex_twice_is_not_its_own_neighbour) {
-    // Between the vertices 0 and 1, back and forth, as few and as many faces as take either way through edge_slopes().
+    // Between the vertices 0 and 1, back and forth, as few and as many faces as take either way through pair_edges().
     for (const std::uint32_t others : {0U, 20U}) {
         std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}};
         std::vector<Triangle> triangles{{0, 1, 0}};
@@ -151,15 +195,15 @@ BOOST_AUTO_TEST_CASE(a_face_with_a_vertex_twice_is_not_its_own_neighbour) {
             triangles.front() = twice;
             const Mesh mesh(vertices, triangles, "back and forth");
             const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
-            std::vector<polyhedra::TriangleFrame> frames;
-            for (const auto& [p, q, r] : mesh.triangles())
-                frames.push_back(polyhedra::triangle_frame({mesh.vertices()[p], mesh.vertices()[q], mesh.vertices()[r]},
-                                                           LatticeView{}));
-            const auto faces = edge_slopes(mesh, mesh.triangles(), frames, rings, CLSDF_OPEN_SLOPE);
+            const LatticeView lattice;
+            const polyhedra::MeshFaces faces{mesh, mesh.triangles(), lattice};
+            polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
+            const auto crowded = crowded_slopes(faces, rings, edges, CLSDF_OPEN_SLOPE);
+            measure_edges(faces, edges.faces, crowded, CLSDF_OPEN_SLOPE, [](const polyhedra::EdgeSlopes&) {});
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const bool is_edge = twice[k] != twice[polyhedra::next_of_three(k)];
                 const int expected = polyhedra::edge_at_box | (is_edge ? polyhedra::edge_non_manifold : 0);
-                BOOST_TEST(static_cast<int>(faces[0].marks[k]) == expected);
+                BOOST_TEST(static_cast<int>(edges.faces[0].marks[k]) == expected);
             }
         }
     }

@@ -11,8 +11,11 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace clsdf::test {
 namespace {
@@ -192,12 +195,45 @@ BOOST_AUTO_TEST_CASE(memory_that_is_used_again_changes_nothing) {
                 return std::span<Polyhedron>(again.polyhedra);
             },
             &scratch);
+        again.polyhedra.resize(counts.records);
         const LeanedFrusta fresh = leaned_frusta(mesh, lattice, half_width, slack);
         BOOST_TEST(same_bytes(again, fresh), name);
         BOOST_TEST(counts.saddle_vertices == fresh.saddle_vertices);
         BOOST_TEST(counts.point_sites == fresh.point_sites);
         scratch.trim();
     }
+}
+
+BOOST_AUTO_TEST_CASE(unusually_many_point_sites_get_more_room) {
+    // Three faces at an edge: its ends need one each.
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < 200; ++i) {
+        const double x = 50.0 * i;
+        vertices.insert(vertices.end(), {{x, 0, -5}, {x, 0, 5}, {x + 10, 0, 0}, {x - 5, 8, 0}, {x - 5, -8, 0}});
+        for (const std::uint32_t page : {2U, 3U, 4U}) triangles.push_back({5 * i, 5 * i + 1, 5 * i + page});
+    }
+    const Mesh mesh(std::move(vertices), std::move(triangles), "books");
+    std::vector<std::size_t> sizes;
+    std::vector<Polyhedron> records;
+    const polyhedra::LeanedCounts counts = leaned_frusta(
+        mesh, {}, half_width, slack,
+        [&](std::size_t count) {
+            sizes.push_back(count);
+            std::vector<Polyhedron> larger(count);
+            std::copy(records.begin(), records.end(), larger.begin());
+            records = std::move(larger);
+            return std::span<Polyhedron>(records);
+        },
+        nullptr);
+    BOOST_REQUIRE(sizes.size() == 2U);
+    BOOST_TEST(sizes[0] < counts.records);
+    BOOST_TEST(sizes[1] == counts.records);
+    BOOST_TEST(counts.point_sites == 400U);
+    BOOST_TEST(counts.records == mesh.triangles().size() + counts.point_sites);
+    LeanedFrusta again;
+    again.polyhedra.assign(records.begin(), records.end());
+    BOOST_TEST(same_bytes(again, leaned_frusta(mesh, {}, half_width, slack)));
 }
 
 BOOST_AUTO_TEST_CASE(the_scale_of_the_coordinates_does_not_matter) {

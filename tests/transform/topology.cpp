@@ -290,3 +290,18 @@ BOOST_AUTO_TEST_CASE(degenerate_faces_of_a_solid_change_nothing) {
     triangles.insert(triangles.end(), {{3, 3, 3}, {0, 1, 0}, {0, 8, 1}, {0, 1, 8}});
     check_rule({vertices, triangles, "cube with degenerate faces"}, SignRule::nonzero, "");
 }
+
+// Three faces at an edge: its ends need a polyhedron each, more than room is left for at first.
+BOOST_AUTO_TEST_CASE(books_whose_spines_outnumber_their_pages_are_right) {
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < 100; ++i) {
+        const double x = 20.0 * (i % 5);
+        const double y = 20.0 * (i / 5 % 5);
+        const double z = 20.0 * (i / 25);
+        vertices.insert(vertices.end(),
+                        {{x, y, z - 5}, {x, y, z + 5}, {x + 9, y, z}, {x - 5, y + 8, z}, {x - 5, y - 8, z}});
+        for (const std::uint32_t page : {2U, 3U, 4U}) triangles.push_back({5 * i, 5 * i + 1, 5 * i + page});
+    }
+    compute_right({std::move(vertices), std::move(triangles), "books"});
+}

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "polyhedra/vector.hpp"
+
+#include <array>
+#include <cstddef>
+
+namespace clsdf::polyhedra {
+
+/// Numbers that are worked on together, as many as a processor's vectors hold.
+constexpr std::size_t lanes = 8;
+
+using Lanes = std::array<double, lanes>;
+
+struct LaneVectors {
+    Lanes x;
+    Lanes y;
+    Lanes z;
+
+    void set(std::size_t i, const Vector& v) {
+        x[i] = v.x();
+        y[i] = v.y();
+        z[i] = v.z();
+    }
+    Vector get(std::size_t i) const { return {x[i], y[i], z[i]}; }
+};
+
+inline double dot_of_lane(const LaneVectors& a, const LaneVectors& b, std::size_t i) {
+    return dot(a.x[i], a.y[i], a.z[i], b.x[i], b.y[i], b.z[i]);
+}
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,143 @@
+#include "polyhedra/pair_edges.hpp"
+
+#include "core/several_targets.hpp"
+#include "polyhedra/edges_above.hpp"
+#include "polyhedra/parallel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+
+namespace clsdf::polyhedra {
+
+namespace {
+
+/// So many faces are compared with each other.
+constexpr std::size_t few_faces = 16;
+
+using OfFewFaces = std::array<std::uint32_t, few_faces>;
+
+/// Faces around a vertex: the vertices at the ends of their edges that leave it, and that arrive there.
+struct Spokes {
+    OfFewFaces next;
+    OfFewFaces previous;
+};
+
+/// To each edge that leaves the vertex, those that run along it.
+struct Matches {
+    OfFewFaces other;  ///< the last of the edges that arrive
+    OfFewFaces arriving;
+    OfFewFaces leaving;
+};
+
+CLSDF_SEVERAL_TARGETS void match(const Spokes& spokes, std::size_t count, Matches& matches) {
+    matches = {};
+    for (std::size_t j = 0; j < count; ++j) {
+        const std::uint32_t next = spokes.next[j];
+        const std::uint32_t previous = spokes.previous[j];
+        for (std::size_t i = 0; i < few_faces; ++i) {
+            matches.other[i] = spokes.next[i] == previous ? static_cast<std::uint32_t>(j) : matches.other[i];
+            matches.arriving[i] += spokes.next[i] == previous ? 1U : 0U;
+            matches.leaving[i] += spokes.next[i] == next ? 1U : 0U;
+        }
+    }
+}
+
+/// Sets the edges that leave one vertex after the other: those of all vertices are all there are.
+class EdgePairing {
+public:
+    EdgePairing(std::span<const Triangle> triangles, const OneRings& rings, std::span<FaceEdges> faces)
+        : triangles_(triangles), rings_(rings), faces_(faces) {}
+
+    void set_leaving(std::uint32_t vertex) {
+        if (!set_pairs(vertex)) set_any(vertex);
+    }
+
+    /// Of the vertices so far.
+    const std::vector<std::uint32_t>& crowded() const { return crowded_; }
+    std::size_t crowded_corners() const { return crowded_corners_; }
+
+private:
+    /// Where each edge has two faces that run along it in opposite directions; false where one has not, or many meet.
+    bool set_pairs(std::uint32_t vertex) {
+        const std::size_t count = rings_.size(vertex);
+        if (count > few_faces) return false;
+        std::array<Corner, few_faces> corners;
+        Spokes spokes{};
+        for (std::size_t i = 0; i < count; ++i) {
+            corners[i] = rings_.corner(vertex, i);
+            const Triangle& triangle = triangles_[corners[i].face];
+            spokes.next[i] = triangle[next_of_three(corners[i].vertex)];
+            spokes.previous[i] = triangle[previous_of_three(corners[i].vertex)];
+        }
+        Matches matches;
+        match(spokes, count, matches);
+        bool paired = true;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Corner& across = corners[matches.other[i]];
+            // A face with a vertex twice arrives along the edge that it leaves by.
+            paired &= matches.arriving[i] == 1 && matches.leaving[i] == 1 && across.face != corners[i].face;
+            set(corners[i], Corner{across.face, previous_of_three(across.vertex)}.packed(), 0);
+        }
+        return paired;
+    }
+
+    void set_any(std::uint32_t vertex) {
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) {
+            const Corner corner = rings_.corner(vertex, i);
+            if (start(corner) == triangles_[corner.face][next_of_three(corner.vertex)]) set(corner, 0, edge_at_box);
+        }
+        const std::size_t corners_before = crowded_corners_;
+        edges_at(triangles_, rings_, vertex, entries_);
+        for_each_edge(entries_, [&](std::span<const EdgeEntry> faces) {
+            const Corner first = faces.front().edge();
+            const Corner last = faces.back().edge();
+            if (is_crowded(faces)) {
+                for (const EdgeEntry& entry : faces)
+                    if (start(entry.edge()) == vertex) set(entry.edge(), 0, edge_non_manifold);
+                if (vertex < faces[0].other_vertex()) crowded_corners_ += faces.size();
+            } else if (faces.size() == 1) {
+                if (start(first) == vertex) set(first, 0, edge_open);
+            } else {
+                const std::uint8_t marks = start(first) == start(last) ? edge_unoriented : 0;
+                if (start(first) == vertex) set(first, last.packed(), marks);
+                if (start(last) == vertex) set(last, first.packed(), marks);
+            }
+        });
+        if (crowded_corners_ > corners_before) crowded_.push_back(vertex);
+    }
+
+    std::uint32_t start(const Corner& edge) const { return triangles_[edge.face][edge.vertex]; }
+
+    void set(const Corner& edge, std::uint32_t across, std::uint8_t marks) {
+        faces_[edge.face].across[edge.vertex] = across;
+        faces_[edge.face].marks[edge.vertex] = marks;
+    }
+
+    std::span<const Triangle> triangles_;
+    const OneRings& rings_;
+    std::span<FaceEdges> faces_;
+    std::vector<std::uint32_t> crowded_;
+    std::size_t crowded_corners_ = 0;
+    std::vector<EdgeEntry> entries_;
+};
+
+}  // namespace
+
+PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings, ScratchMemory* scratch) {
+    PairedEdges result;
+    result.faces = UninitializedVector<FaceEdges>(triangles.size(), scratch);
+    std::mutex mutex;
+    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+        EdgePairing pairing(triangles, rings, result.faces);
+        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) { pairing.set_leaving(vertex); });
+        if (pairing.crowded().empty()) return;
+        const std::lock_guard lock(mutex);
+        result.crowded.insert(result.crowded.end(), pairing.crowded().begin(), pairing.crowded().end());
+        result.crowded_corners += pairing.crowded_corners();
+    });
+    std::sort(result.crowded.begin(), result.crowded.end());
+    return result;
+}
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "polyhedra/face_edges.hpp"
+#include "polyhedra/one_rings.hpp"
+#include "polyhedra/uninitialized_vector.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// Which faces meet at which edges.
+struct PairedEdges {
+    /// Of each face what follows from the vertices' indices: edge_open, edge_non_manifold, edge_unoriented, and
+    /// edge_at_box of an edge from a vertex to itself; the faces across. No frame's base yet.
+    UninitializedVector<FaceEdges> faces;
+    std::vector<std::uint32_t> crowded;  ///< lower ends of edges where three faces or more meet, in ascending order
+    std::size_t crowded_corners = 0;     ///< of faces, at such edges
+};
+
+PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings, ScratchMemory* scratch = nullptr);
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "polyhedra/triangle_frame.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace clsdf::polyhedra {
+
+/// Two faces whose inward directions differ by less than this angle are folded onto each other.
+inline constexpr double fold_angle = 1e-6;
+
+/// `squared_apart`: the square of the distance of their unit inward directions at the edge.
+inline bool folded(double squared_apart) {
+    return squared_apart < fold_angle * fold_angle;
+}
+
+/// `x` >= 0 as a float that is not below it, also after the roundings that led to it.
+inline float widened(double x) {
+    return static_cast<float>(x * (1 + 1e-6));
+}
+
+/// Pairs of faces at edges, as many at a time as the edges of eight faces, for processors' vectors.
+class WedgeBatch {
+public:
+    static constexpr std::size_t capacity = 24;
+
+    /// An edge of two faces, as each of them has it. Which is first matters to the last bit.
+    void set(std::size_t i, const TriangleFrame& first, std::uint32_t edge_of_first, const TriangleFrame& second,
+             std::uint32_t edge_of_second) {
+        const Vector& a = first.inwards[edge_of_first];
+        const Vector& b = second.inwards[edge_of_second];
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<std::size_t>(axis);
+            first_[k][i] = a[axis];
+            second_[k][i] = b[axis];
+            normal_[k][i] = first.normal[axis];
+        }
+        turn_[i] = first.turn + second.turn;
+    }
+
+    struct Results {
+        /// On which side of the first face's plane the second face lies: 1 above, -1 below; 0 where the frames do not
+        /// tell, or the faces are folded onto each other.
+        std::array<std::int32_t, capacity> side;
+        /// The tangent of half the angle by which the wedge between the faces exceeds a straight one, seen from the
+        /// side where it does; both faces have the same. Of folded faces it means nothing.
+        std::array<float, capacity> slope;
+        std::array<std::int32_t, capacity> folded;  ///< 1 or 0
+    };
+    void measure(Results& results) const;
+
+private:
+    using Lanes = std::array<double, capacity>;
+
+    std::array<Lanes, 3> first_{};   // inward direction
+    std::array<Lanes, 3> second_{};  // of the second face
+    std::array<Lanes, 3> normal_{};  // of the first face
+    Lanes turn_{};                   // of both frames, by rounding
+};
+
+}  // namespace clsdf::polyhedra
