@@ -66,15 +66,6 @@ INLINE uint lanes_in_list(uint e, uint count) {
     return e + LANES <= count ? LANE_BITS : (1u << (count - e)) - 1;
 }
 
-// Slopes of the lateral planes for blocks whose heights over the face differ by at most `reach` from z: of the side on
-// which they lie; where they may lie on both, the greater ones, which bound both.
-INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL reach, floatL* slopes) {
-    const intL is_above = z > reach, is_below = -z > reach;
-#pragma unroll
-    for (uint edge = 0; edge < 3; ++edge)
-        slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : p->greater[edge];
-}
-
 // Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 touch: brick b's mask of lanes goes to
 // masks[b * stride]. Returns which bricks any of them touches.
 INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes,

@@ -150,8 +150,8 @@ INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
 #else
 typedef struct ClusterAtGroup {
     LanePolyhedra polyhedra;
-    Bounds first;            // at the centre of the group's first brick, less reach and slack but for z
-    floatL reach_z;          // with slack
+    Bounds first;            // at the centre of the group's first brick, without reach
+    LaneReach reach;         // of a coarse brick, with slack
     floatL x, y, z, radius;  // of the balls, from there
     float3 side;             // of a coarse brick, in units
     uint lanes;
@@ -162,16 +162,10 @@ INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron*
     uint numbers[LANES];
     for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = cluster.first + min(lane, cluster.count - 1);
     const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, start * CLSDF_COARSE, COARSE_CENTRE);
-#define REACH(bound) \
-    ((fabs(p.step_x.bound) + (fabs(p.step_y.bound) + fabs(p.step_z.bound))) * (COARSE_CENTRE * 1.000001f) + slack)
     ClusterAtGroup at;
     at.polyhedra = p;
-    at.first.z = p.at.z;
-    at.first.base = p.at.base - REACH(base);
-    at.first.right = p.at.right - REACH(right);
-    at.first.left = p.at.left - REACH(left);
-    at.reach_z = REACH(z);
-#undef REACH
+    at.reach = reach_of_lanes(&p, COARSE_CENTRE, COARSE_CENTRE, COARSE_CENTRE, slack);
+    at.first = without_reach(p.at, &at.reach);
     at.side = CLSDF_COARSE * vload3(0, layout.spacing);
     const float3 centre = first_centre(layout, cluster, start);
     at.x = load_lanes(0, cluster.x) - centre.x;
@@ -196,17 +190,11 @@ INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
 
     const float i = bx * CLSDF_COARSE, j = by * CLSDF_COARSE, k = bz * CLSDF_COARSE;
 #define AT(bound) (i * p->step_x.bound + (j * p->step_y.bound + (k * p->step_z.bound + at->first.bound)))
-    const floatL height = AT(z), above = at->reach_z + height, below = at->reach_z - height;
-#define WIDTH(edge) GREATER(p->above[edge] * above, p->below[edge] * below)
-    const floatL base = WIDTH(CLSDF_EDGE_BASE), right = WIDTH(CLSDF_EDGE_RIGHT), left = WIDTH(CLSDF_EDGE_LEFT);
-    intL in = fabs(height) <= cap + at->reach_z;
-    // A branch, and not the lesser of width and cap: the loop over bricks is then compiled twice, and where all are
-    // compact, as most are, it takes two thirds of the time.
-    if (!p->all_compact) in &= (AT(base) <= cap) & (AT(right) <= cap) & (AT(left) <= cap);
-    in &= (AT(base) <= base) & (AT(right) <= right) & (AT(left) <= left);
-#undef WIDTH
+    const Bounds brick = {AT(z), AT(base), AT(right), AT(left)};
 #undef AT
-    return at->lanes & lanes_to_bits(near & in);
+    floatL slopes[3];
+    slopes_at(p, brick.z, at->reach.z, slopes);
+    return at->lanes & lanes_to_bits(near & touches(p, brick, slopes, &at->reach, cap));
 }
 #endif
 

@@ -188,6 +188,15 @@ INLINE Bounds without_reach(Bounds at, const LaneReach* reach) {
     return at;
 }
 
+// Slopes of the lateral planes for blocks whose heights over the face differ by at most `reach` from z: of the side on
+// which they lie; where they may lie on both, the greater ones, which bound both.
+INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL reach, floatL* slopes) {
+    const intL is_above = z > reach, is_below = -z > reach;
+#pragma unroll
+    for (uint edge = 0; edge < 3; ++edge)
+        slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : p->greater[edge];
+}
+
 // Whether a block is touched: the sign bit of each lane, the others are of no meaning. (Comparisons take as long as
 // additions, of which a processor does half as many at a time as of logical operations.) at: at its centre, without
 // reach; slopes: of the lateral planes there.
