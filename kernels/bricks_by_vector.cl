@@ -1,9 +1,9 @@
 // The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
-//   coarse brick: an upper bound of the distance for each of its bricks (cap); masks of the polyhedra that touch each;
-//   brick:        its list; for LANES polyhedra at a time, masks of the sub-blocks (a vector of samples each) they
-//   touch; sub-block:    the distance to each triangle that touches it, into the minimum.
+// * coarse brick: an upper bound of the distance for each of its bricks (cap); masks of the polyhedra that touch each;
+// * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (a vector of samples each) that they touch;
+// * sub-block: the distance to the triangle of each polyhedron that touches it, into the minimum.
 //
 // Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
 // minima wait in memory until the last of them.
@@ -54,7 +54,7 @@ static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private c
         set_at_brick(polyhedra + numbers[31 - clz(rest & (0 - rest))], at, at_brick + n);
     for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
         const uint lane = 31 - clz(rest & (0 - rest));
-        evaluate(polyhedra + numbers[lane], at_brick + n, masks[lane], at, minimum, layout, counters);
+        evaluate(polyhedra + numbers[lane], at_brick + n, masks[lane], minimum, layout, counters);
         lowered |= masks[lane];
     }
     return lowered;
