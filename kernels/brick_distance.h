@@ -30,23 +30,25 @@ INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, __private
 #ifdef LONG_BRICKS
     at->frame = frame_at(p, centre.x, centre.y, centre.z);
 #else
-    const Steps s = steps_of(p);
-    at->steps = s;
-    const floatL x = LANE_J * s.y[0] + LANE_K * s.z[0], y = LANE_J * s.y[1] + LANE_K * s.z[1],
-                 z = LANE_J * s.y[2] + LANE_K * s.z[2];
+    at->steps = steps_of(p);
+    const double3 gx = vload3(0, p->exact_gradient_x), gy = vload3(0, p->exact_gradient_y),
+                  gz = vload3(0, p->exact_gradient_z);
+    const doubleL lane_j = convert_doubleL(LANE_J), lane_k = convert_doubleL(LANE_K);
+    const doubleL x = lane_j * gy.x + lane_k * gz.x, y = lane_j * gy.y + lane_k * gz.y,
+                  z = lane_j * gy.z + lane_k * gz.z;
 #pragma unroll
     for (uint plane = 0; plane < SUBBLOCKS_X; ++plane) {
-        const floatL i = LANE_I + subblock_i(plane);
-        at->lane_x[plane] = i * s.x[0] + x;
-        at->lane_y[plane] = i * s.x[1] + y;
-        at->lane_z[plane] = i * s.x[2] + z;
+        const doubleL i = convert_doubleL(LANE_I + subblock_i(plane));
+        at->lane_x[plane] = convert_floatL(i * gx.x + x);
+        at->lane_y[plane] = convert_floatL(i * gx.y + y);
+        at->lane_z[plane] = convert_floatL(i * gx.z + z);
     }
 #pragma unroll
     for (uint v = 0; v < SUBBLOCK_PLANE / LANES; ++v) {
-        const floatL j = subblocks_j(v), k = subblocks_k(v);
-        store_lanes(j * s.y[0] + k * s.z[0], v, at->x);
-        store_lanes(j * s.y[1] + k * s.z[1], v, at->y);
-        store_lanes(j * s.y[2] + (k * s.z[2] + o.z_low), v, at->z);
+        const doubleL j = convert_doubleL(subblocks_j(v)), k = convert_doubleL(subblocks_k(v));
+        store_lanes(convert_floatL(j * gy.x + k * gz.x), v, at->x);
+        store_lanes(convert_floatL(j * gy.y + k * gz.y), v, at->y);
+        store_lanes(convert_floatL(j * gy.z + (k * gz.z + (double)o.z_low)), v, at->z);
     }
 #endif
 }

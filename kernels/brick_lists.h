@@ -13,11 +13,11 @@ typedef uchar LaneMask;
 #endif
 
 // The lanes whose bit is set, in order, at the front of the vector. What lies behind them does not matter.
-#if LANES == 16 && defined(__AVX512F__)
+#if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_compresssi512_mask)
 INLINE uintL packed(uintL values, uint bits) {
     return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
 }
-#elif LANES == 8 && defined(__AVX2__)
+#elif LANES == 8 && defined(__AVX2__) && HAS_BUILTIN(__builtin_ia32_permvarsi256)
 // Of each mask of eight bits, the numbers of those that are set, in order, a byte each. (pdep and pext would tell, but
 // are slow on many processors that have AVX2.)
 #define IS_SET(mask, bit) ((ulong)((mask) >> (bit)&1))

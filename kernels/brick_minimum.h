@@ -2,6 +2,7 @@
 #ifndef CLSDF_BRICK_MINIMUM_H
 #define CLSDF_BRICK_MINIMUM_H
 
+#include "frame.h"
 #include "subblocks.h"
 
 // The state of a brick's samples, a vector per sub-block.

@@ -20,7 +20,8 @@ typedef struct Cluster {
     int3 sample;        // of the lattice, near it
     float3 from, to;    // a box around its triangles, in units from the sample
 #if LANES > 1
-    // Balls around the triangles: the feet of their altitudes, from the sample, and radii that hold their rounding.
+    // Balls around the triangles: the feet of their altitudes, from the sample, and radii that hold their rounding. Of
+    // the first `count`; what the others hold does not matter.
     float x[LANES], y[LANES], z[LANES], radius[LANES];
 #endif
 } Cluster;

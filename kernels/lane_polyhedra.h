@@ -5,7 +5,8 @@
 // of lanes, which picks the block's list out of a vector of numbers. Taking one polyhedron and LANES blocks at once
 // instead broadcasts all numbers of the polyhedron for one or a few vectors of blocks: measured, over twice the work.
 //
-// The test is that of blocks.h.
+// The test is that of blocks.h, but for the ends of the base, where a cap bounds the polyhedron: they are bounded by
+// the planes of the corners, which slivers hardly reach.
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 

@@ -187,7 +187,7 @@ std::string page_of(const ProgramDescription& description) {
     page.item(bold("CLSDF_CACHE_DIR"),
               "The folder in which compiled programs are kept, which makes every start but the first a fast one; "
               "nothing is kept where it is set and empty. Without it, the folder clsdf in $XDG_CACHE_HOME, or in "
-              "~/.cache.");
+              "~/.cache; but with PoCL, which keeps programs itself, none.");
     page.item(bold("OCL_ICD_VENDORS"),
               "The folder in which the loader of OpenCL looks for drivers, instead of its own.");
     page.exit_status();

@@ -73,7 +73,10 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
         screens.local().look_at(stretch);
     });
     std::vector<std::uint32_t> left;
-    for (GapScreen& screen : screens) left.insert(left.end(), screen.finish().begin(), screen.finish().end());
+    for (GapScreen& screen : screens) {
+        const auto& of_screen = screen.finish();
+        left.insert(left.end(), of_screen.begin(), of_screen.end());
+    }
     find_gaps(faces, edges.faces, rings, RecordPlanes(records.first(count), edges.faces, lattice), margin, left, marks);
 
     LeanedCounts result;

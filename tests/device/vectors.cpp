@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* forget =
     "#undef __clang__\n"
+    "#undef __has_builtin\n"
     "#undef __AVX__\n"
     "#undef __AVX2__\n"
     "#undef __AVX512F__\n"
