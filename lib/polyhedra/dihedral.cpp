@@ -6,6 +6,10 @@
 #include <cmath>
 #include <optional>
 
+#ifdef __FAST_MATH__
+#error "exact predicates need the arithmetic of IEEE 754: compile without -ffast-math"
+#endif
+
 namespace clsdf::polyhedra {
 
 namespace {
@@ -22,7 +26,9 @@ __extension__ using Integer = __int128;
 using Integers = std::array<std::int64_t, 3>;
 
 /// Differences of coordinates, where a power of two makes all of them integers below 2^59: so it does those of a mesh's
-/// neighbouring vertices, but near a plane of coordinates.
+/// neighbouring vertices, except where a coordinate is near 0, whose last digit is far smaller then. That a difference
+/// is exact is told by adding and subtracting it again: its error would be a multiple of the last digit of the smaller
+/// number.
 class IntegerDifferences {
 public:
     explicit IntegerDifferences(const OppositeVertex& vertex) {

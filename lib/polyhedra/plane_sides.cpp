@@ -4,6 +4,10 @@
 
 #include <cmath>
 
+#ifdef __FAST_MATH__
+#error "exact predicates need the arithmetic of IEEE 754: compile without -ffast-math"
+#endif
+
 namespace clsdf::polyhedra {
 
 namespace {

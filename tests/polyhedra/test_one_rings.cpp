@@ -103,6 +103,18 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
     BOOST_TEST(open == 0U);
 }
 
+// What is far smaller than the rest must not be taken for nothing.
+BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_for_coordinates_of_all_magnitudes) {
+    const LatticeView lattice;
+    for (const double length : {1.0, 1e100, 1e160})
+        for (const double height : {1e-200, -1e-200}) {
+            const Mesh mesh({{0, 0, 0}, {length, 0, 0}, {0, length, 0}, {0, -length, height}}, {{0, 1, 2}, {1, 0, 3}},
+                            "two triangles");
+            const polyhedra::OppositeVertex opposite({mesh, mesh.triangles(), lattice}, 0, {1, 0});
+            BOOST_TEST(side_of_plane(opposite) == (height > 0 ? 1 : -1));
+        }
+}
+
 BOOST_AUTO_TEST_CASE(corners_come_by_face_however_many_threads_file_them) {
     Random random(1);
     const Mesh mesh = random_soup(random, 200, 50000);
