@@ -17,8 +17,7 @@ typedef struct AtBrick {
 #else
     Steps steps;
     // Displacements from the brick's centre along the frame, in two parts: of the lanes of a plane's sub-blocks, with
-    // all of x; of the sub-blocks of any plane, by y and z, and in Z with what the offset lacks. (A third part, or x in
-    // the second, would round more.)
+    // all of x; of the sub-blocks of any plane, by y and z, and in Z with what the offset lacks. Each is rounded once.
     floatL lane_x[SUBBLOCKS_X], lane_y[SUBBLOCKS_X], lane_z[SUBBLOCKS_X];
     float x[SUBBLOCK_PLANE], y[SUBBLOCK_PLANE], z[SUBBLOCK_PLANE];
 #endif

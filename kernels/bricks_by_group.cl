@@ -1,13 +1,11 @@
 // The seven-site distance of every sample near the mesh, for GPUs: a work-group computes a brick of 8 x 8 x 8 samples
 // from the list of its coarse brick.
 //
-//   1. an upper bound of the brick's distances (cap), by a reduction over the list;
-//   2. GROUP polyhedra of the list at a time, one a work-item: does it touch the brick, and which of its 16 sub-blocks
-//   of
-//      4 x 4 x 2 samples? Those that do are compacted into local memory, in the order of the list;
-//   3. when local memory is full, or the list ends: each work-item carries its samples through the compacted polyhedra.
-//   The
-//      32 work-items of a sub-block are neighbours, so that they take the same branches.
+// 1. An upper bound of the brick's distances (cap), by a reduction over the list.
+// 2. GROUP polyhedra of the list at a time, one a work-item: does it touch the brick, and which of its 16 sub-blocks of
+//    4 x 4 x 2 samples? Those that do are compacted into local memory, in the order of the list.
+// 3. When local memory is full, or the list ends: each work-item carries its samples through the compacted polyhedra.
+//    The 32 work-items of a sub-block are neighbours, so that they take the same branches.
 //
 // Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are
 // scheduled.

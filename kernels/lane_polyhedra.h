@@ -158,8 +158,8 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
 // How far blocks reach from their centres along each bound, with slack.
 typedef struct LaneReach {
     floatL z, base, right, left;
-    // What a bound of a corner, a sum of two others (touches), reaches less than they do.
-    floatL right_end, left_end, apex;
+    // At a corner: what the two planes that meet there reach together, less the corner's own reach.
+    floatL past_right_end, past_left_end, past_apex;
 } LaneReach;
 
 // Of blocks that extend half_x, half_y and half_z samples from their centres.
@@ -173,10 +173,10 @@ INLINE LaneReach reach_of_lanes(const LanePolyhedra* p, float half_x, float half
     reach.right = REACH_OF(right) + slack;
     reach.left = REACH_OF(left) + slack;
     // The slack of a sum of two bounds, with factors of at most one, is twice theirs.
-    reach.right_end = reach.right + p->across_right * reach.base - (p->along_right * x + 2.0f * slack);
-    reach.left_end = reach.left + p->across_left * reach.base - (p->along_left * x + 2.0f * slack);
-    reach.apex = p->along_left * reach.right + p->along_right * reach.left -
-                 ((p->along_left * p->across_right + p->along_right * p->across_left) * y + 2.0f * slack);
+    reach.past_right_end = reach.right + p->across_right * reach.base - (p->along_right * x + 2.0f * slack);
+    reach.past_left_end = reach.left + p->across_left * reach.base - (p->along_left * x + 2.0f * slack);
+    reach.past_apex = p->along_left * reach.right + p->along_right * reach.left -
+                      ((p->along_left * p->across_right + p->along_right * p->across_left) * y + 2.0f * slack);
 #undef REACH_OF
 #undef REACH
     return reach;
@@ -217,13 +217,13 @@ INLINE intL touches(const LanePolyhedra* p, Bounds at, const floatL* slopes, con
         past_base = at.base - LESSER(slopes[CLSDF_EDGE_BASE] * wide, cap);
         past_right = at.right - LESSER(slopes[CLSDF_EDGE_RIGHT] * wide, cap);
         past_left = at.left - LESSER(slopes[CLSDF_EDGE_LEFT] * wide, cap);
-        in &= as_intL(at.right + (p->across_right * at.base + (reach->right_end - p->along_right * cap))) &
-              as_intL(at.left + (p->across_left * at.base + (reach->left_end - p->along_left * cap)));
+        in &= as_intL(at.right + (p->across_right * at.base + (reach->past_right_end - p->along_right * cap))) &
+              as_intL(at.left + (p->across_left * at.base + (reach->past_left_end - p->along_left * cap)));
     }
     return in & as_intL(past_base) & as_intL(past_right) & as_intL(past_left) &
-           as_intL(past_right + (p->across_right * past_base + reach->right_end)) &
-           as_intL(past_left + (p->across_left * past_base + reach->left_end)) &
-           as_intL(p->along_left * past_right + (p->along_right * past_left + reach->apex));
+           as_intL(past_right + (p->across_right * past_base + reach->past_right_end)) &
+           as_intL(past_left + (p->across_left * past_base + reach->past_left_end)) &
+           as_intL(p->along_left * past_right + (p->along_right * past_left + reach->past_apex));
 }
 
 #endif
