@@ -44,7 +44,7 @@ INLINE uintL packed(uintL values, uint bits) {
 INLINE uintL packed(uintL values, uint bits) {
     uint each[LANES];
     store_lanes(values, 0, each);
-    for (uint n = 0; bits; bits &= bits - 1) each[n++] = each[31 - clz(bits & (0 - bits))];
+    for (uint n = 0; bits; bits &= bits - 1) each[n++] = each[lowest_bit(bits)];
     return load_lanes(0, each);
 }
 #endif

@@ -51,9 +51,9 @@ static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private c
     // What takes double numbers is a long chain of operations: one polyhedron's hides behind the next one's.
     AtBrick at_brick[LANES];
     for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n)
-        set_at_brick(polyhedra + numbers[31 - clz(rest & (0 - rest))], at, at_brick + n);
+        set_at_brick(polyhedra + numbers[lowest_bit(rest)], at, at_brick + n);
     for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
-        const uint lane = 31 - clz(rest & (0 - rest));
+        const uint lane = lowest_bit(rest);
         evaluate(polyhedra + numbers[lane], at_brick + n, masks[lane], minimum, layout, counters);
         lowered |= masks[lane];
     }
@@ -191,7 +191,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         ulong any =
             in_part & list_bricks(layout, coarse, length, entries + begin, caps.cap, slack, polyhedra, scratch->masks);
         for (; any; any &= any - 1) {
-            const uint b = 63 - (uint)clz(any & (0 - any));
+            const uint b = lowest_bit_of_long(any);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
             const uint chosen =
                 choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
@@ -206,7 +206,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         }
     }
     for (ulong rest = is_short ? 0 : begun; rest; rest &= rest - 1) {
-        const uint b = 63 - (uint)clz(rest & (0 - rest));
+        const uint b = lowest_bit_of_long(rest);
         write_brick(layout, coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b), minima + b, sign_bits, computed,
                     output, counters);
     }

@@ -4,12 +4,7 @@
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 
-// Whether the compiler has a built-in function, which the instruction set alone does not promise.
-#ifdef __has_builtin
-#define HAS_BUILTIN(name) __has_builtin(name)
-#else
-#define HAS_BUILTIN(name) 0
-#endif
+#include "bits.h"
 
 #if LANES == 16
 typedef float16 floatL;

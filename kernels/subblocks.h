@@ -5,6 +5,7 @@
 #ifndef CLSDF_SUBBLOCKS_H
 #define CLSDF_SUBBLOCKS_H
 
+#include "bits.h"
 #include "lanes.h"
 #include "layout.h"
 
@@ -16,12 +17,11 @@
 // A bit a sub-block.
 #if LANES == 16
 typedef uint SubblockMask;
+#define lowest_subblock lowest_bit
 #else
 typedef ulong SubblockMask;
+#define lowest_subblock lowest_bit_of_long
 #endif
-static inline uint lowest_subblock(SubblockMask mask) {
-    return SUBBLOCKS - 1 - (uint)clz(mask & (0 - mask));
-}
 
 // Where a sub-block's samples lie from its centre.
 #define LANE_I (convert_floatL(LANE_NUMBERS % SUBBLOCK_X) - 0.5f * (SUBBLOCK_X - 1))
