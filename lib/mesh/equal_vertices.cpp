@@ -1,7 +1,13 @@
 #include "mesh/equal_vertices.hpp"
 
+#include "polyhedra/parallel.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <bit>
 #include <limits>
+#include <numeric>
 
 namespace clsdf {
 
@@ -26,21 +32,69 @@ std::uint64_t hash_of(const Key& key) {
     return mix(mix(mix(key[0]) ^ key[1]) ^ key[2]);
 }
 
+/// The vertices in groups by their hash, each in the order of the mesh.
+class HashGroups {
+public:
+    explicit HashGroups(std::span<const std::uint64_t> hashes);
+
+    std::size_t count() const { return start_.size() - 1; }
+    std::span<const std::uint32_t> group(std::size_t g) const {
+        return std::span(vertices_).subspan(start_[g], start_[g + 1] - start_[g]);
+    }
+
+private:
+    std::vector<std::size_t> start_;
+    std::vector<std::uint32_t> vertices_;
+};
+
+HashGroups::HashGroups(std::span<const std::uint64_t> hashes) {
+    // A group's table stays in the caches.
+    constexpr std::size_t group_size = 8192;
+    const auto bits = static_cast<unsigned>(std::bit_width(hashes.size() / group_size));
+    const std::size_t groups = std::size_t{1} << bits;
+    const auto group_of = [&](std::size_t v) { return bits == 0 ? 0 : hashes[v] >> (64 - bits); };
+    // Stretches of the vertices are sorted side by side: first how many of each go where.
+    const std::size_t stretches = std::min<std::size_t>(groups, 64);
+    const auto for_each_stretch = [&](const auto& visit) {
+        tbb::parallel_for(std::size_t{0}, stretches, [&](std::size_t s) {
+            const std::size_t begin = hashes.size() * s / stretches;
+            const std::size_t end = hashes.size() * (s + 1) / stretches;
+            for (std::size_t v = begin; v != end; ++v) visit(s, v);
+        });
+    };
+    std::vector<std::size_t> places(groups * stretches);
+    for_each_stretch([&](std::size_t s, std::size_t v) { ++places[group_of(v) * stretches + s]; });
+    std::exclusive_scan(places.begin(), places.end(), places.begin(), std::size_t{0});
+    start_.resize(groups + 1, hashes.size());
+    for (std::size_t g = 0; g < groups; ++g) start_[g] = places[g * stretches];
+    vertices_.resize(hashes.size());
+    for_each_stretch([&](std::size_t s, std::size_t v) {
+        vertices_[places[group_of(v) * stretches + s]++] = static_cast<std::uint32_t>(v);
+    });
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) {
-    constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
-    const std::size_t capacity = std::bit_ceil(2 * vertices.size() + 1);
-    const std::size_t mask = capacity - 1;
-    std::vector<std::uint32_t> table(capacity, free);
+    std::vector<std::uint64_t> hashes(vertices.size());
+    polyhedra::for_each_index(vertices.size(), [&](std::size_t v) { hashes[v] = hash_of(key_of(vertices[v])); });
+    const HashGroups groups(hashes);
     std::vector<std::uint32_t> first(vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const Key key = key_of(vertices[i]);
-        std::size_t slot = hash_of(key) & mask;
-        while (table[slot] != free && key_of(vertices[table[slot]]) != key) slot = (slot + 1) & mask;
-        if (table[slot] == free) table[slot] = static_cast<std::uint32_t>(i);
-        first[i] = table[slot];
-    }
+    tbb::parallel_for(std::size_t{0}, groups.count(), [&](std::size_t g) {
+        const std::span<const std::uint32_t> group = groups.group(g);
+        constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
+        std::vector<std::uint32_t> table(std::bit_ceil(2 * group.size() + 1), free);
+        const std::size_t mask = table.size() - 1;
+        for (const std::uint32_t v : group) {
+            const auto is_equal = [&](std::uint32_t other) {
+                return hashes[other] == hashes[v] && key_of(vertices[other]) == key_of(vertices[v]);
+            };
+            std::size_t slot = hashes[v] & mask;
+            while (table[slot] != free && !is_equal(table[slot])) slot = (slot + 1) & mask;
+            if (table[slot] == free) table[slot] = v;
+            first[v] = table[slot];
+        }
+    });
     return first;
 }
 

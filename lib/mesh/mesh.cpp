@@ -2,6 +2,8 @@
 #include <clsdf/mesh.hpp>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,6 +26,36 @@ bool is_finite(const Vec3& point) {
     return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
 }
 
+/// Throws where one of the triangle's indices is out of range, or its vertex not finite.
+void check(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
+           const std::string& name) {
+    for (const std::uint32_t index : triangles[t]) {
+        if (index >= vertices.size())
+            throw Error(ErrorCode::invalid_mesh,
+                        fmt::format("{}: triangle {} has the vertex index {}, but there are only {} vertices", name, t,
+                                    index, vertices.size()));
+        const Vec3& vertex = vertices[index];
+        if (!is_finite(vertex))
+            throw Error(ErrorCode::invalid_mesh,
+                        fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, {}, {})", name, index, t,
+                                    vertex[0], vertex[1], vertex[2]));
+    }
+}
+
+/// What a stretch of the triangles is like.
+struct Examined {
+    Box box;
+    std::size_t first_bad = std::numeric_limits<std::size_t>::max();  ///< triangle that check() throws for
+
+    void take(const Examined& other) {
+        first_bad = std::min(first_bad, other.first_bad);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = std::min(box.lower[axis], other.box.lower[axis]);
+            box.upper[axis] = std::max(box.upper[axis], other.box.upper[axis]);
+        }
+    }
+};
+
 /// Throws where an index is out of range or a vertex in use is not finite, and returns the box of the vertices in use.
 Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const std::string& name) {
     if (triangles.empty()) throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle", name));
@@ -34,25 +66,26 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
                                                         "can number",
                                                         name, vertices.size(), triangles.size()));
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        for (const std::uint32_t index : triangles[t]) {
-            if (index >= vertices.size())
-                throw Error(ErrorCode::invalid_mesh,
-                            fmt::format("{}: triangle {} has the vertex index {}, but there are only {} vertices", name,
-                                        t, index, vertices.size()));
-            const Vec3& vertex = vertices[index];
-            if (!is_finite(vertex))
-                throw Error(ErrorCode::invalid_mesh,
-                            fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, {}, {})", name, index,
-                                        t, vertex[0], vertex[1], vertex[2]));
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                box.lower[axis] = std::min(box.lower[axis], vertex[axis]);
-                box.upper[axis] = std::max(box.upper[axis], vertex[axis]);
-            }
-        }
-    }
-    return box;
+    const Examined nothing{{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}}};
+    constexpr std::size_t grain = 4096;
+    const Examined all = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, triangles.size(), grain), nothing,
+        [&](const tbb::blocked_range<std::size_t>& range, Examined examined) {
+            for (std::size_t t = range.begin(); t != range.end(); ++t)
+                for (const std::uint32_t index : triangles[t]) {
+                    if (index < vertices.size() && is_finite(vertices[index]))
+                        examined.take({{vertices[index], vertices[index]}});
+                    else
+                        examined.first_bad = std::min(examined.first_bad, t);
+                }
+            return examined;
+        },
+        [](Examined a, const Examined& b) {
+            a.take(b);
+            return a;
+        });
+    if (all.first_bad < triangles.size()) check(all.first_bad, vertices, triangles, name);
+    return all.box;
 }
 
 std::vector<Vec3> copy_vertices(const MeshView& view) {

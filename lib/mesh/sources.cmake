@@ -1,6 +1,7 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/defects.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/directed_edges.cpp
           ${CMAKE_CURRENT_LIST_DIR}/equal_vertices.cpp
           ${CMAKE_CURRENT_LIST_DIR}/file_content.cpp
           ${CMAKE_CURRENT_LIST_DIR}/file_ending.cpp

@@ -1,141 +1,135 @@
 #include <clsdf/topology.hpp>
 
+#include "mesh/directed_edges.hpp"
 #include "mesh/equal_vertices.hpp"
+#include "polyhedra/parallel.hpp"
+
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace clsdf {
 
 namespace {
 
-/// A face's use of an edge, filed under the lower of its two vertices.
-struct EdgeUse {
-    std::uint32_t other;     ///< the higher vertex
-    std::uint32_t triangle;  ///< in the caller's order
-    bool upward;             ///< runs from the lower vertex to the higher one
-};
+using Direction = DirectedEdges::Direction;
 
-/// An edge as the report shows it, in the direction of the first triangle that uses it.
-struct NotedEdge {
-    std::size_t place;  ///< three times the triangle's index, plus the edge's place in it
-    std::uint32_t from;
-    std::uint32_t to;
-};
-
-NotedEdge noted_edge(const std::vector<Triangle>& triangles, const EdgeUse& use, std::uint32_t lower) {
-    const std::uint32_t from = use.upward ? lower : use.other;
-    const Triangle& triangle = triangles[use.triangle];
-    const auto place = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), from) - triangle.begin());
-    return {3 * std::size_t{use.triangle} + place, from, use.upward ? use.other : lower};
-}
-
-/// Keeps the first five edges in the order of the triangles.
-class FirstEdges {
-public:
-    void note(const NotedEdge& edge) {
-        const auto before = [](const NotedEdge& a, const NotedEdge& b) { return a.place < b.place; };
-        if (edges_.size() == limit && !before(edge, edges_.back())) return;
-        edges_.insert(std::upper_bound(edges_.begin(), edges_.end(), edge, before), edge);
-        if (edges_.size() > limit) edges_.pop_back();
-    }
-
-    std::vector<Topology::Edge> coordinates(const std::vector<Vec3>& vertices) const {
-        std::vector<Topology::Edge> result;
-        for (const NotedEdge& edge : edges_) result.push_back({vertices[edge.from], vertices[edge.to]});
-        return result;
-    }
-
-private:
-    static constexpr std::size_t limit = 5;
-    std::vector<NotedEdge> edges_;
-};
-
-bool has_repeated_vertex(const Triangle& triangle) {
-    return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
-}
-
-/// The mesh's triangles over vertices of which no two are equal, without those that repeat a vertex; the latter and
-/// the vertices are counted in the report.
-std::vector<Triangle> distinct_triangles(const Mesh& mesh, Topology& report) {
-    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
-    std::vector<bool> used(mesh.vertices().size(), false);
-    std::vector<bool> represented(mesh.vertices().size(), false);
-    std::vector<Triangle> result = mesh.triangles();
-    for (Triangle& triangle : result)
-        for (std::uint32_t& index : triangle) {
-            if (!used[index]) {
-                used[index] = true;
-                if (represented[first[index]]) ++report.coincident_vertices;
-                represented[first[index]] = true;
-            }
-            index = first[index];
-        }
-    report.unused_vertices = static_cast<std::size_t>(std::count(used.begin(), used.end(), false));
-    return result;
-}
-
-/// The uses of edges, those of one lower vertex side by side: of vertex v from begin[v] to begin[v + 1].
-struct EdgeUses {
-    std::vector<std::size_t> begin;
-    std::vector<EdgeUse> uses;
-};
-
-EdgeUses edge_uses(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
-    EdgeUses result;
-    result.begin.assign(vertex_count + 2, 0);
-    const auto for_each_edge = [&](const auto& visit) {
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-            if (has_repeated_vertex(triangles[t])) continue;
-            for (std::size_t k = 0; k < 3; ++k) visit(t, triangles[t][k], triangles[t][(k + 1) % 3]);
-        }
+/// Counts the vertices; `first` as of first_equal_vertices().
+void count_vertices(std::span<const Triangle> triangles, std::span<const std::uint32_t> first, Topology& report) {
+    std::vector<std::uint8_t> used(first.size());
+    std::vector<std::uint8_t> represented(first.size());
+    const auto set = [](std::uint8_t& flag) {
+        const std::atomic_ref shared(flag);
+        if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
     };
-    // Filed one place further on, so that filling turns each list's begin into the next one's.
-    for_each_edge([&](std::size_t, std::uint32_t from, std::uint32_t to) { ++result.begin[std::min(from, to) + 2]; });
-    for (std::size_t v = 2; v < result.begin.size(); ++v) result.begin[v] += result.begin[v - 1];
-    result.uses.resize(result.begin.back());
-    for_each_edge([&](std::size_t t, std::uint32_t from, std::uint32_t to) {
-        result.uses[result.begin[std::min(from, to) + 1]++] = {std::max(from, to), static_cast<std::uint32_t>(t),
-                                                               from < to};
+    polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
+        for (const std::uint32_t index : triangles[t]) {
+            set(used[index]);
+            set(represented[first[index]]);
+        }
     });
-    result.begin.pop_back();
+    const auto count = [](const std::vector<std::uint8_t>& flags) {
+        return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), 1));
+    };
+    report.unused_vertices = first.size() - count(used);
+    report.coincident_vertices = count(used) - count(represented);
+}
+
+std::vector<Triangle> triangles_over(std::span<const std::uint32_t> first, std::span<const Triangle> triangles) {
+    std::vector<Triangle> result(triangles.size());
+    polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
+        for (std::size_t k = 0; k < 3; ++k) result[t][k] = first[triangles[t][k]];
+    });
     return result;
 }
 
-void count_edges(const Mesh& mesh, const std::vector<Triangle>& triangles, Topology& report) {
-    EdgeUses edges = edge_uses(triangles, mesh.vertices().size());
-    FirstEdges open;
-    FirstEdges unbalanced;
-    for (std::uint32_t lower = 0; lower + 1 < edges.begin.size(); ++lower) {
-        const auto end = edges.uses.begin() + static_cast<std::ptrdiff_t>(edges.begin[lower + 1]);
-        auto use = edges.uses.begin() + static_cast<std::ptrdiff_t>(edges.begin[lower]);
-        std::sort(use, end, [](const EdgeUse& a, const EdgeUse& b) {
-            return std::tie(a.other, a.triangle) < std::tie(b.other, b.triangle);
-        });
-        while (use != end) {
-            const EdgeUse first = *use;
-            std::size_t upward = 0;
-            std::size_t downward = 0;
-            for (; use != end && use->other == first.other; ++use) ++(use->upward ? upward : downward);
-            // An open edge, with an odd number of faces, is unbalanced as well.
-            if (upward != downward) {
-                const NotedEdge edge = noted_edge(triangles, first, lower);
-                ++report.unbalanced_edges;
-                unbalanced.note(edge);
-                if ((upward + downward) % 2 != 0) {
-                    ++report.open_edges;
-                    open.note(edge);
-                }
-            }
-            if (upward + downward > 2) ++report.non_manifold_edges;
+/// An edge that is not used equally often in both directions.
+struct UnbalancedEdge {
+    std::uint32_t lower;
+    std::uint32_t higher;
+    bool is_open = false;
+    bool is_noted = false;
+
+    friend bool operator<(const UnbalancedEdge& a, const UnbalancedEdge& b) {
+        return std::tie(a.lower, a.higher) < std::tie(b.lower, b.higher);
+    }
+};
+
+struct EdgeCounts {
+    std::size_t non_manifold = 0;
+    std::vector<UnbalancedEdge> unbalanced{};  ///< sorted
+
+    /// The edges of the vertex with higher ones.
+    void add(std::uint32_t lower, std::span<const std::uint32_t> leaving, std::span<const std::uint32_t> arriving) {
+        const auto take = [](std::span<const std::uint32_t>& list, std::uint32_t higher) {
+            std::size_t count = 0;
+            while (count < list.size() && list[count] == higher) ++count;
+            list = list.subspan(count);
+            return count;
+        };
+        while (!leaving.empty() || !arriving.empty()) {
+            const std::uint32_t higher = arriving.empty()  ? leaving.front()
+                                         : leaving.empty() ? arriving.front()
+                                                           : std::min(leaving.front(), arriving.front());
+            const std::size_t out = take(leaving, higher);
+            const std::size_t in = take(arriving, higher);
+            if (out != in) unbalanced.push_back({lower, higher, (out + in) % 2 != 0});
+            if (out + in > 2) ++non_manifold;
         }
     }
-    report.closed = report.open_edges == 0;
-    report.balanced = report.unbalanced_edges == 0;
-    report.first_open_edges = open.coordinates(mesh.vertices());
-    report.first_unbalanced_edges = unbalanced.coordinates(mesh.vertices());
+
+    /// Of vertices that come after this one's.
+    void append(const EdgeCounts& later) {
+        non_manifold += later.non_manifold;
+        unbalanced.insert(unbalanced.end(), later.unbalanced.begin(), later.unbalanced.end());
+    }
+};
+
+EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
+    const DirectedEdges leaving(triangles, vertex_count, Direction::from_lower);
+    const DirectedEdges arriving(triangles, vertex_count, Direction::to_lower);
+    constexpr std::size_t grain = 4096;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, vertex_count, grain), EdgeCounts{},
+        [&](const tbb::blocked_range<std::size_t>& range, EdgeCounts counts) {
+            for (std::size_t v = range.begin(); v != range.end(); ++v)
+                counts.add(static_cast<std::uint32_t>(v), leaving.at(v), arriving.at(v));
+            return counts;
+        },
+        [](EdgeCounts counts, const EdgeCounts& later) {
+            counts.append(later);
+            return counts;
+        });
+}
+
+/// The first five of the edges, and the first five open ones, in the order and the direction of the first triangles
+/// that use them.
+void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Triangle> triangles,
+                        const std::vector<Vec3>& vertices, Topology& report) {
+    constexpr std::size_t limit = 5;
+    const std::size_t wanted = std::min(report.unbalanced_edges, limit);
+    const std::size_t open_wanted = std::min(report.open_edges, limit);
+    std::vector<Topology::Edge>& first = report.first_unbalanced_edges;
+    std::vector<Topology::Edge>& first_open = report.first_open_edges;
+    for (std::size_t t = 0; first.size() < wanted || first_open.size() < open_wanted; ++t) {
+        if (has_repeated_vertex(triangles[t])) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t from = triangles[t][k];
+            const std::uint32_t to = triangles[t][(k + 1) % 3];
+            const UnbalancedEdge edge{std::min(from, to), std::max(from, to)};
+            const auto found = std::lower_bound(edges.begin(), edges.end(), edge);
+            if (found == edges.end() || edge < *found || found->is_noted) continue;
+            found->is_noted = true;
+            if (first.size() < wanted) first.push_back({vertices[from], vertices[to]});
+            if (found->is_open && first_open.size() < open_wanted) first_open.push_back({vertices[from], vertices[to]});
+        }
+    }
 }
 
 /// Whether the enclosed volume is negative by more than its rounding error.
@@ -155,31 +149,59 @@ bool encloses_negative_volume(const Mesh& mesh) {
         return Vec3{(vertex[0] - centre[0]) / half_side, (vertex[1] - centre[1]) / half_side,
                     (vertex[2] - centre[2]) / half_side};
     };
-    double volume = 0;
-    double magnitude = 0;
-    for (const Triangle& triangle : mesh.triangles()) {
-        const Vec3 a = local(triangle[0]);
-        const Vec3 b = local(triangle[1]);
-        const Vec3 c = local(triangle[2]);
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::size_t j = (i + 1) % 3;
-            const std::size_t k = (i + 2) % 3;
-            volume += a[i] * (b[j] * c[k] - b[k] * c[j]);
-            magnitude += std::abs(a[i]) * (std::abs(b[j] * c[k]) + std::abs(b[k] * c[j]));
-        }
-    }
+    struct Volume {
+        double sum = 0;
+        double magnitude = 0;
+    };
+    constexpr std::size_t grain = 4096;
+    const Volume volume = tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, mesh.triangles().size(), grain), Volume{},
+        [&](const tbb::blocked_range<std::size_t>& range, Volume part) {
+            for (std::size_t t = range.begin(); t != range.end(); ++t) {
+                const Triangle& triangle = mesh.triangles()[t];
+                const Vec3 a = local(triangle[0]);
+                const Vec3 b = local(triangle[1]);
+                const Vec3 c = local(triangle[2]);
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const std::size_t j = (i + 1) % 3;
+                    const std::size_t k = (i + 2) % 3;
+                    part.sum += a[i] * (b[j] * c[k] - b[k] * c[j]);
+                    part.magnitude += std::abs(a[i]) * (std::abs(b[j] * c[k]) + std::abs(b[k] * c[j]));
+                }
+            }
+            return part;
+        },
+        [](const Volume& a, const Volume& b) {
+            return Volume{a.sum + b.sum, a.magnitude + b.magnitude};
+        });
     const double rounding = static_cast<double>(mesh.triangles().size() + 16) * std::numeric_limits<double>::epsilon();
-    return volume < -rounding * magnitude;
+    return volume.sum < -rounding * volume.magnitude;
 }
 
 }  // namespace
 
 Topology describe_topology(const Mesh& mesh) {
     Topology report;
-    const std::vector<Triangle> triangles = distinct_triangles(mesh, report);
-    report.repeated_vertex_faces =
-        static_cast<std::size_t>(std::count_if(triangles.begin(), triangles.end(), has_repeated_vertex));
-    count_edges(mesh, triangles, report);
+    const std::vector<std::uint32_t> first = first_equal_vertices(mesh.vertices());
+    count_vertices(mesh.triangles(), first, report);
+    std::vector<Triangle> renumbered;
+    if (report.coincident_vertices > 0) renumbered = triangles_over(first, mesh.triangles());
+    const std::span<const Triangle> triangles = report.coincident_vertices > 0 ? renumbered : mesh.triangles();
+
+    report.repeated_vertex_faces = tbb::parallel_reduce(
+        tbb::blocked_range(triangles.begin(), triangles.end(), 4096), std::size_t{0},
+        [](const auto& range, std::size_t count) {
+            return count + static_cast<std::size_t>(std::count_if(range.begin(), range.end(), has_repeated_vertex));
+        },
+        std::plus<>());
+    EdgeCounts edges = count_edges(triangles, mesh.vertices().size());
+    report.non_manifold_edges = edges.non_manifold;
+    report.unbalanced_edges = edges.unbalanced.size();
+    report.open_edges = static_cast<std::size_t>(std::count_if(
+        edges.unbalanced.begin(), edges.unbalanced.end(), [](const UnbalancedEdge& edge) { return edge.is_open; }));
+    report_first_edges(std::move(edges.unbalanced), triangles, mesh.vertices(), report);
+    report.closed = report.open_edges == 0;
+    report.balanced = report.unbalanced_edges == 0;
     report.inside_out = report.balanced && encloses_negative_volume(mesh);
     return report;
 }

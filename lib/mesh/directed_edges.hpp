@@ -1,0 +1,34 @@
+#pragma once
+
+#include "polyhedra/uninitialized_vector.hpp"
+
+#include <clsdf/mesh.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf {
+
+/// The edges that triangles run along in one direction, by the lower of the two vertices' indices: from it, or to it.
+/// Triangles with repeated vertices have none.
+class DirectedEdges {
+public:
+    enum class Direction { from_lower, to_lower };
+
+    DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction);
+
+    /// The higher vertices, sorted, each as often as a triangle uses the edge.
+    std::span<const std::uint32_t> at(std::size_t lower) const {
+        return std::span(higher_).subspan(start_[lower], start_[lower + 1] - start_[lower]);
+    }
+
+private:
+    std::vector<std::size_t> start_;  // of each vertex in higher_, and the end of the last
+    polyhedra::UninitializedVector<std::uint32_t> higher_;
+};
+
+bool has_repeated_vertex(const Triangle& triangle);
+
+}  // namespace clsdf
