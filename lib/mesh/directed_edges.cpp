@@ -35,7 +35,8 @@ DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t ve
     : start_(vertex_count + 2) {
     // Filed one place further on, so that filling turns each list's start into the next one's.
     polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
-        for_each_edge(triangles[t], direction, [&](std::uint32_t lower, std::uint32_t) { take_one(start_[lower + 2]); });
+        for_each_edge(triangles[t], direction,
+                      [&](std::uint32_t lower, std::uint32_t) { take_one(start_[lower + 2]); });
     });
     for (std::size_t v = 2; v < start_.size(); ++v) start_[v] += start_[v - 1];
     higher_.resize(start_.back());

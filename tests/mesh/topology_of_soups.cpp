@@ -68,7 +68,10 @@ Topology describe_by_map(const Mesh& mesh) {
         for (std::size_t k = 0; k < 3 && !repeats; ++k, ++place) {
             const std::uint32_t from = t[k];
             const std::uint32_t to = t[(k + 1) % 3];
-            Uses& uses = edges.try_emplace(std::minmax(from, to), Uses{0, 0, {mesh.vertices()[from], mesh.vertices()[to]}, place}).first->second;
+            Uses& uses =
+                edges
+                    .try_emplace(std::minmax(from, to), Uses{0, 0, {mesh.vertices()[from], mesh.vertices()[to]}, place})
+                    .first->second;
             ++(from < to ? uses.upward : uses.downward);
         }
     }
@@ -92,9 +95,10 @@ Topology describe_by_map(const Mesh& mesh) {
 }
 
 bool are_same(const std::vector<Topology::Edge>& a, const std::vector<Topology::Edge>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Topology::Edge& one, const Topology::Edge& other) {
-        return one.from == other.from && one.to == other.to;
-    });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const Topology::Edge& one, const Topology::Edge& other) {
+                          return one.from == other.from && one.to == other.to;
+                      });
 }
 
 }  // namespace
