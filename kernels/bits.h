@@ -10,8 +10,9 @@
 #endif
 
 // The lowest bit that is set, of which there is one. (OpenCL C has ctz() from version 2.0 on; without, it takes four
-// instructions for one.)
-#if HAS_BUILTIN(__builtin_ctz) && HAS_BUILTIN(__builtin_ctzl)
+// instructions for one. On processors alone: other compilers may accept a built-in and then not know what to make of
+// it, as oclgrind's does.)
+#if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_ctz) && HAS_BUILTIN(__builtin_ctzl)
 static inline uint lowest_bit(uint bits) {
     return (uint)__builtin_ctz(bits);
 }

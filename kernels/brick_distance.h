@@ -18,7 +18,8 @@ typedef struct AtBrick {
     Steps steps;
     // Displacements from the brick's centre along the frame, in two parts: of the lanes of a plane's sub-blocks, with
     // all of x; of the sub-blocks of any plane, by y and z, and in Z with what the offset lacks. Each is rounded once.
-    floatL lane_x[SUBBLOCKS_X], lane_y[SUBBLOCKS_X], lane_z[SUBBLOCKS_X];
+    floatL lane_x[SUBBLOCK_PLANES][SUBBLOCK_VECTORS], lane_y[SUBBLOCK_PLANES][SUBBLOCK_VECTORS],
+        lane_z[SUBBLOCK_PLANES][SUBBLOCK_VECTORS];
     float x[SUBBLOCK_PLANE], y[SUBBLOCK_PLANE], z[SUBBLOCK_PLANE];
 #endif
 } AtBrick;
@@ -32,15 +33,18 @@ INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, __private
     at->steps = steps_of(p);
     const double3 gx = vload3(0, p->exact_gradient_x), gy = vload3(0, p->exact_gradient_y),
                   gz = vload3(0, p->exact_gradient_z);
-    const doubleL lane_j = convert_doubleL(LANE_J), lane_k = convert_doubleL(LANE_K);
-    const doubleL x = lane_j * gy.x + lane_k * gz.x, y = lane_j * gy.y + lane_k * gz.y,
-                  z = lane_j * gy.z + lane_k * gz.z;
 #pragma unroll
-    for (uint plane = 0; plane < SUBBLOCKS_X; ++plane) {
-        const doubleL i = convert_doubleL(LANE_I + subblock_i(plane));
-        at->lane_x[plane] = convert_floatL(i * gx.x + x);
-        at->lane_y[plane] = convert_floatL(i * gx.y + y);
-        at->lane_z[plane] = convert_floatL(i * gx.z + z);
+    for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
+        const doubleL lane_j = convert_doubleL(LANE_J), lane_k = convert_doubleL(LANE_K(v));
+        const doubleL x = lane_j * gy.x + lane_k * gz.x, y = lane_j * gy.y + lane_k * gz.y,
+                      z = lane_j * gy.z + lane_k * gz.z;
+#pragma unroll
+        for (uint plane = 0; plane < SUBBLOCK_PLANES; ++plane) {
+            const doubleL i = convert_doubleL(LANE_I + subblock_i(plane));
+            at->lane_x[plane][v] = convert_floatL(i * gx.x + x);
+            at->lane_y[plane][v] = convert_floatL(i * gx.y + y);
+            at->lane_z[plane][v] = convert_floatL(i * gx.z + z);
+        }
     }
 #pragma unroll
     for (uint v = 0; v < SUBBLOCK_PLANE / LANES; ++v) {
@@ -61,22 +65,27 @@ static inline void evaluate(__global const Polyhedron* p, __private const AtBric
     const Steps s = at->steps;
 #endif
     for (; touched; touched &= touched - 1) {
-        const uint b = lowest_subblock(touched);
+        const uint b = lowest_bit(touched);
+#pragma unroll
+        for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
 #ifdef LONG_BRICKS
-        const floatL squared = squared_distance_long_brick(p, at->frame, samples_i(b), samples_j(b), samples_k(b));
+            const floatL squared =
+                squared_distance_long_brick(p, at->frame, samples_i(b), samples_j(b), samples_k(b, v));
 #else
-        const uint plane = b / SUBBLOCK_PLANE, n = b % SUBBLOCK_PLANE;
-        const floatL squared = squared_distance_displaced(s, o, at->lane_x[plane] + at->x[n],
-                                                          at->lane_y[plane] + at->y[n], at->lane_z[plane] + at->z[n]);
+            const uint plane = b / SUBBLOCK_PLANE, n = b % SUBBLOCK_PLANE;
+            const floatL squared =
+                squared_distance_displaced(s, o, at->lane_x[plane][v] + at->x[n], at->lane_y[plane][v] + at->y[n],
+                                           at->lane_z[plane][v] + at->z[n]);
 #endif
-        lower_minimum(minimum, b, squared, triangle);
+            lower_minimum(minimum, b * SUBBLOCK_VECTORS + v, squared, triangle);
 #ifdef COUNT
-        const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
-        counters[CLSDF_COUNT_LANES] += LANES;
-        counters[CLSDF_COUNT_COVERED] += popcount(
-            covered_samples(p, at->offsets, samples_i(b), samples_j(b), samples_k(b), layout.half_width, slack) &
-            LANE_BITS);
+            const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
+            counters[CLSDF_COUNT_LANES] += LANES;
+            counters[CLSDF_COUNT_COVERED] += popcount(
+                covered_samples(p, at->offsets, samples_i(b), samples_j(b), samples_k(b, v), layout.half_width, slack) &
+                LANE_BITS);
 #endif
+        }
     }
 }
 

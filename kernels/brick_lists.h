@@ -113,17 +113,16 @@ INLINE uint touched_subblocks(const LanePolyhedra* p, __private const float* cap
     const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
     floatL slopes[3];
     slopes_at(p, p->at.z, extent + slack, slopes);
-    uintL bits[SUBBLOCKS / 32];
-    for (uint n = 0; n < SUBBLOCKS / 32; ++n) bits[n] = 0;
+    uintL bits = 0;
     uint b = 0;
-    for (uint x = 0; x < SUBBLOCKS_X; ++x) {
+    for (uint x = 0; x < SUBBLOCK_PLANES; ++x) {
         Bounds row = slice;
         for (uint z = 0; z < 4; ++z) {
             Bounds at = row;
 #pragma unroll
             for (uint y = 0; y < 4; ++y) {
                 const intL touched = touches(p, at, slopes, &reach, caps[b]);
-                bits[b / 32] = bits[b / 32] >> 1 | (as_uintL(touched) & 0x80000000u);
+                bits = bits >> 1 | (as_uintL(touched) & 0x80000000u);
                 ++b;
                 at = bounds_sum(at, step_y);
             }
@@ -131,18 +130,8 @@ INLINE uint touched_subblocks(const LanePolyhedra* p, __private const float* cap
         }
         slice = bounds_sum(slice, step_x);
     }
-#if LANES == 16
-    store_lanes(bits[0], 0, masks);
-    return lanes_to_bits(bits[0] != 0);
-#else
-    for (uint lane = 0; lane < LANES; ++lane) masks[lane] = 0;
-    for (uint n = 0; n < SUBBLOCKS / 32; ++n) {
-        uint words[LANES];
-        store_lanes(bits[n], 0, words);
-        for (uint lane = 0; lane < LANES; ++lane) masks[lane] |= (SubblockMask)words[lane] << 32 * n;
-    }
-    return lanes_to_bits((bits[0] | bits[1]) != 0);
-#endif
+    store_lanes(bits, 0, masks);
+    return lanes_to_bits(bits != 0);
 }
 
 // The entries of a list that masks choose; returns how many. There is room for a vector beyond them.

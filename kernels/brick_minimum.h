@@ -5,44 +5,47 @@
 #include "frame.h"
 #include "subblocks.h"
 
-// The state of a brick's samples, a vector per sub-block.
+// The state of a brick's samples, sub-block by sub-block.
 typedef struct Minimum {
-    floatL squared[SUBBLOCKS];
+    floatL squared[SUBBLOCKS * SUBBLOCK_VECTORS];
 #ifdef NEAREST
-    uintL triangle[SUBBLOCKS];
+    uintL triangle[SUBBLOCKS * SUBBLOCK_VECTORS];
 #endif
 } Minimum;
 
 static inline void clear_minimum(__global Minimum* minimum) {
-    for (uint b = 0; b < SUBBLOCKS; ++b) {
-        minimum->squared[b] = INFINITY;
+    for (uint n = 0; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
+        minimum->squared[n] = INFINITY;
 #ifdef NEAREST
-        minimum->triangle[b] = CLSDF_NO_TRIANGLE;
+        minimum->triangle[n] = CLSDF_NO_TRIANGLE;
 #endif
     }
 }
 
-// Of triangles that are equally near the one that comes first in the caller's order is kept.
-INLINE void lower_minimum(__global Minimum* minimum, uint b, floatL squared, uint triangle) {
-    const floatL least = minimum->squared[b];
+// Vector n. Of triangles that are equally near the one that comes first in the caller's order is kept.
+INLINE void lower_minimum(__global Minimum* minimum, uint n, floatL squared, uint triangle) {
+    const floatL least = minimum->squared[n];
 #ifdef NEAREST
-    const uintL nearest = minimum->triangle[b];
+    const uintL nearest = minimum->triangle[n];
     const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
-    minimum->triangle[b] = better ? (uintL)triangle : nearest;
-    minimum->squared[b] = better ? squared : least;
+    minimum->triangle[n] = better ? (uintL)triangle : nearest;
+    minimum->squared[n] = better ? squared : least;
 #else
-    minimum->squared[b] = LESSER(squared, least);
+    minimum->squared[n] = LESSER(squared, least);
 #endif
 }
 
 // Upper bounds of the distances in a sub-block and in a brick, as far as they are computed.
 INLINE float cap_of_subblock(__global const Minimum* minimum, uint b, float cap) {
-    const float reached = sqrt(greatest_lane(minimum->squared[b]));
+    floatL greatest = minimum->squared[b * SUBBLOCK_VECTORS];
+    for (uint v = 1; v < SUBBLOCK_VECTORS; ++v)
+        greatest = GREATER(greatest, minimum->squared[b * SUBBLOCK_VECTORS + v]);
+    const float reached = sqrt(greatest_lane(greatest));
     return LESSER(reached, cap);
 }
 static inline float cap_of_brick(__global const Minimum* minimum, float cap) {
     floatL greatest = minimum->squared[0];
-    for (uint b = 1; b < SUBBLOCKS; ++b) greatest = GREATER(greatest, minimum->squared[b]);
+    for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) greatest = GREATER(greatest, minimum->squared[n]);
     const float reached = sqrt(greatest_lane(greatest));
     return LESSER(reached, cap);
 }
@@ -55,15 +58,10 @@ typedef struct Output {
 #endif
 } Output;
 
-// Row (y, z) of a brick's samples, out of the vectors of its sub-blocks.
-INLINE uint8 row_of(__global const uint* vectors, uint y, uint z) {
-    __global const uint* part = vectors + (z / 2 * 4 + y / 2) * LANES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
-#if LANES == 16
-    return (uint8)(vload4(0, part), vload4(0, part + 16 * LANES));
-#else
-    return (uint8)(vload2(0, part), vload2(0, part + 16 * LANES), vload2(0, part + 32 * LANES),
-                   vload2(0, part + 48 * LANES));
-#endif
+// Row (y, z) of a brick's samples, out of its sub-blocks.
+INLINE uint8 row_of(__global const uint* samples, uint y, uint z) {
+    __global const uint* half_row = samples + (z / 2 * 4 + y / 2) * SUBBLOCK_SAMPLES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
+    return (uint8)(vload4(0, half_row), vload4(0, half_row + SUBBLOCK_PLANE * SUBBLOCK_SAMPLES));
 }
 
 // Stores values[begin, end) of a row of a brick.

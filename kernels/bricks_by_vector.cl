@@ -2,7 +2,7 @@
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
 // * coarse brick: an upper bound of the distance for each of its bricks (cap); masks of the polyhedra that touch each;
-// * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (a vector of samples each) that they touch;
+// * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they touch;
 // * sub-block: the distance to the triangle of each polyhedron that touches it, into the minimum.
 //
 // Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
@@ -29,7 +29,7 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
         const floatL y = subblocks_j(v) * spacing.y + from_foot.y;
         const floatL z = subblocks_k(v) * spacing.z + from_foot.z;
         const floatL squared = y * y + z * z;
-        for (uint plane = 0; plane < SUBBLOCKS_X; ++plane) {
+        for (uint plane = 0; plane < SUBBLOCK_PLANES; ++plane) {
             const float x = subblock_i(plane) * spacing.x + from_foot.x;
             const floatL bound = sqrt(squared + x * x) * (1.0f + 1.0e-5f) + radius;
             store_lanes(LESSER(bound, brick_cap), v, caps + plane * SUBBLOCK_PLANE);
@@ -78,7 +78,7 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
     for (uint e = 0; e < count; e += LANES) {
         if (e % CHUNK == 0)
             for (; lowered; lowered &= lowered - 1) {
-                const uint b = lowest_subblock(lowered);
+                const uint b = lowest_bit(lowered);
                 caps[b] = cap_of_subblock(minimum, b, caps[b]);
             }
         uint numbers[LANES];
