@@ -2,8 +2,12 @@
 
 #include "polyhedra/parallel.hpp"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
-#include <atomic>
+#include <numeric>
+#include <utility>
 
 namespace clsdf {
 
@@ -21,10 +25,6 @@ void for_each_edge(const Triangle& triangle, DirectedEdges::Direction direction,
     }
 }
 
-std::size_t take_one(std::size_t& count) {
-    return std::atomic_ref(count).fetch_add(1, std::memory_order_relaxed);
-}
-
 }  // namespace
 
 bool has_repeated_vertex(const Triangle& triangle) {
@@ -33,20 +33,25 @@ bool has_repeated_vertex(const Triangle& triangle) {
 
 DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction)
     : start_(vertex_count + 2) {
-    // Filed one place further on, so that filling turns each list's start into the next one's.
-    polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
-        for_each_edge(triangles[t], direction,
-                      [&](std::uint32_t lower, std::uint32_t) { take_one(start_[lower + 2]); });
-    });
-    for (std::size_t v = 2; v < start_.size(); ++v) start_[v] += start_[v - 1];
-    higher_.resize(start_.back());
-    polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
-        for_each_edge(triangles[t], direction, [&](std::uint32_t lower, std::uint32_t higher) {
-            higher_[take_one(start_[lower + 1])] = higher;
+    // Each task looks at all triangles, for the edges of its own vertices: faster than counters that threads share.
+    // Both directions are filed at a time.
+    const auto tasks = static_cast<std::size_t>(std::max(1, tbb::this_task_arena::max_concurrency() / 2));
+    const auto for_each_edge_of_all = [&](const auto& visit) {
+        tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
+            const std::size_t begin = vertex_count * task / tasks;
+            const std::size_t end = vertex_count * (task + 1) / tasks;
+            for (const Triangle& triangle : triangles)
+                for_each_edge(triangle, direction, [&](std::uint32_t lower, std::uint32_t higher) {
+                    if (lower >= begin && lower < end) visit(lower, higher);
+                });
         });
-    });
+    };
+    // Counted one place further on, so that filling turns each list's start into the next one's.
+    for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t) { ++start_[lower + 2]; });
+    std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
+    higher_.resize(start_.back());
+    for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t higher) { higher_[start_[lower + 1]++] = higher; });
     start_.pop_back();
-    // Threads race for the places of a list: only sorted is it the same on every run.
     polyhedra::for_each_index(vertex_count, [&](std::size_t v) {
         std::sort(higher_.begin() + static_cast<std::ptrdiff_t>(start_[v]),
                   higher_.begin() + static_cast<std::ptrdiff_t>(start_[v + 1]));

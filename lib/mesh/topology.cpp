@@ -4,6 +4,7 @@
 #include "mesh/equal_vertices.hpp"
 #include "polyhedra/parallel.hpp"
 
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -92,14 +94,16 @@ struct EdgeCounts {
 };
 
 EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
-    const DirectedEdges leaving(triangles, vertex_count, Direction::from_lower);
-    const DirectedEdges arriving(triangles, vertex_count, Direction::to_lower);
+    std::optional<DirectedEdges> leaving;
+    std::optional<DirectedEdges> arriving;
+    tbb::parallel_invoke([&] { leaving.emplace(triangles, vertex_count, Direction::from_lower); },
+                         [&] { arriving.emplace(triangles, vertex_count, Direction::to_lower); });
     constexpr std::size_t grain = 4096;
     return tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, vertex_count, grain), EdgeCounts{},
         [&](const tbb::blocked_range<std::size_t>& range, EdgeCounts counts) {
             for (std::size_t v = range.begin(); v != range.end(); ++v)
-                counts.add(static_cast<std::uint32_t>(v), leaving.at(v), arriving.at(v));
+                counts.add(static_cast<std::uint32_t>(v), leaving->at(v), arriving->at(v));
             return counts;
         },
         [](EdgeCounts counts, const EdgeCounts& later) {
