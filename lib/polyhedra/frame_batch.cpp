@@ -172,7 +172,8 @@ CLSDF_SEVERAL_TARGETS void compute(Batch& t, const Vec3& origin, double per_unit
     }
 }
 
-/// Whether a frame is one of triangle_frame()'s special cases, or nearly.
+/// Whether a frame is one of triangle_frame()'s special cases, or nearly. Where the reciprocal of the unit is infinite
+/// all are, because no length is finite.
 bool is_special(const Batch& t, std::size_t i) {
     constexpr double plain = 1e-4;  // of a triangle's altitude to its base
     constexpr double short_side = 1e-50;
@@ -203,7 +204,6 @@ void triangle_frames(const Mesh& mesh, std::span<const Triangle> triangles, cons
                      std::span<TriangleFrame> frames) {
     const Vec3* const vertices = mesh.vertices().data();
     const double per_unit = 1 / lattice.unit;
-    const bool all_are_special = !std::isfinite(per_unit);
     Batch batch;
     for (std::size_t begin = 0; begin < triangles.size(); begin += lanes) {
         const std::size_t count = std::min(lanes, triangles.size() - begin);
@@ -214,7 +214,7 @@ void triangle_frames(const Mesh& mesh, std::span<const Triangle> triangles, cons
         set_edges(batch, per_unit);
         compute(batch, lattice.origin, per_unit);
         for (std::size_t i = 0; i < count; ++i) {
-            if (all_are_special || is_special(batch, i)) {
+            if (is_special(batch, i)) {
                 const auto& [a, b, c] = triangles[begin + i];
                 frames[begin + i] = triangle_frame({vertices[a], vertices[b], vertices[c]}, lattice);
             } else {
