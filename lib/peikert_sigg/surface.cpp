@@ -51,7 +51,7 @@ Surface::Surface(const Mesh& mesh)
       frames_(triangles_.size()),
       rings_(triangles_, mesh.vertices().size()) {
     const LatticeView unit = unit_of(mesh);
-    const MeshFaces faces{mesh, triangles_, unit};
+    const MeshFaces faces{mesh.vertices(), triangles_, unit};
     PairedEdges edges = pair_edges(triangles_, rings_);
     // Of the slopes only what they are decided from is used: the edges' marks and pairs.
     const float open = 1;

@@ -56,8 +56,8 @@ void EdgeSlopes::find_neighbours() {
 void EdgeSlopes::measure_frames() {
     frames_.resize(size_ + beyond_.size());
     const std::span<TriangleFrame> frames(frames_);
-    triangle_frames(faces_.mesh, faces_.triangles.subspan(begin_, size_), faces_.lattice, frames.first(size_));
-    triangle_frames(faces_.mesh, beyond_, faces_.lattice, frames.subspan(size_));
+    triangle_frames(faces_.positions, faces_.triangles.subspan(begin_, size_), faces_.lattice, frames.first(size_));
+    triangle_frames(faces_.positions, beyond_, faces_.lattice, frames.subspan(size_));
 }
 
 /// Of some faces, no more than are measured at once.

@@ -5,14 +5,14 @@
 #include "polyhedra/face_edges.hpp"
 #include "polyhedra/lateral_plane.hpp"
 #include "polyhedra/mesh_faces.hpp"
+#include "polyhedra/ordered_faces.hpp"
+#include "polyhedra/parallel.hpp"
 #include "polyhedra/plane_sides.hpp"
 #include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -28,9 +28,6 @@ float open_slope(double half_width, double slack);
 /// the faces across its borders are measured by their own stretch once more, to the same bits.
 class EdgeSlopes {
 public:
-    /// Faces of a stretch that is no more than the caches hold.
-    static constexpr std::size_t stretch = 2048;
-
     /// `edges` as pair_edges() leaves them; the stretches add the other marks and the bases.
     EdgeSlopes(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open)
         : faces_(faces), edges_(edges), crowded_(crowded), open_(open) {}
@@ -94,12 +91,12 @@ template <typename Function>
 void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open,
                    const Function& f) {
     tbb::enumerable_thread_specific<EdgeSlopes> stretches([&] { return EdgeSlopes(faces, edges, crowded, open); });
-    const std::size_t count = faces.triangles.size();
-    tbb::parallel_for(std::size_t{0}, (count + EdgeSlopes::stretch - 1) / EdgeSlopes::stretch, [&](std::size_t i) {
-        EdgeSlopes& stretch = stretches.local();
-        stretch.measure(i * EdgeSlopes::stretch, std::min(count, (i + 1) * EdgeSlopes::stretch));
-        f(stretch);
-    });
+    for_each_stretch(faces.triangles.size(), OrderedFaces::stretch,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                         EdgeSlopes& stretch = stretches.local();
+                         stretch.measure(begin, end);
+                         f(stretch);
+                     });
 }
 
 /// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other

@@ -200,23 +200,22 @@ void get(const Batch& t, std::size_t i, TriangleFrame& frame) {
 
 }  // namespace
 
-void triangle_frames(const Mesh& mesh, std::span<const Triangle> triangles, const LatticeView& lattice,
+void triangle_frames(std::span<const Vec3> positions, std::span<const Triangle> triangles, const LatticeView& lattice,
                      std::span<TriangleFrame> frames) {
-    const Vec3* const vertices = mesh.vertices().data();
     const double per_unit = 1 / lattice.unit;
     Batch batch;
     for (std::size_t begin = 0; begin < triangles.size(); begin += lanes) {
         const std::size_t count = std::min(lanes, triangles.size() - begin);
         for (std::size_t i = 0; i < lanes; ++i) {
             const Triangle& triangle = triangles[begin + std::min(i, count - 1)];
-            for (std::size_t k = 0; k < 3; ++k) batch.corners[k].set(i, vertices[triangle[k]]);
+            for (std::size_t k = 0; k < 3; ++k) batch.corners[k].set(i, positions[triangle[k]]);
         }
         set_edges(batch, per_unit);
         compute(batch, lattice.origin, per_unit);
         for (std::size_t i = 0; i < count; ++i) {
             if (is_special(batch, i)) {
                 const auto& [a, b, c] = triangles[begin + i];
-                frames[begin + i] = triangle_frame({vertices[a], vertices[b], vertices[c]}, lattice);
+                frames[begin + i] = triangle_frame({positions[a], positions[b], positions[c]}, lattice);
             } else {
                 get(batch, i, frames[begin + i]);
             }

@@ -128,9 +128,10 @@ PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& ring
     PairedEdges result;
     result.faces = UninitializedVector<FaceEdges>(triangles.size(), scratch);
     std::mutex mutex;
-    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+    for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
         EdgePairing pairing(triangles, rings, result.faces);
-        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) { pairing.set_leaving(vertex); });
+        for (std::size_t vertex = begin; vertex != end; ++vertex)
+            pairing.set_leaving(static_cast<std::uint32_t>(vertex));
         if (pairing.crowded().empty()) return;
         const std::lock_guard lock(mutex);
         result.crowded.insert(result.crowded.end(), pairing.crowded().begin(), pairing.crowded().end());

@@ -7,7 +7,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/fan_rejections.cpp ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp ${CMAKE_CURRENT_LIST_DIR}/gap_screen.cpp
           ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp ${CMAKE_CURRENT_LIST_DIR}/leaned_frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/leaned_solids.cpp ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp ${CMAKE_CURRENT_LIST_DIR}/pack.cpp ${CMAKE_CURRENT_LIST_DIR}/pair_edges.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp ${CMAKE_CURRENT_LIST_DIR}/ordered_faces.cpp ${CMAKE_CURRENT_LIST_DIR}/pack.cpp ${CMAKE_CURRENT_LIST_DIR}/pair_edges.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plane_sides.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_site.cpp ${CMAKE_CURRENT_LIST_DIR}/solid_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/triangle_frame.cpp ${CMAKE_CURRENT_LIST_DIR}/vertex_fans.cpp

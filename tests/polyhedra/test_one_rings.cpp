@@ -86,7 +86,7 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
                 mesh = Mesh(vertices, mesh.triangles(), "flat");
             }
             const LatticeView lattice;
-            const polyhedra::OppositeVertex opposite({mesh, mesh.triangles(), lattice}, 0, {1, 0});
+            const polyhedra::OppositeVertex opposite({mesh.vertices(), mesh.triangles(), lattice}, 0, {1, 0});
             const int side = exact_side(mesh, mesh.triangles()[0], 3);
             BOOST_TEST(side_of_plane(opposite) == side);
 
@@ -110,7 +110,7 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_for_coordinates_of_all_magnitu
         for (const double height : {1e-200, -1e-200}) {
             const Mesh mesh({{0, 0, 0}, {length, 0, 0}, {0, length, 0}, {0, -length, height}}, {{0, 1, 2}, {1, 0, 3}},
                             "two triangles");
-            const polyhedra::OppositeVertex opposite({mesh, mesh.triangles(), lattice}, 0, {1, 0});
+            const polyhedra::OppositeVertex opposite({mesh.vertices(), mesh.triangles(), lattice}, 0, {1, 0});
             BOOST_TEST(side_of_plane(opposite) == (height > 0 ? 1 : -1));
         }
 }
@@ -208,7 +208,7 @@ BOOST_AUTO_TEST_CASE(a_face_with_a_vertex_twice_is_not_its_own_neighbour) {
             const Mesh mesh(vertices, triangles, "back and forth");
             const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
             const LatticeView lattice;
-            const polyhedra::MeshFaces faces{mesh, mesh.triangles(), lattice};
+            const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
             polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
             const auto crowded = crowded_slopes(faces, rings, edges, CLSDF_OPEN_SLOPE);
             measure_edges(faces, edges.faces, crowded, CLSDF_OPEN_SLOPE, [](const polyhedra::EdgeSlopes&) {});

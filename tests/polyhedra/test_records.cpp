@@ -116,7 +116,7 @@ BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
 void check_frames_made_together(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
                                 const LatticeView& lattice) {
     std::vector<polyhedra::TriangleFrame> together(triangles.size());
-    polyhedra::triangle_frames({vertices, triangles, "triangles"}, triangles, lattice, together);
+    polyhedra::triangle_frames(vertices, triangles, lattice, together);
     std::size_t boxes = 0;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         const auto& [a, b, c] = triangles[i];
