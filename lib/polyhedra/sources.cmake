@@ -16,6 +16,7 @@ target_sources(
 # by vectors.
 set_source_files_properties(
   ${CMAKE_CURRENT_LIST_DIR}/fan_batch.cpp ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp
   ${CMAKE_CURRENT_LIST_DIR}/plane_sides.cpp
   ${CMAKE_CURRENT_LIST_DIR}/wedge_batch.cpp
   PROPERTIES COMPILE_OPTIONS "-fno-rounding-math;-fopenmp-simd")
