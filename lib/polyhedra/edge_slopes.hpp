@@ -47,28 +47,40 @@ public:
     }
 
 private:
-    /// An edge of a face of the stretch whose other face lies on a side that its frames do not tell. Where that is a
-    /// face of the stretch too, the first of them asks for both.
-    struct Question {
-        std::size_t face;
-        std::uint32_t edge;
+    /// An edge of two faces, as each of them has it: by their places in frames_. One of them is of the stretch; the
+    /// first is the one that comes first in the list, for the same bits wherever that wedge is measured.
+    struct Wedge {
+        Corner first;
+        Corner second;
+    };
+    struct Measured {
+        Wedge faces;
         bool folded;
         float slope;
     };
 
-    void find_neighbours();
+    void find_wedges();
     void measure_frames();
-    void set_group(std::size_t first, std::size_t last);
-    void set_other(const Question& edge, int side);
-    void set_pair(const Question& edge, int side);
+    void set_alone(const Corner& edge);
+    void measure_wedges(std::span<const Wedge> wedges);
+    void set_usual(const Measured& wedge, int side);
+    void set_any(const Measured& wedge, int side);
     void answer_questions();
 
-    std::size_t place_across(std::size_t face, std::uint32_t edge) const { return across_[3 * face + edge]; }
-    /// Whichever of the two faces comes first in the list is measured from.
-    bool is_first(std::size_t face, std::uint32_t edge) const {
-        return begin_ + face < edges_[begin_ + face].across[edge] >> 2;
+    std::uint8_t& marks(const Corner& edge) { return edges_[begin_ + edge.face].marks[edge.vertex]; }
+    void set(const Corner& edge, const EdgeSlope& slope) {
+        slopes_[edge.face].above[edge.vertex] = slope.above;
+        slopes_[edge.face].below[edge.vertex] = slope.below;
     }
-    OppositeVertex opposite_vertex(const Question& edge) const;
+    bool is_oriented(const Wedge& wedge) {
+        return !(marks(wedge.first.face < size_ ? wedge.first : wedge.second) & edge_unoriented);
+    }
+    /// An edge of a wedge, by its face's place in the list.
+    Corner in_list(const Corner& edge, const Corner& across) const {
+        if (edge.face >= size_) return Corner::unpack(edges_[begin_ + across.face].across[across.vertex]);
+        return {static_cast<std::uint32_t>(begin_ + edge.face), edge.vertex};
+    }
+    OppositeVertex opposite_vertex(const Wedge& wedge) const;
 
     MeshFaces faces_;
     std::span<FaceEdges> edges_;
@@ -79,10 +91,11 @@ private:
     std::size_t size_ = 0;
     UninitializedVector<TriangleFrame> frames_;  // of the stretch, then of the faces beyond its borders
     std::vector<FaceSlopes> slopes_;
-    std::vector<std::uint32_t> across_;  // by face and edge, places in frames_; of edges without a pair, of the face
     std::vector<Triangle> beyond_;       // the faces beyond the borders, once for each edge there
-    WedgeBatch wedges_;
-    std::vector<Question> questions_;
+    UninitializedVector<Wedge> wedges_;  // each once
+    std::vector<Corner> alone_;          // edges without exactly one other face
+    WedgeBatch batch_;
+    std::vector<Measured> questions_;  // on which side the second face lies: the frames do not tell
     PlaneSides sides_;
 };
 

@@ -53,7 +53,7 @@ struct Fan {
     explicit Fan(const Mesh& mesh)
         : rings(mesh.triangles(), mesh.vertices().size()), edges(pair_edges(mesh.triangles(), rings)) {
         const polyhedra::LatticeView lattice;
-        measure_edges({mesh, mesh.triangles(), lattice}, edges.faces, {}, CLSDF_OPEN_SLOPE,
+        measure_edges({mesh.vertices(), mesh.triangles(), lattice}, edges.faces, {}, CLSDF_OPEN_SLOPE,
                       [&](polyhedra::EdgeSlopes& stretch) {
                           for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
                               lean(stretch.frame(face), stretch.slopes(face));
