@@ -4,7 +4,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/crowded_edges.cpp
           ${CMAKE_CURRENT_LIST_DIR}/dihedral.cpp ${CMAKE_CURRENT_LIST_DIR}/edge_slopes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/fan_batch.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/fan_rejections.cpp ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp ${CMAKE_CURRENT_LIST_DIR}/gap_screen.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp ${CMAKE_CURRENT_LIST_DIR}/gap_screen.cpp
           ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp ${CMAKE_CURRENT_LIST_DIR}/leaned_frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/leaned_solids.cpp ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp
           ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp ${CMAKE_CURRENT_LIST_DIR}/ordered_faces.cpp ${CMAKE_CURRENT_LIST_DIR}/pack.cpp ${CMAKE_CURRENT_LIST_DIR}/pair_edges.cpp
