@@ -15,7 +15,7 @@ namespace clsdf::polyhedra {
 /// none names: what is near in one list is near in the others.
 struct OrderedFaces {
     /// Faces of a stretch, no more than the caches hold with all that is made of them.
-    static constexpr std::size_t stretch = 2048;
+    static constexpr std::size_t stretch = 3072;
 
     UninitializedVector<Triangle> triangles;
     UninitializedVector<Vec3> positions;          ///< of the vertices, by number
