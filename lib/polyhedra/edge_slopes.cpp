@@ -15,10 +15,6 @@ constexpr std::uint8_t without_pair = edge_open | edge_non_manifold | edge_at_bo
 
 }  // namespace
 
-float open_slope(double half_width, double slack) {
-    return std::max(CLSDF_OPEN_SLOPE, widened(2 * half_width / slack));
-}
-
 void EdgeSlopes::measure(std::size_t begin, std::size_t end) {
     begin_ = begin;
     size_ = end - begin;
@@ -76,7 +72,7 @@ void EdgeSlopes::set_alone(const Corner& edge) {
     if (frames_[edge.face].is_box) {
         marks(edge) |= edge_at_box;
     } else if (marks(edge) & edge_non_manifold) {
-        slope = crowded_[edges_[begin_ + edge.face].across[edge.vertex]];
+        slope = of_non_manifold_[edges_[begin_ + edge.face].across[edge.vertex]];
     }
     set(edge, slope);
 }
@@ -149,22 +145,6 @@ void EdgeSlopes::answer_questions() {
             const int side = sides[i] != 0 ? sides[i] : side_of_plane(opposite_vertex(questions[i].faces));
             set_any(questions[i], side);
         }
-    }
-}
-
-void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
-    const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
-                          frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
-    if (!(cosine > 0)) return;
-    const std::size_t right = next_of_three(frame.base_edge);
-    const std::size_t left = previous_of_three(frame.base_edge);
-    for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
-        float& at_right = (*side)[right];
-        float& at_left = (*side)[left];
-        const float from_right = widened(cosine * static_cast<double>(at_right));
-        const float from_left = widened(cosine * static_cast<double>(at_left));
-        at_right = std::max(at_right, from_left);
-        at_left = std::max(at_left, from_right);
     }
 }
 

@@ -1,13 +1,14 @@
 #pragma once
 
-#include "polyhedra/crowded_edges.hpp"
-#include "polyhedra/dihedral.hpp"
 #include "polyhedra/face_edges.hpp"
 #include "polyhedra/lateral_plane.hpp"
 #include "polyhedra/mesh_faces.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/ordered_faces.hpp"
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/plane_sides.hpp"
+#include "polyhedra/side_of_plane.hpp"
+#include "polyhedra/slopes.hpp"
 #include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
@@ -20,17 +21,15 @@
 
 namespace clsdf::polyhedra {
 
-/// The slope that no point of the band gets past (docs/method.md, 'Leaned frusta'): open * slack >= half_width.
-float open_slope(double half_width, double slack);
-
 /// The half wedges of every face: each face at an edge takes the angle up to the bisector with the next face on that
 /// side, and the whole wedge where there is none. Measures a stretch of the faces at a time, which stays in the caches;
 /// the faces across its borders are measured by their own stretch once more, to the same bits.
 class EdgeSlopes {
 public:
     /// `edges` as pair_edges() leaves them; the stretches add the other marks and the bases.
-    EdgeSlopes(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open)
-        : faces_(faces), edges_(edges), crowded_(crowded), open_(open) {}
+    EdgeSlopes(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> of_non_manifold,
+               float open)
+        : faces_(faces), edges_(edges), of_non_manifold_(of_non_manifold), open_(open) {}
 
     void measure(std::size_t begin, std::size_t end);
 
@@ -84,7 +83,7 @@ private:
 
     MeshFaces faces_;
     std::span<FaceEdges> edges_;
-    std::span<const EdgeSlope> crowded_;
+    std::span<const EdgeSlope> of_non_manifold_;
     float open_;
 
     std::size_t begin_ = 0;
@@ -101,9 +100,10 @@ private:
 
 /// Calls f(stretch) for stretches that cover the faces, on all cores. The stretches are the same on any number of them.
 template <typename Function>
-void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open,
-                   const Function& f) {
-    tbb::enumerable_thread_specific<EdgeSlopes> stretches([&] { return EdgeSlopes(faces, edges, crowded, open); });
+void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> of_non_manifold,
+                   float open, const Function& f) {
+    tbb::enumerable_thread_specific<EdgeSlopes> stretches(
+        [&] { return EdgeSlopes(faces, edges, of_non_manifold, open); });
     for_each_stretch(faces.triangles.size(), OrderedFaces::stretch,
                      [&](std::size_t, std::size_t begin, std::size_t end) {
                          EdgeSlopes& stretch = stretches.local();
@@ -111,9 +111,5 @@ void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span
                          f(stretch);
                      });
 }
-
-/// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other
-/// contains: the obtuse corner's vertices are cut off otherwise. No other corner of a triangle is obtuse.
-void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 
 }  // namespace clsdf::polyhedra

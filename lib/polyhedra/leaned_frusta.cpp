@@ -1,11 +1,11 @@
 #include "polyhedra/leaned_frusta.hpp"
 
-#include "polyhedra/crowded_edges.hpp"
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/gap_screen.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/morton_order.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/ordered_faces.hpp"
 #include "polyhedra/pack.hpp"
@@ -54,7 +54,7 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     const OneRings rings(ordered.triangles, ordered.vertices.size(), scratch);
     PairedEdges edges = pair_edges(ordered.triangles, rings, scratch);
     const float open = open_slope(half_width, slack);
-    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings, edges, open);
+    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, open);
 
     const std::size_t room = count + spare_records(count);
     std::span<Polyhedron> records = memory(room);
@@ -63,7 +63,7 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     tbb::enumerable_thread_specific<GapScreen> screens(
         [&] { return GapScreen(ordered.first_vertices, edges.faces, rings, margin, marks); });
     std::atomic<std::size_t> boxes = 0;
-    measure_edges(faces, edges.faces, crowded, open, [&](EdgeSlopes& stretch) {
+    measure_edges(faces, edges.faces, of_non_manifold, open, [&](EdgeSlopes& stretch) {
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
             const TriangleFrame& frame = stretch.frame(face);
             if (options.lean) lean(frame, stretch.slopes(face));

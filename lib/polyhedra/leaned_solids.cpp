@@ -3,6 +3,7 @@
 
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/gaps.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/pack.hpp"
 #include "polyhedra/point_site.hpp"
 #include "polyhedra/solid_mesh.hpp"
@@ -79,11 +80,11 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     const MeshFaces faces{welded.vertices(), triangles, lattice};
     const OneRings rings(triangles, welded.vertices().size());
     PairedEdges edges = pair_edges(triangles, rings);
-    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings, edges, open);
+    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, open);
     UninitializedVector<TriangleFrame> frames(triangles.size());
     std::vector<FaceSlopes> slopes(triangles.size());
     std::vector<Polyhedron> records(triangles.size());
-    measure_edges(faces, edges.faces, crowded, open, [&](EdgeSlopes& stretch) {
+    measure_edges(faces, edges.faces, of_non_manifold, open, [&](EdgeSlopes& stretch) {
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
             frames[face] = stretch.frame(face);
             lean(frames[face], stretch.slopes(face));

@@ -1,7 +1,5 @@
 #include "polyhedra/point_site.hpp"
 
-#include "polyhedra/wedge_batch.hpp"
-
 #include <algorithm>
 #include <optional>
 #include <vector>

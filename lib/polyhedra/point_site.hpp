@@ -1,8 +1,8 @@
 #pragma once
 
-#include "polyhedra/face_edges.hpp"
 #include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/slopes.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 #include <span>

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "polyhedra/leaned_frusta.hpp"
+#include "polyhedra/lattice_view.hpp"
 #include "polyhedra/vector.hpp"
+#include "polyhedron.h"
 
 #include <array>
 #include <cstdint>

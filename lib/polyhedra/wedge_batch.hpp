@@ -16,11 +16,6 @@ inline bool folded(double squared_apart) {
     return squared_apart < fold_angle * fold_angle;
 }
 
-/// `x` >= 0 as a float that is not below it, also after the roundings that led to it.
-inline float widened(double x) {
-    return static_cast<float>(x * (1 + 1e-6));
-}
-
 /// Pairs of faces at edges, as many at a time as the edges of eight faces, for processors' vectors.
 class WedgeBatch {
 public:

@@ -1,6 +1,6 @@
 #include "slices/mauch_pieces.hpp"
 
-#include "polyhedra/edges_above.hpp"
+#include "polyhedra/edges_of_vertex.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/pack.hpp"
