@@ -3,7 +3,6 @@
 #include "polyhedra/frame_batch.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace clsdf::polyhedra {
@@ -43,15 +42,14 @@ void EdgeSlopes::find_wedges() {
                 continue;
             }
             const Corner other = Corner::unpack(edges.across[k]);
-            const bool is_first = begin_ + face < other.face;
             const std::size_t place = other.face - begin_;
             if (place < size_) {
                 wedges_[count] = {own, {static_cast<std::uint32_t>(place), other.vertex}};
-                count += is_first ? 1U : 0U;  // not a branch: that could not be predicted
+                count += face < place ? 1U : 0U;  // not a branch: that could not be predicted
             } else {
                 const Corner across{static_cast<std::uint32_t>(size_ + beyond_.size()), other.vertex};
                 beyond_.push_back(faces_.triangles[other.face]);
-                wedges_[count++] = is_first ? Wedge{own, across} : Wedge{across, own};
+                wedges_[count++] = {own, across};
             }
         }
     }
@@ -90,10 +88,10 @@ void EdgeSlopes::measure_wedges(std::span<const Wedge> wedges) {
         const int side = results.side[i];
         if (side == 0)
             questions_.push_back(wedge);
-        else if (is_oriented(wedge.faces))
-            set_usual(wedge, side);
-        else
+        else if (marks(wedge.faces.first) & edge_unoriented)
             set_any(wedge, side);
+        else
+            set_usual(wedge, side);
     }
 }
 
@@ -131,7 +129,8 @@ void EdgeSlopes::set_any(const Measured& wedge, int side) {
 }
 
 OppositeVertex EdgeSlopes::opposite_vertex(const Wedge& wedge) const {
-    return {faces_, in_list(wedge.first, wedge.second).face, in_list(wedge.second, wedge.first)};
+    const std::size_t face = begin_ + wedge.first.face;
+    return {faces_, static_cast<std::uint32_t>(face), Corner::unpack(edges_[face].across[wedge.first.vertex])};
 }
 
 void EdgeSlopes::answer_questions() {

@@ -46,8 +46,8 @@ public:
     }
 
 private:
-    /// An edge of two faces, as each of them has it: by their places in frames_. One of them is of the stretch; the
-    /// first is the one that comes first in the list, for the same bits wherever that wedge is measured.
+    /// An edge of two faces, as each of them has it: by their places in frames_. The first is of the stretch, the
+    /// second may lie beyond its border, where the first is the second: what is measured has the same bits either way.
     struct Wedge {
         Corner first;
         Corner second;
@@ -70,14 +70,6 @@ private:
     void set(const Corner& edge, const EdgeSlope& slope) {
         slopes_[edge.face].above[edge.vertex] = slope.above;
         slopes_[edge.face].below[edge.vertex] = slope.below;
-    }
-    bool is_oriented(const Wedge& wedge) {
-        return !(marks(wedge.first.face < size_ ? wedge.first : wedge.second) & edge_unoriented);
-    }
-    /// An edge of a wedge, by its face's place in the list.
-    Corner in_list(const Corner& edge, const Corner& across) const {
-        if (edge.face >= size_) return Corner::unpack(edges_[begin_ + across.face].across[across.vertex]);
-        return {static_cast<std::uint32_t>(begin_ + edge.face), edge.vertex};
     }
     OppositeVertex opposite_vertex(const Wedge& wedge) const;
 

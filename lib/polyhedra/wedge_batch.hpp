@@ -21,7 +21,7 @@ class WedgeBatch {
 public:
     static constexpr std::size_t capacity = 24;
 
-    /// An edge of two faces, as each of them has it. Which is first matters to the last bit.
+    /// An edge of two faces, as each of them has it.
     void set(std::size_t i, const TriangleFrame& first, std::uint32_t edge_of_first, const TriangleFrame& second,
              std::uint32_t edge_of_second) {
         const Vector& a = first.inwards[edge_of_first];

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace clsdf::test {
 namespace {
@@ -60,13 +61,22 @@ Mesh pleated_sheet(Random& random) {
     return {std::move(vertices), std::move(triangles), "pleated sheet"};
 }
 
+/// With edges along which both faces run the same way.
+Mesh with_turned_faces(const Mesh& mesh, Random& random) {
+    std::vector<Triangle> triangles = mesh.triangles();
+    for (Triangle& triangle : triangles)
+        if (random.index(3) == 0) std::swap(triangle[0], triangle[1]);
+    return {mesh.vertices(), std::move(triangles), mesh.name() + " with turned faces"};
+}
+
 BOOST_AUTO_TEST_SUITE(edge_slopes)
 
 // In a soup all kinds of edges are at the borders, too: open, folded, unoriented, not manifold, and beside boxes.
 BOOST_AUTO_TEST_CASE(edges_are_the_same_wherever_stretches_begin) {
     Random random(4);
     const LatticeView lattice{{-1, -1, -1}, 0.125};
-    for (const Mesh& mesh : {make_shape("noisy"), make_shape("stairs"), pleated_sheet(random),
+    for (const Mesh& mesh : {make_shape("noisy"), with_turned_faces(make_shape("noisy"), random), make_shape("stairs"),
+                             pleated_sheet(random), with_turned_faces(pleated_sheet(random), random),
                              random_soup(random, 300, 2000), random_slivers(random, 1000), random_closed(random, 3)}) {
         BOOST_TEST_CONTEXT(mesh.name()) {
             const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
