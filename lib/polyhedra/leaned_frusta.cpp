@@ -84,7 +84,7 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     result.boxes = boxes;
     std::vector<std::uint32_t> gaps;
     for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
-        if (marks[vertex] & vertex_saddle) ++result.saddle_vertices;
+        result.saddle_vertices += (marks[vertex] & vertex_saddle) != 0 ? 1U : 0U;
         if ((marks[vertex] & vertex_gap) && options.point_sites) gaps.push_back(vertex);
     }
     // The order of the mesh's own vertices.
