@@ -1,8 +1,8 @@
 #include "peikert_sigg/surface.hpp"
 
 #include "mesh/equal_vertices.hpp"
-#include "polyhedra/crowded_edges.hpp"
 #include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/pair_edges.hpp"
 
 #include <algorithm>
@@ -51,12 +51,12 @@ Surface::Surface(const Mesh& mesh)
       frames_(triangles_.size()),
       rings_(triangles_, mesh.vertices().size()) {
     const LatticeView unit = unit_of(mesh);
-    const MeshFaces faces{mesh, triangles_, unit};
+    const MeshFaces faces{mesh.vertices(), triangles_, unit};
     PairedEdges edges = pair_edges(triangles_, rings_);
     // Of the slopes only what they are decided from is used: the edges' marks and pairs.
     const float open = 1;
-    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings_, edges, open);
-    measure_edges(faces, edges.faces, crowded, open, [&](const EdgeSlopes& stretch) {
+    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings_, edges, open);
+    measure_edges(faces, edges.faces, of_non_manifold, open, [&](const EdgeSlopes& stretch) {
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) frames_[face] = stretch.frame(face);
     });
     edges_ = std::move(edges.faces);

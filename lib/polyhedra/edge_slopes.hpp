@@ -1,18 +1,19 @@
 #pragma once
 
-#include "polyhedra/crowded_edges.hpp"
-#include "polyhedra/dihedral.hpp"
 #include "polyhedra/face_edges.hpp"
 #include "polyhedra/lateral_plane.hpp"
 #include "polyhedra/mesh_faces.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
+#include "polyhedra/ordered_faces.hpp"
+#include "polyhedra/parallel.hpp"
 #include "polyhedra/plane_sides.hpp"
+#include "polyhedra/side_of_plane.hpp"
+#include "polyhedra/slopes.hpp"
 #include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,20 +21,15 @@
 
 namespace clsdf::polyhedra {
 
-/// The slope that no point of the band gets past (docs/method.md, 'Leaned frusta'): open * slack >= half_width.
-float open_slope(double half_width, double slack);
-
 /// The half wedges of every face: each face at an edge takes the angle up to the bisector with the next face on that
 /// side, and the whole wedge where there is none. Measures a stretch of the faces at a time, which stays in the caches;
 /// the faces across its borders are measured by their own stretch once more, to the same bits.
 class EdgeSlopes {
 public:
-    /// Faces of a stretch that is no more than the caches hold.
-    static constexpr std::size_t stretch = 2048;
-
     /// `edges` as pair_edges() leaves them; the stretches add the other marks and the bases.
-    EdgeSlopes(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open)
-        : faces_(faces), edges_(edges), crowded_(crowded), open_(open) {}
+    EdgeSlopes(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> of_non_manifold,
+               float open)
+        : faces_(faces), edges_(edges), of_non_manifold_(of_non_manifold), open_(open) {}
 
     void measure(std::size_t begin, std::size_t end);
 
@@ -50,60 +46,62 @@ public:
     }
 
 private:
-    /// An edge of a face of the stretch whose other face lies on a side that its frames do not tell. Where that is a
-    /// face of the stretch too, the first of them asks for both.
-    struct Question {
-        std::size_t face;
-        std::uint32_t edge;
+    /// An edge of two faces, as each of them has it: by their places in frames_. The first is of the stretch, the
+    /// second may lie beyond its border, where the first is the second: what is measured has the same bits either way.
+    struct Wedge {
+        Corner first;
+        Corner second;
+    };
+    struct Measured {
+        Wedge faces;
         bool folded;
         float slope;
     };
 
-    void find_neighbours();
+    void find_wedges();
     void measure_frames();
-    void set_group(std::size_t first, std::size_t last);
-    void set_other(const Question& edge, int side);
-    void set_pair(const Question& edge, int side);
+    void set_alone(const Corner& edge);
+    void measure_wedges(std::span<const Wedge> wedges);
+    void set_usual(const Measured& wedge, int side);
+    void set_any(const Measured& wedge, int side);
     void answer_questions();
 
-    std::size_t place_across(std::size_t face, std::uint32_t edge) const { return across_[3 * face + edge]; }
-    /// Whichever of the two faces comes first in the list is measured from.
-    bool is_first(std::size_t face, std::uint32_t edge) const {
-        return begin_ + face < edges_[begin_ + face].across[edge] >> 2;
+    std::uint8_t& marks(const Corner& edge) { return edges_[begin_ + edge.face].marks[edge.vertex]; }
+    void set(const Corner& edge, const EdgeSlope& slope) {
+        slopes_[edge.face].above[edge.vertex] = slope.above;
+        slopes_[edge.face].below[edge.vertex] = slope.below;
     }
-    OppositeVertex opposite_vertex(const Question& edge) const;
+    OppositeVertex opposite_vertex(const Wedge& wedge) const;
 
     MeshFaces faces_;
     std::span<FaceEdges> edges_;
-    std::span<const EdgeSlope> crowded_;
+    std::span<const EdgeSlope> of_non_manifold_;
     float open_;
 
     std::size_t begin_ = 0;
     std::size_t size_ = 0;
     UninitializedVector<TriangleFrame> frames_;  // of the stretch, then of the faces beyond its borders
     std::vector<FaceSlopes> slopes_;
-    std::vector<std::uint32_t> across_;  // by face and edge, places in frames_; of edges without a pair, of the face
     std::vector<Triangle> beyond_;       // the faces beyond the borders, once for each edge there
-    WedgeBatch wedges_;
-    std::vector<Question> questions_;
+    UninitializedVector<Wedge> wedges_;  // each once
+    std::vector<Corner> alone_;          // edges without exactly one other face
+    WedgeBatch batch_;
+    std::vector<Measured> questions_;  // on which side the second face lies: the frames do not tell
     PlaneSides sides_;
 };
 
 /// Calls f(stretch) for stretches that cover the faces, on all cores. The stretches are the same on any number of them.
 template <typename Function>
-void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> crowded, float open,
-                   const Function& f) {
-    tbb::enumerable_thread_specific<EdgeSlopes> stretches([&] { return EdgeSlopes(faces, edges, crowded, open); });
-    const std::size_t count = faces.triangles.size();
-    tbb::parallel_for(std::size_t{0}, (count + EdgeSlopes::stretch - 1) / EdgeSlopes::stretch, [&](std::size_t i) {
-        EdgeSlopes& stretch = stretches.local();
-        stretch.measure(i * EdgeSlopes::stretch, std::min(count, (i + 1) * EdgeSlopes::stretch));
-        f(stretch);
-    });
+void measure_edges(const MeshFaces& faces, std::span<FaceEdges> edges, std::span<const EdgeSlope> of_non_manifold,
+                   float open, const Function& f) {
+    tbb::enumerable_thread_specific<EdgeSlopes> stretches(
+        [&] { return EdgeSlopes(faces, edges, of_non_manifold, open); });
+    for_each_stretch(faces.triangles.size(), OrderedFaces::stretch,
+                     [&](std::size_t, std::size_t begin, std::size_t end) {
+                         EdgeSlopes& stretch = stretches.local();
+                         stretch.measure(begin, end);
+                         f(stretch);
+                     });
 }
-
-/// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other
-/// contains: the obtuse corner's vertices are cut off otherwise. No other corner of a triangle is obtuse.
-void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 
 }  // namespace clsdf::polyhedra

@@ -26,11 +26,4 @@ struct FaceEdges {
     std::uint8_t base;  ///< the edge that is its frame's base
 };
 
-/// Slopes of the lateral planes of a face's edges, above the face and below it (docs/method.md, 'Leaned frusta'),
-/// rounded up to float.
-struct FaceSlopes {
-    std::array<float, 3> above;
-    std::array<float, 3> below;
-};
-
 }  // namespace clsdf::polyhedra

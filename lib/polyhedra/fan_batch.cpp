@@ -1,11 +1,27 @@
 #include "polyhedra/fan_batch.hpp"
 
 #include "core/several_targets.hpp"
-#include "polyhedra/fan_rejections.hpp"
 
+#include <algorithm>
+
+// A plane of slope a above a face with outward direction R and normal N rejects the unit vector u by the margin where
+// (R - a N) . u >= margin (1 + a), the slack's unit being 1 + a; one of slope b below it where (R + b N) . u >= margin
+// (1 + b). The plane of an edge is the higher one of the two, so that u satisfies both. As |middle . u| <= 1, it also
+// satisfies (R - a N - margin (1 + a) middle) . u >= 0 and (R + b N + margin (1 + b) middle) . u >= 0.
+//
+// If three of the former, v_i, combine to -middle by positive factors, then middle . u <= 0, and if three of the latter
+// combine to middle, then middle . u >= 0. So middle . u = 0, all v_i . u = 0, and u = 0 because the v_i are
+// independent: there is no u.
 namespace clsdf::polyhedra {
 
 namespace {
+
+/// Above the rounding of a product of three vectors no longer than ten, 1e-12.
+constexpr double certain_product = 1e-9;
+/// Vectors of steeper slopes, at sharp edges, would be longer than ten.
+constexpr double steepest_slope = 8;
+/// Of the margin; the rest covers the rounding of the conditions.
+constexpr double certain_part = 0.99;
 
 /// Conditions v . u >= 0 for all faces of a fan to reject u, each at one of its edges and on one side.
 using Conditions = std::array<LaneVectors, FanBatch::most_faces>;
@@ -13,11 +29,54 @@ using Conditions = std::array<LaneVectors, FanBatch::most_faces>;
 inline double lesser(double a, double b) {
     return a < b ? a : b;
 }
+inline double greater(double a, double b) {
+    return a > b ? a : b;
+}
 
-/// Whether three of the conditions combine to sign * middle . u >= 0, strictly but for u = 0: sign_of_combination() of
-/// all of them, lane by lane. 1 where they do.
+/// middle . (a x b)
+inline double turn_of_lane(const LaneVectors& middle, const LaneVectors& a, const LaneVectors& b, std::size_t i) {
+    return dot(middle.x[i], middle.y[i], middle.z[i], a.y[i] * b.z[i] - a.z[i] * b.y[i],
+               a.z[i] * b.x[i] - a.x[i] * b.z[i], a.x[i] * b.y[i] - a.y[i] * b.x[i]);
+}
+
+inline bool are_all(const Lanes& numbers) {
+    bool all = true;
+    for (std::size_t i = 0; i < lanes; ++i) all = all && numbers[i] > certain_product;
+    return all;
+}
+
+/// Whether three of the conditions combine to sign * middle . u >= 0 by positive factors, surely: 1 where they do.
+///
+///     middle . (b x c) a + middle . (c x a) b + middle . (a x b) c = det(a, b, c) middle
+///
+/// Only those are looked for that run counter-clockwise around `middle`, as the faces of a fan do around its mean
+/// normal.
 CLSDF_SEVERAL_TARGETS void find_combinations(const Conditions& v, std::size_t count, const LaneVectors& middle,
                                              double sign, Lanes& found) {
+    Lanes best{};  // the least of a combination's three factors and of its determinant
+
+    // Conditions a third of the fan apart mostly do.
+    const std::size_t third = (count + 1) / 3;
+    for (std::size_t first = 0; first < third; ++first) {
+        const LaneVectors& a = v[first];
+        const LaneVectors& b = v[first + third];
+        const LaneVectors& c = v[std::min(first + 2 * third, count - 1)];
+        for (std::size_t i = 0; i < lanes; ++i) {
+            const double x = b.y[i] * c.z[i] - b.z[i] * c.y[i];
+            const double y = b.z[i] * c.x[i] - b.x[i] * c.z[i];
+            const double z = b.x[i] * c.y[i] - b.y[i] * c.x[i];
+            const double of_a = dot(middle.x[i], middle.y[i], middle.z[i], x, y, z);
+            const double of_b = turn_of_lane(middle, c, a, i);
+            const double of_c = turn_of_lane(middle, a, b, i);
+            const double determinant = sign * dot(a.x[i], a.y[i], a.z[i], x, y, z);
+            best[i] = greater(best[i], lesser(lesser(of_a, of_b), lesser(of_c, determinant)));
+        }
+    }
+    if (are_all(best)) {
+        found.fill(1);
+        return;
+    }
+
     std::array<std::array<LaneVectors, FanBatch::most_faces>, FanBatch::most_faces> crosses;
     std::array<std::array<Lanes, FanBatch::most_faces>, FanBatch::most_faces> turns;  // middle . cross
     for (std::size_t j = 0; j < count; ++j) {
@@ -35,7 +94,6 @@ CLSDF_SEVERAL_TARGETS void find_combinations(const Conditions& v, std::size_t co
             }
         }
     }
-    Lanes best{};  // the least of a combination's numbers
     for (std::size_t first = 0; first < count; ++first) {
         for (std::size_t j = first + 1; j < count; ++j) {
             for (std::size_t k = j + 1; k < count; ++k) {
@@ -48,7 +106,7 @@ CLSDF_SEVERAL_TARGETS void find_combinations(const Conditions& v, std::size_t co
                 for (std::size_t i = 0; i < lanes; ++i) {
                     const double least = lesser(lesser(from_first[i], from_second[i]),
                                                 lesser(-to_first[i], sign * dot_of_lane(a, cross, i)));
-                    best[i] = best[i] > least ? best[i] : least;
+                    best[i] = greater(best[i], least);
                 }
             }
         }
@@ -58,7 +116,6 @@ CLSDF_SEVERAL_TARGETS void find_combinations(const Conditions& v, std::size_t co
 
 }  // namespace
 
-// cannot_all_reject() in fan_rejections.cpp does the same, fan by fan.
 CLSDF_SEVERAL_TARGETS void FanBatch::ask(double margin, Answers& are_covered) const {
     const std::size_t count = face_count_;
     LaneVectors middle{};
@@ -86,10 +143,9 @@ CLSDF_SEVERAL_TARGETS void FanBatch::ask(double margin, Answers& are_covered) co
             const LaneVectors& normal = normals_[f];
             const Edge& edge = edges_[end][f];
             for (std::size_t i = 0; i < lanes; ++i) {
-                const double a = edge.above[i];
-                const double b = edge.below[i];
-                const double steeper = a > b ? a : b;
-                steepest[i] = steepest[i] > steeper ? steepest[i] : steeper;
+                const auto a = static_cast<double>(edge.above[i]);
+                const auto b = static_cast<double>(edge.below[i]);
+                steepest[i] = greater(steepest[i], greater(a, b));
                 const double lower = sure_margin * (1 + a);
                 const double raise = sure_margin * (1 + b);
                 above[f].x[i] = -edge.inward.x[i] - a * normal.x[i] - lower * middle.x[i];

@@ -11,10 +11,11 @@
 
 namespace clsdf::polyhedra {
 
-/// Closed fans of equally many faces, all of one orientation, as many at a time as a processor's vectors hold.
+/// Closed fans of equally many faces, all of one orientation, as many at a time as a processor's vectors hold: whether
+/// it is certain that their faces cover all directions (docs/method.md, 'Gaps at saddle vertices').
 class FanBatch {
 public:
-    static constexpr std::size_t most_faces = 8;
+    static constexpr std::size_t most_faces = 12;
 
     bool is_full() const { return size_ == lanes; }
     std::size_t size() const { return size_; }
@@ -36,8 +37,9 @@ public:
         }
     }
 
-    /// Of each fan: whether cannot_all_reject() is certain for the edges that leave the vertex, and for those that
-    /// arrive there.
+    /// Of each fan: whether surely no direction is rejected by all its faces, by the margin, each at its edge that
+    /// leaves the vertex; nor each at the one that arrives there. Answers no where it cannot tell cheaply; that is rare
+    /// where few faces meet.
     using Answers = std::array<std::int32_t, lanes>;
     void ask(double margin, Answers& are_covered) const;
 
@@ -45,15 +47,15 @@ private:
     /// One of the two edges at the vertex of a face.
     struct Edge {
         LaneVectors inward;
-        Lanes above;  ///< slopes
-        Lanes below;
+        std::array<float, lanes> above;  ///< slopes
+        std::array<float, lanes> below;
     };
     using Edges = std::array<Edge, most_faces>;
 
     static void set(Edge& edge, std::size_t i, const LateralPlane& plane) {
         edge.inward.set(i, plane.inward);
-        edge.above[i] = static_cast<double>(plane.above);
-        edge.below[i] = static_cast<double>(plane.below);
+        edge.above[i] = plane.above;
+        edge.below[i] = plane.below;
     }
 
     std::size_t size_ = 0;

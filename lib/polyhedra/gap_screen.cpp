@@ -3,10 +3,11 @@
 namespace clsdf::polyhedra {
 
 void GapScreen::look_at(const EdgeSlopes& stretch) {
-    for_each_vertex(triangles_, rings_, stretch.begin(), stretch.end(), [&](std::uint32_t vertex) {
+    const std::size_t number = stretch.begin() / OrderedFaces::stretch;
+    for (std::uint32_t vertex = first_vertices_[number]; vertex < first_vertices_[number + 1]; ++vertex) {
         if (rings_.corner(vertex, rings_.size(vertex) - 1).face >= stretch.end()) {
             fans_.leave(vertex);
-            return;
+            continue;
         }
         const EdgesAround edges(edges_, rings_, vertex);
         marks_[vertex] = edges.vertex_mark();
@@ -15,7 +16,7 @@ void GapScreen::look_at(const EdgeSlopes& stretch) {
         } else if (edges.are_mixed()) {
             fans_.add(stretch, vertex);
         }
-    });
+    }
 }
 
 }  // namespace clsdf::polyhedra

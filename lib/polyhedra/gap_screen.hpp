@@ -42,18 +42,19 @@ struct EdgesAround {
 /// Marks vertices, and finds most of those that surely need no point site, while the frames of their faces are at hand.
 class GapScreen {
 public:
-    GapScreen(std::span<const Triangle> triangles, std::span<const FaceEdges> edges, const OneRings& rings,
+    /// `first_vertices`: OrderedFaces::first_vertices
+    GapScreen(std::span<const std::uint32_t> first_vertices, std::span<const FaceEdges> edges, const OneRings& rings,
               double margin, std::span<std::uint8_t> marks)
-        : triangles_(triangles), edges_(edges), rings_(rings), marks_(marks), fans_(edges, rings, margin) {}
+        : first_vertices_(first_vertices), edges_(edges), rings_(rings), marks_(marks), fans_(edges, rings, margin) {}
 
-    /// The vertices that a face of the stretch is the first to name. Its slopes are leaned.
+    /// The vertices that the stretch is the first to name. Its slopes are leaned.
     void look_at(const EdgeSlopes& stretch);
 
     /// The vertices that are left to find_gaps(): also those with faces outside their stretch, which have no marks yet.
     const std::vector<std::uint32_t>& finish() { return fans_.finish(); }
 
 private:
-    std::span<const Triangle> triangles_;
+    std::span<const std::uint32_t> first_vertices_;
     std::span<const FaceEdges> edges_;
     const OneRings& rings_;
     std::span<std::uint8_t> marks_;

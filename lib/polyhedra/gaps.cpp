@@ -1,7 +1,6 @@
 #include "polyhedra/gaps.hpp"
 
 #include "polyhedra/cone_search.hpp"
-#include "polyhedra/fan_rejections.hpp"
 #include "polyhedra/fan_screen.hpp"
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/vertex_fans.hpp"
@@ -53,8 +52,7 @@ public:
 
     /// Sets the marks that are still put off.
     void finish() {
-        for (const std::uint32_t vertex : screen_.finish())
-            set(vertex, !first_fan_covers(vertex) && fans_leave_directions_out(vertex));
+        for (const std::uint32_t vertex : screen_.finish()) set(vertex, fans_leave_directions_out(vertex));
     }
 
 private:
@@ -95,18 +93,6 @@ private:
             spokes_.push_back(spoke(vertex, triangle[previous_of_three(corner.vertex)]));
         }
         return for_axes(vertex, [&](const Vector& axis) { return add_normal_cone(axis); });
-    }
-
-    /// Whether the faces of the first fan surely cover the vertex' normals: neither do all reject one direction at
-    /// their edges that leave the vertex, nor at those that arrive.
-    bool first_fan_covers(std::size_t vertex) {
-        walk_first_fan(edges_, rings_, vertex, fan_);
-        arriving_.clear();
-        for (const Corner& corner : fan_)
-            arriving_.push_back(planes_.plane({corner.face, previous_of_three(corner.vertex)}));
-        leaving_.clear();
-        for (const Corner& corner : fan_) leaving_.push_back(planes_.plane(corner));
-        return cannot_all_reject(leaving_, margin_) && cannot_all_reject(arriving_, margin_);
     }
 
     /// The direction from the vertex to a neighbour.
@@ -234,11 +220,8 @@ private:
 
     FanScreen screen_;
     VertexFans fans_;
-    std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
-    std::vector<Corner> fan_;
-    std::vector<LateralPlane> leaving_;   // of the faces of a fan, at their own edges that begin at the vertex,
-    std::vector<LateralPlane> arriving_;  // and at those that end there
-    std::vector<Corner> face_edges_;      // at which the faces of a fan reject
+    std::vector<Vector> spokes_;      // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<Corner> face_edges_;  // at which the faces of a fan reject
     std::vector<std::size_t> order_;
     ConeSearch search_;
     bool undecided_ = false;  // whether a search that succeeded hangs on rounding

@@ -17,10 +17,12 @@ struct LaneVectors {
     Lanes y;
     Lanes z;
 
-    void set(std::size_t i, const Vector& v) {
-        x[i] = v.x();
-        y[i] = v.y();
-        z[i] = v.z();
+    /// For vectors of any kind.
+    template <typename V>
+    void set(std::size_t i, const V& v) {
+        x[i] = v[0];
+        y[i] = v[1];
+        z[i] = v[2];
     }
     Vector get(std::size_t i) const { return {x[i], y[i], z[i]}; }
 };

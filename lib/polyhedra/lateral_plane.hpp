@@ -2,8 +2,6 @@
 
 #include "polyhedra/vector.hpp"
 
-#include <algorithm>
-
 namespace clsdf::polyhedra {
 
 /// What the planes of a face's edge are made of, above the face and below it.
@@ -12,8 +10,6 @@ struct LateralPlane {
     Vector inward;  ///< unit vector in the face's plane, perpendicular to the edge
     float above;    ///< slopes
     float below;
-
-    float steepest() const { return std::max(above, below); }
 };
 
 }  // namespace clsdf::polyhedra

@@ -1,12 +1,13 @@
 #include "polyhedra/leaned_frusta.hpp"
 
-#include "polyhedra/crowded_edges.hpp"
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/gap_screen.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/morton_order.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/ordered_faces.hpp"
 #include "polyhedra/pack.hpp"
 #include "polyhedra/pair_edges.hpp"
 #include "polyhedra/parallel.hpp"
@@ -15,6 +16,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
 #include <atomic>
 #include <new>
 
@@ -46,23 +48,22 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
                            const LeanedFrustaOptions& options) {
     const UninitializedVector<std::uint32_t> order = morton_order(mesh, scratch);
     const std::size_t count = order.size();
-    UninitializedVector<Triangle> triangles(count, scratch);
-    for_each_index(count, [&](std::size_t face) { triangles[face] = mesh.triangles()[order[face]]; });
-    const MeshFaces faces{mesh, triangles, lattice};
+    const OrderedFaces ordered = ordered_faces(mesh, order, scratch);
+    const MeshFaces faces{ordered.positions, ordered.triangles, lattice};
 
-    const OneRings rings(triangles, mesh.vertices().size(), scratch);
-    PairedEdges edges = pair_edges(triangles, rings, scratch);
+    const OneRings rings(ordered.triangles, ordered.vertices.size(), scratch);
+    PairedEdges edges = pair_edges(ordered.triangles, rings, scratch);
     const float open = open_slope(half_width, slack);
-    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings, edges, open);
+    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, open);
 
     const std::size_t room = count + spare_records(count);
     std::span<Polyhedron> records = memory(room);
     const double margin = rejection_margin(half_width, slack);
     std::vector<std::uint8_t> marks(rings.vertex_count());
     tbb::enumerable_thread_specific<GapScreen> screens(
-        [&] { return GapScreen(triangles, edges.faces, rings, margin, marks); });
+        [&] { return GapScreen(ordered.first_vertices, edges.faces, rings, margin, marks); });
     std::atomic<std::size_t> boxes = 0;
-    measure_edges(faces, edges.faces, crowded, open, [&](EdgeSlopes& stretch) {
+    measure_edges(faces, edges.faces, of_non_manifold, open, [&](EdgeSlopes& stretch) {
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
             const TriangleFrame& frame = stretch.frame(face);
             if (options.lean) lean(frame, stretch.slopes(face));
@@ -83,15 +84,18 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     result.boxes = boxes;
     std::vector<std::uint32_t> gaps;
     for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
-        if (marks[vertex] & vertex_saddle) ++result.saddle_vertices;
+        result.saddle_vertices += (marks[vertex] & vertex_saddle) != 0 ? 1U : 0U;
         if ((marks[vertex] & vertex_gap) && options.point_sites) gaps.push_back(vertex);
     }
+    // The order of the mesh's own vertices.
+    std::sort(gaps.begin(), gaps.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return ordered.vertices[a] < ordered.vertices[b]; });
     result.point_sites = gaps.size();
     result.records = count + gaps.size();
 
     if (result.records > room) records = memory(result.records);
     for_each_index(gaps.size(), [&](std::size_t i) {
-        const PointSite site = point_site(faces, order, rings, gaps[i], open);
+        const PointSite site = point_site(faces, order, ordered.vertices, rings, gaps[i], open);
         new (&records[count + i]) Polyhedron(pack(site.frame, site.slopes, order[site.face], lattice));
     });
     return result;

@@ -3,6 +3,7 @@
 
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/gaps.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/pack.hpp"
 #include "polyhedra/point_site.hpp"
 #include "polyhedra/solid_mesh.hpp"
@@ -76,14 +77,14 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
 
     std::vector<std::uint32_t> order(triangles.size());
     std::iota(order.begin(), order.end(), 0U);
-    const MeshFaces faces{welded, triangles, lattice};
+    const MeshFaces faces{welded.vertices(), triangles, lattice};
     const OneRings rings(triangles, welded.vertices().size());
     PairedEdges edges = pair_edges(triangles, rings);
-    const std::vector<EdgeSlope> crowded = crowded_slopes(faces, rings, edges, open);
+    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, open);
     UninitializedVector<TriangleFrame> frames(triangles.size());
     std::vector<FaceSlopes> slopes(triangles.size());
     std::vector<Polyhedron> records(triangles.size());
-    measure_edges(faces, edges.faces, crowded, open, [&](EdgeSlopes& stretch) {
+    measure_edges(faces, edges.faces, of_non_manifold, open, [&](EdgeSlopes& stretch) {
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
             frames[face] = stretch.frame(face);
             lean(frames[face], stretch.slopes(face));
@@ -105,6 +106,8 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     }
 
     std::vector<std::uint8_t> marks(rings.vertex_count());
+    std::vector<std::uint32_t> indices(rings.vertex_count());
+    std::iota(indices.begin(), indices.end(), 0U);
     std::vector<std::uint32_t> used;
     for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex)
         if (rings.size(vertex) > 0) used.push_back(vertex);
@@ -116,7 +119,7 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
         for (std::size_t i = 0; i < rings.size(vertex) && all; ++i)
             all = std::find(selected.begin(), selected.end(), rings.corner(vertex, i).face) != selected.end();
         if (!all) continue;
-        const PointSite site = point_site(faces, order, rings, vertex, open);
+        const PointSite site = point_site(faces, order, indices, rings, vertex, open);
         add(site.face, SolidPart::point_site, site.frame, site.slopes);
     }
     return result;

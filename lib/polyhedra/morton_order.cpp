@@ -1,6 +1,9 @@
 #include "polyhedra/morton_order.hpp"
 
+#include "core/several_targets.hpp"
+#include "polyhedra/lanes.hpp"
 #include "polyhedra/parallel.hpp"
+#include "polyhedra/prefetch.hpp"
 #include "polyhedra/vector.hpp"
 
 #include <algorithm>
@@ -24,47 +27,70 @@ struct Keyed {
 };
 
 /// The ten bits of `x`, each followed by two zeros.
-std::uint32_t spread(std::uint32_t x) {
+inline std::uint32_t spread(std::uint32_t x) {
     x = (x | x << 16) & 0x030000ffu;
     x = (x | x << 8) & 0x0300f00fu;
     x = (x | x << 4) & 0x030c30c3u;
     return (x | x << 2) & 0x09249249u;
 }
 
-class CentroidCode {
+inline std::uint32_t cell(double fraction) {
+    const double positive = fraction > 0 ? fraction * cells : 0;
+    return spread(static_cast<std::uint32_t>(static_cast<std::int32_t>(positive < cells - 1 ? positive : cells - 1)));
+}
+
+/// The codes of triangles, as many at a time as a processor's vectors hold.
+class CentroidCodes {
 public:
-    explicit CentroidCode(const Mesh& mesh) : mesh_(mesh), lower_(to_vector(mesh.box().lower)) {
+    using Codes = std::array<std::uint32_t, lanes>;
+
+    explicit CentroidCodes(const Mesh& mesh) : mesh_(mesh), lower_(to_vector(mesh.box().lower)) {
         const double longest = mesh.box().longest_side();
         if (longest > 0) three_sides_ = 3 * longest;
     }
 
-    std::uint32_t operator()(const Triangle& triangle) const {
-        Vector sum = Vector::Zero();
-        for (const std::uint32_t vertex : triangle) sum += to_vector(mesh_.vertices()[vertex]) - lower_;
-        const Vector fraction = sum / three_sides_;
-        return cell(fraction.x()) | cell(fraction.y()) << 1 | cell(fraction.z()) << 2;
+    /// Starts to bring their vertices near the processor.
+    void fetch_ahead(std::size_t first) const {
+        for (std::size_t i = first; i < std::min(first + lanes, mesh_.triangles().size()); ++i)
+            for (const std::uint32_t vertex : mesh_.triangles()[i]) prefetch(&mesh_.vertices()[vertex]);
+    }
+
+    /// Of triangles from `first` on, where there are so many.
+    Codes of(std::size_t first) const {
+        LaneVectors sums;
+        for (std::size_t i = 0; i < lanes; ++i) {
+            const auto& [a, b, c] = mesh_.triangles()[std::min(first + i, mesh_.triangles().size() - 1)];
+            sums.set(i, (from_lower(a) + from_lower(b)) + from_lower(c));
+        }
+        Codes codes;
+        encode(sums, three_sides_, codes);
+        return codes;
     }
 
 private:
-    static std::uint32_t cell(double fraction) {
-        if (!(fraction > 0)) return 0;
-        return spread(static_cast<std::uint32_t>(std::min(fraction * cells, cells - 1.0)));
-    }
+    Vector from_lower(std::uint32_t vertex) const { return to_vector(mesh_.vertices()[vertex]) - lower_; }
+
+    static void encode(const LaneVectors& sums, double three_sides, Codes& codes);
 
     const Mesh& mesh_;
     Vector lower_;
     double three_sides_ = 1;
 };
 
+CLSDF_SEVERAL_TARGETS void CentroidCodes::encode(const LaneVectors& sums, double three_sides, Codes& codes) {
+    for (std::size_t i = 0; i < lanes; ++i)
+        codes[i] =
+            cell(sums.x[i] / three_sides) | cell(sums.y[i] / three_sides) << 1 | cell(sums.z[i] / three_sides) << 2;
+}
+
 /// One stable pass of a radix sort, in blocks: every block knows where its first triangle of each digit goes.
 void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned shift) {
-    constexpr std::size_t block = 1u << 15;
-    const std::size_t blocks = (from.size() + block - 1) / block;
-    std::vector<std::array<std::uint32_t, digit_values>> next(blocks);
+    constexpr std::size_t block = 1u << 14;
+    std::vector<std::array<std::uint32_t, digit_values>> next(stretch_count(from.size(), block));
     const auto digit = [shift](const Keyed& keyed) { return keyed.code >> shift & (digit_values - 1); };
     const auto for_each_block = [&](const auto& f) {
-        tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-            for (std::size_t i = b * block; i < std::min(from.size(), (b + 1) * block); ++i) f(b, from[i]);
+        for_each_stretch(from.size(), block, [&](std::size_t b, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) f(b, from[i]);
         });
     };
     for_each_block([&](std::size_t b, const Keyed& keyed) { ++next[b][digit(keyed)]; });
@@ -78,12 +104,17 @@ void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned sh
 
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh, ScratchMemory* scratch) {
     const std::size_t count = mesh.triangles().size();
-    const CentroidCode code(mesh);
+    const CentroidCodes centroids(mesh);
     UninitializedVector<Keyed> memory(2 * count, scratch);  // in one piece, as large as what is needed next
     std::span<Keyed> sorted = std::span(memory).first(count);
     std::span<Keyed> other = std::span(memory).subspan(count);
-    for_each_index(count, [&](std::size_t t) {
-        sorted[t] = {code(mesh.triangles()[t]), static_cast<std::uint32_t>(t)};
+    for_each_range(count, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t first = begin; first < end; first += lanes) {
+            centroids.fetch_ahead(first + 8 * lanes);
+            const CentroidCodes::Codes codes = centroids.of(first);
+            for (std::size_t t = first; t < std::min(end, first + lanes); ++t)
+                sorted[t] = {codes[t - first], static_cast<std::uint32_t>(t)};
+        }
     });
     for (std::size_t pass = 0; pass < digits; ++pass) {
         sort_by_digit(sorted, other, static_cast<unsigned>(pass) * digit_bits);

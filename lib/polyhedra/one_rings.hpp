@@ -30,10 +30,15 @@ constexpr std::uint32_t previous_of_three(std::uint32_t k) {
     return 0b01'00'10U >> 2 * k & 3;
 }
 
+/// So many faces have corners that pack.
+inline constexpr std::size_t most_faces = (std::size_t{1} << 30) - 1;
+/// Throws Error(unsupported) for more.
+void check_face_count(std::size_t count);
+
 /// The corners that meet at each vertex, by face.
 class OneRings {
 public:
-    /// Throws Error(unsupported) for 2^30 triangles or more.
+    /// Throws Error(unsupported) for more than most_faces.
     OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch = nullptr);
 
     std::size_t vertex_count() const { return start_.size() - 1; }
@@ -49,23 +54,14 @@ public:
         return static_cast<std::size_t>(std::lower_bound(begin, end, corner.packed()) - begin);
     }
 
-    /// Whether a corner is the first of its vertex.
-    bool is_first(const Corner& corner) const { return (first_[corner.face] >> corner.vertex & 1) != 0; }
+    /// Whether a corner is the first of the vertex.
+    bool is_first(std::size_t vertex, const Corner& corner) const {
+        return corners_[start_[vertex]] == corner.packed();
+    }
 
 private:
     std::vector<std::uint32_t> start_;            // of each vertex in corners_, and the end of the last
     UninitializedVector<std::uint32_t> corners_;  // packed
-    UninitializedVector<std::uint8_t> first_;     // by face, a bit for each of its corners
 };
-
-/// Calls f(vertex) for every vertex that the list first names between its places `begin` and `end`, in that order:
-/// neighbours in the list are neighbours in memory.
-template <typename Function>
-void for_each_vertex(std::span<const Triangle> triangles, const OneRings& rings, std::size_t begin, std::size_t end,
-                     const Function& f) {
-    for (std::size_t face = begin; face != end; ++face)
-        for (std::uint32_t k = 0; k < 3; ++k)
-            if (rings.is_first({static_cast<std::uint32_t>(face), k})) f(triangles[face][k]);
-}
 
 }  // namespace clsdf::polyhedra

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/face_edges.hpp"
+#include "polyhedra/slopes.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 namespace clsdf::polyhedra {

@@ -1,7 +1,7 @@
 #include "polyhedra/pair_edges.hpp"
 
 #include "core/several_targets.hpp"
-#include "polyhedra/edges_above.hpp"
+#include "polyhedra/edges_of_vertex.hpp"
 #include "polyhedra/parallel.hpp"
 
 #include <algorithm>
@@ -54,8 +54,8 @@ public:
     }
 
     /// Of the vertices so far.
-    const std::vector<std::uint32_t>& crowded() const { return crowded_; }
-    std::size_t crowded_corners() const { return crowded_corners_; }
+    const std::vector<std::uint32_t>& non_manifold_ends() const { return non_manifold_ends_; }
+    std::size_t non_manifold_corners() const { return non_manifold_corners_; }
 
 private:
     /// Where each edge has two faces that run along it in opposite directions; false where one has not, or many meet.
@@ -87,15 +87,15 @@ private:
             const Corner corner = rings_.corner(vertex, i);
             if (start(corner) == triangles_[corner.face][next_of_three(corner.vertex)]) set(corner, 0, edge_at_box);
         }
-        const std::size_t corners_before = crowded_corners_;
+        const std::size_t corners_before = non_manifold_corners_;
         edges_at(triangles_, rings_, vertex, entries_);
         for_each_edge(entries_, [&](std::span<const EdgeEntry> faces) {
             const Corner first = faces.front().edge();
             const Corner last = faces.back().edge();
-            if (is_crowded(faces)) {
+            if (is_non_manifold(faces)) {
                 for (const EdgeEntry& entry : faces)
                     if (start(entry.edge()) == vertex) set(entry.edge(), 0, edge_non_manifold);
-                if (vertex < faces[0].other_vertex()) crowded_corners_ += faces.size();
+                if (vertex < faces[0].other_vertex()) non_manifold_corners_ += faces.size();
             } else if (faces.size() == 1) {
                 if (start(first) == vertex) set(first, 0, edge_open);
             } else {
@@ -104,7 +104,7 @@ private:
                 if (start(last) == vertex) set(last, first.packed(), marks);
             }
         });
-        if (crowded_corners_ > corners_before) crowded_.push_back(vertex);
+        if (non_manifold_corners_ > corners_before) non_manifold_ends_.push_back(vertex);
     }
 
     std::uint32_t start(const Corner& edge) const { return triangles_[edge.face][edge.vertex]; }
@@ -117,8 +117,8 @@ private:
     std::span<const Triangle> triangles_;
     const OneRings& rings_;
     std::span<FaceEdges> faces_;
-    std::vector<std::uint32_t> crowded_;
-    std::size_t crowded_corners_ = 0;
+    std::vector<std::uint32_t> non_manifold_ends_;
+    std::size_t non_manifold_corners_ = 0;
     std::vector<EdgeEntry> entries_;
 };
 
@@ -128,15 +128,17 @@ PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& ring
     PairedEdges result;
     result.faces = UninitializedVector<FaceEdges>(triangles.size(), scratch);
     std::mutex mutex;
-    for_each_range(triangles.size(), [&](std::size_t begin, std::size_t end) {
+    for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
         EdgePairing pairing(triangles, rings, result.faces);
-        for_each_vertex(triangles, rings, begin, end, [&](std::uint32_t vertex) { pairing.set_leaving(vertex); });
-        if (pairing.crowded().empty()) return;
+        for (std::size_t vertex = begin; vertex != end; ++vertex)
+            pairing.set_leaving(static_cast<std::uint32_t>(vertex));
+        if (pairing.non_manifold_ends().empty()) return;
         const std::lock_guard lock(mutex);
-        result.crowded.insert(result.crowded.end(), pairing.crowded().begin(), pairing.crowded().end());
-        result.crowded_corners += pairing.crowded_corners();
+        result.non_manifold_ends.insert(result.non_manifold_ends.end(), pairing.non_manifold_ends().begin(),
+                                        pairing.non_manifold_ends().end());
+        result.non_manifold_corners += pairing.non_manifold_corners();
     });
-    std::sort(result.crowded.begin(), result.crowded.end());
+    std::sort(result.non_manifold_ends.begin(), result.non_manifold_ends.end());
     return result;
 }
 

@@ -16,8 +16,9 @@ struct PairedEdges {
     /// Of each face what follows from the vertices' indices: edge_open, edge_non_manifold, edge_unoriented, and
     /// edge_at_box of an edge from a vertex to itself; the faces across. No frame's base yet.
     UninitializedVector<FaceEdges> faces;
-    std::vector<std::uint32_t> crowded;  ///< lower ends of edges where three faces or more meet, in ascending order
-    std::size_t crowded_corners = 0;     ///< of faces, at such edges
+    std::vector<std::uint32_t>
+        non_manifold_ends;                 ///< lower ends of edges where three faces or more meet, in ascending order
+    std::size_t non_manifold_corners = 0;  ///< of faces, at such edges
 };
 
 PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings, ScratchMemory* scratch = nullptr);

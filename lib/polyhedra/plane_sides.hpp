@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/dihedral.hpp"
+#include "polyhedra/side_of_plane.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,5 @@
 #include "polyhedra/point_site.hpp"
 
-#include "polyhedra/wedge_batch.hpp"
-
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -13,15 +11,17 @@ namespace {
 /// Vertices with more neighbours get an unbounded polyhedron instead of a search among all pairs.
 constexpr std::size_t few_neighbours = 24;
 
-/// Directions to the vertex' neighbours, each once.
-std::vector<Vector> neighbour_directions(const MeshFaces& faces, const OneRings& rings, std::uint32_t vertex) {
+/// Directions to the vertex' neighbours, each once, in the caller's order.
+std::vector<Vector> neighbour_directions(const MeshFaces& faces, std::span<const std::uint32_t> vertices,
+                                         const OneRings& rings, std::uint32_t vertex) {
     std::vector<std::uint32_t> neighbours;
     for (std::size_t i = 0; i < rings.size(vertex); ++i) {
         const Corner corner = rings.corner(vertex, i);
         neighbours.push_back(faces.triangles[corner.face][next_of_three(corner.vertex)]);
         neighbours.push_back(faces.triangles[corner.face][previous_of_three(corner.vertex)]);
     }
-    std::sort(neighbours.begin(), neighbours.end());
+    std::sort(neighbours.begin(), neighbours.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return vertices[a] < vertices[b]; });
     neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
     std::vector<Vector> directions;
     directions.reserve(neighbours.size());
@@ -73,8 +73,8 @@ bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, Fac
 
 }  // namespace
 
-PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> order, const OneRings& rings,
-                     std::uint32_t vertex, float open) {
+PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
+                     std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex, float open) {
     PointSite site;
     site.face = rings.corner(vertex, 0).face;
     for (std::size_t i = 1; i < rings.size(vertex); ++i) {
@@ -84,7 +84,7 @@ PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> orde
     const LatticeView& lattice = faces.lattice;
     const Vector position = (to_vector(faces.position(vertex)) - to_vector(lattice.origin)) / lattice.unit;
 
-    const auto rays = extreme_rays(neighbour_directions(faces, rings, vertex));
+    const auto rays = extreme_rays(neighbour_directions(faces, vertices, rings, vertex));
     Vector sum = Vector::Zero();
     if (rays)
         for (const Vector& ray : *rays) sum += ray;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "polyhedra/face_edges.hpp"
 #include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/slopes.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 #include <span>
@@ -16,8 +16,8 @@ struct PointSite {
     std::uint32_t face = 0;  ///< of the list: of the vertex' faces the one that comes first in the caller's order
 };
 
-/// `order`: the caller's index of each face of the list.
-PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> order, const OneRings& rings,
-                     std::uint32_t vertex, float open);
+/// `order`, `vertices`: the caller's indices of the faces and of the vertices.
+PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
+                     std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex, float open);
 
 }  // namespace clsdf::polyhedra

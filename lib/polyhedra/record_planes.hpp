@@ -3,6 +3,7 @@
 #include "polyhedra/face_edges.hpp"
 #include "polyhedra/lateral_plane.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/prefetch.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 #include <array>
@@ -36,14 +37,12 @@ public:
     }
 
     /// Starts to bring a face's record near the processor.
-    void fetch_ahead([[maybe_unused]] std::size_t face) const {
-#ifdef __GNUC__
+    void fetch_ahead(std::size_t face) const {
         const Polyhedron& record = records_[face];
-        __builtin_prefetch(record.slope_above);
-        __builtin_prefetch(record.exact_gradient_x);
-        __builtin_prefetch(record.exact_gradient_z);
-        __builtin_prefetch(record.exact_normal_across);
-#endif
+        prefetch(record.slope_above);
+        prefetch(record.exact_gradient_x);
+        prefetch(record.exact_gradient_z);
+        prefetch(record.exact_normal_across);
     }
 
 private:

@@ -16,6 +16,60 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t right = CLSDF_HALF_RIGHT;
 constexpr std::size_t left = CLSDF_HALF_LEFT;
 
+/// Differences of positions in units. They are taken before positions are brought to units: a small triangle far from
+/// the lattice's origin keeps its shape to the last bit of the coordinates given.
+class InUnits {
+public:
+    explicit InUnits(double unit) : unit_(unit), per_unit_(1 / unit) {}
+
+    Vector difference(const Vec3& to, const Vec3& from) const {
+        const Vector difference{to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+        return per_unit_ < std::numeric_limits<double>::infinity() ? Vector(per_unit_ * difference)
+                                                                   : Vector(difference / unit_);
+    }
+
+private:
+    double unit_;
+    double per_unit_;
+};
+
+/// The edges of a triangle in units, and the longest of them, the base. Edge k runs from the vertex k to the next.
+/// Without branches: they could not be predicted.
+struct TriangleEdges {
+    std::array<Vector, 3> vectors;
+    std::array<double, 3> squared;  ///< lengths
+    std::uint32_t base;
+
+    TriangleEdges(const std::array<Vec3, 3>& corners, const InUnits& in_units)
+        : vectors{in_units.difference(corners[1], corners[0]), in_units.difference(corners[2], corners[1]),
+                  in_units.difference(corners[0], corners[2])},
+          squared{dot(vectors[0], vectors[0]), dot(vectors[1], vectors[1]), dot(vectors[2], vectors[2])},
+          base(squared[0] >= squared[1] ? 0 : 1) {
+        const std::uint32_t is_last = squared[2] > squared[base] ? 1 : 0;
+        base += is_last * (2 - base);
+    }
+
+    /// Everything at the apex is measured from the nearer end of the base: on needles the other end is too far away.
+    /// CLSDF_HALF_RIGHT or _LEFT.
+    std::uint32_t nearer_half() const {
+        return squared[next_of_three(base)] <= squared[previous_of_three(base)] ? CLSDF_HALF_RIGHT : CLSDF_HALF_LEFT;
+    }
+    std::uint32_t near_end() const { return (base + 1 - nearer_half()) % 3; }
+    Vector apex() const {
+        const std::uint32_t half = nearer_half();
+        return side_of(half) * vectors[(base + 1 + half) % 3];
+    }
+    /// 1 for the right half, -1 for the left one.
+    static double side_of(std::uint32_t half) { return 1 - 2 * static_cast<double>(half); }
+};
+
+/// The foot of the altitude, from the end of the base that is nearer to the apex.
+inline Vector foot_of(const TriangleFrame& frame, const Vec3& near_end, std::uint32_t nearer_half,
+                      const LatticeView& lattice, const InUnits& in_units) {
+    return in_units.difference(near_end, lattice.origin) -
+           TriangleEdges::side_of(nearer_half) * frame.base[nearer_half] * frame.along;
+}
+
 /// Returns the slanted edge's length.
 double set_slanted_edge(TriangleFrame& frame, std::size_t half, double altitude) {
     const double length = std::sqrt(frame.base[half] * frame.base[half] + altitude * altitude);

@@ -1,6 +1,7 @@
 #include "polyhedra/wedge_batch.hpp"
 
 #include "core/several_targets.hpp"
+#include "polyhedra/slopes.hpp"
 
 #include <cmath>
 

@@ -16,17 +16,12 @@ inline bool folded(double squared_apart) {
     return squared_apart < fold_angle * fold_angle;
 }
 
-/// `x` >= 0 as a float that is not below it, also after the roundings that led to it.
-inline float widened(double x) {
-    return static_cast<float>(x * (1 + 1e-6));
-}
-
 /// Pairs of faces at edges, as many at a time as the edges of eight faces, for processors' vectors.
 class WedgeBatch {
 public:
     static constexpr std::size_t capacity = 24;
 
-    /// An edge of two faces, as each of them has it. Which is first matters to the last bit.
+    /// An edge of two faces, as each of them has it.
     void set(std::size_t i, const TriangleFrame& first, std::uint32_t edge_of_first, const TriangleFrame& second,
              std::uint32_t edge_of_second) {
         const Vector& a = first.inwards[edge_of_first];

@@ -1,6 +1,6 @@
 #include "slices/mauch_pieces.hpp"
 
-#include "polyhedra/edges_above.hpp"
+#include "polyhedra/edges_of_vertex.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/pack.hpp"
@@ -263,7 +263,7 @@ MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double ha
         polyhedra.add_face(face, collector, state.counts);
         for (std::uint32_t k = 0; k < 3; ++k) {
             const std::uint32_t vertex = faces.triangles[face][k];
-            if (!rings.is_first({static_cast<std::uint32_t>(face), k})) continue;
+            if (!rings.is_first(vertex, {static_cast<std::uint32_t>(face), k})) continue;
             edges_above(faces.triangles, rings, vertex, state.entries);
             for_each_edge(state.entries,
                           [&](std::span<const EdgeEntry> edge) { polyhedra.add_edge(edge, collector, state.counts); });

@@ -113,6 +113,27 @@ BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
     }
 }
 
+void check_frames_made_together(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
+                                const LatticeView& lattice) {
+    std::vector<polyhedra::TriangleFrame> together(triangles.size());
+    polyhedra::triangle_frames(vertices, triangles, lattice, together);
+    std::size_t boxes = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        const auto& [a, b, c] = triangles[i];
+        const polyhedra::TriangleFrame one = triangle_frame({vertices[a], vertices[b], vertices[c]}, lattice);
+        const polyhedra::TriangleFrame& other = together[i];
+        boxes += one.is_box ? 1U : 0U;
+        BOOST_TEST_CONTEXT("triangle " << i << ", unit " << lattice.unit) {
+            BOOST_TEST((one.normal == other.normal && one.inwards == other.inwards && one.along == other.along));
+            BOOST_TEST((one.foot == other.foot && one.base == other.base && one.altitude == other.altitude));
+            BOOST_TEST((one.normal_along == other.normal_along && one.normal_across == other.normal_across));
+            BOOST_TEST((one.base_edge == other.base_edge && one.is_box == other.is_box));
+            BOOST_TEST(one.turn == other.turn);
+        }
+    }
+    BOOST_TEST(boxes > 1000U);
+}
+
 BOOST_AUTO_TEST_CASE(frames_made_together_are_those_made_one_by_one) {
     Random random(9);
     std::vector<Vec3> vertices;
@@ -128,25 +149,19 @@ BOOST_AUTO_TEST_CASE(frames_made_together_are_those_made_one_by_one) {
         vertices.insert(vertices.end(), {a, b, c});
         triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
-    const Mesh mesh(vertices, triangles, "triangles");
-    const LatticeView lattice{{0.3, -2, 7}, 0.125};
-    std::vector<polyhedra::TriangleFrame> together(triangles.size());
-    polyhedra::triangle_frames(mesh, triangles, lattice, together);
-    std::size_t boxes = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const auto& [a, b, c] = triangles[i];
-        const polyhedra::TriangleFrame one = triangle_frame({vertices[a], vertices[b], vertices[c]}, lattice);
-        const polyhedra::TriangleFrame& other = together[i];
-        boxes += one.is_box ? 1U : 0U;
-        BOOST_TEST_CONTEXT("triangle " << i) {
-            BOOST_TEST((one.normal == other.normal && one.inwards == other.inwards && one.along == other.along));
-            BOOST_TEST((one.foot == other.foot && one.base == other.base && one.altitude == other.altitude));
-            BOOST_TEST((one.normal_along == other.normal_along && one.normal_across == other.normal_across));
-            BOOST_TEST((one.base_edge == other.base_edge && one.is_box == other.is_box));
-            BOOST_TEST(one.turn == other.turn);
-        }
+    // Sides of equal length, in every order: the first of them is the base.
+    for (std::uint32_t i = 0; i < 16; ++i) {
+        const auto first = static_cast<std::uint32_t>(vertices.size());
+        const double height = i % 2 == 0 ? 2 : 0.5;
+        vertices.insert(vertices.end(), {Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, height, 0}});
+        triangles.push_back({first + i % 3, first + (i + 1) % 3, first + (i + 2) % 3});
+        vertices.insert(vertices.end(), {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
+        triangles.push_back({first + 3 + i % 3, first + 3 + (i + 1) % 3, first + 3 + (i + 2) % 3});
     }
-    BOOST_TEST(boxes > 1000U);
+    for (const double unit : {0.125, 0.3}) check_frames_made_together(vertices, triangles, {{0.3, -2, 7}, unit});
+    // The reciprocal of this unit is infinite.
+    for (Vec3& vertex : vertices) vertex = along({}, 1e-305, vertex);
+    check_frames_made_together(vertices, triangles, {{}, 1e-310});
 }
 
 BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {

@@ -1,4 +1,4 @@
-#include "polyhedra/dihedral.hpp"
+#include "polyhedra/side_of_plane.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 

@@ -68,7 +68,7 @@ void for_each_edge(const std::vector<EdgeEntry>& entries, const Function& f) {
 }
 
 /// Whether three faces or more meet at an edge, or one that has a vertex twice takes it twice.
-inline bool is_crowded(std::span<const EdgeEntry> faces) {
+inline bool is_non_manifold(std::span<const EdgeEntry> faces) {
     return faces.size() > 2 || (faces.size() == 2 && faces[0].edge().face == faces[1].edge().face);
 }
 

@@ -1,6 +1,6 @@
-#include "polyhedra/crowded_edges.hpp"
+#include "polyhedra/non_manifold_edges.hpp"
 
-#include "polyhedra/edges_above.hpp"
+#include "polyhedra/edges_of_vertex.hpp"
 #include "polyhedra/parallel.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
@@ -50,16 +50,17 @@ void set_around(std::span<const EdgeEntry> faces, std::span<const TriangleFrame>
 
 }  // namespace
 
-std::vector<EdgeSlope> crowded_slopes(const MeshFaces& faces, const OneRings& rings, PairedEdges& edges, float open) {
-    std::vector<EdgeSlope> slopes(edges.crowded_corners);
+std::vector<EdgeSlope> non_manifold_slopes(const MeshFaces& faces, const OneRings& rings, PairedEdges& edges,
+                                           float open) {
+    std::vector<EdgeSlope> slopes(edges.non_manifold_corners);
     std::atomic<std::size_t> taken = 0;
-    for_each_range(edges.crowded.size(), [&](std::size_t begin, std::size_t end) {
+    for_each_range(edges.non_manifold_ends.size(), [&](std::size_t begin, std::size_t end) {
         std::vector<EdgeEntry> entries;
         std::vector<TriangleFrame> frames;
         for (std::size_t i = begin; i < end; ++i) {
-            edges_above(faces.triangles, rings, edges.crowded[i], entries);
+            edges_above(faces.triangles, rings, edges.non_manifold_ends[i], entries);
             for_each_edge(entries, [&](std::span<const EdgeEntry> edge) {
-                if (!is_crowded(edge)) return;
+                if (!is_non_manifold(edge)) return;
                 const std::size_t place = taken.fetch_add(edge.size());
                 frames.clear();
                 for (const EdgeEntry& entry : edge) frames.push_back(faces.frame(entry.edge().face));
