@@ -1,6 +1,6 @@
 #include "mesh/directed_edges.hpp"
 
-#include "polyhedra/parallel.hpp"
+#include "core/parallel.hpp"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -52,7 +52,7 @@ DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t ve
     higher_.resize(start_.back());
     for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t higher) { higher_[start_[lower + 1]++] = higher; });
     start_.pop_back();
-    polyhedra::for_each_index(vertex_count, [&](std::size_t v) {
+    for_each_index(vertex_count, [&](std::size_t v) {
         std::sort(higher_.begin() + static_cast<std::ptrdiff_t>(start_[v]),
                   higher_.begin() + static_cast<std::ptrdiff_t>(start_[v + 1]));
     });

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/uninitialized_vector.hpp"
+#include "core/uninitialized_vector.hpp"
 
 #include <clsdf/mesh.hpp>
 
@@ -26,7 +26,7 @@ public:
 
 private:
     std::vector<std::size_t> start_;  // of each vertex in higher_, and the end of the last
-    polyhedra::UninitializedVector<std::uint32_t> higher_;
+    UninitializedVector<std::uint32_t> higher_;
 };
 
 bool has_repeated_vertex(const Triangle& triangle);

@@ -1,6 +1,6 @@
 #include "mesh/equal_vertices.hpp"
 
-#include "polyhedra/parallel.hpp"
+#include "core/parallel.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -77,7 +77,7 @@ HashGroups::HashGroups(std::span<const std::uint64_t> hashes) {
 
 std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) {
     std::vector<std::uint64_t> hashes(vertices.size());
-    polyhedra::for_each_index(vertices.size(), [&](std::size_t v) { hashes[v] = hash_of(key_of(vertices[v])); });
+    for_each_index(vertices.size(), [&](std::size_t v) { hashes[v] = hash_of(key_of(vertices[v])); });
     const HashGroups groups(hashes);
     std::vector<std::uint32_t> first(vertices.size());
     tbb::parallel_for(std::size_t{0}, groups.count(), [&](std::size_t g) {

@@ -1,8 +1,8 @@
 #include <clsdf/topology.hpp>
 
+#include "core/parallel.hpp"
 #include "mesh/directed_edges.hpp"
 #include "mesh/equal_vertices.hpp"
-#include "polyhedra/parallel.hpp"
 
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
@@ -30,7 +30,7 @@ void count_vertices(std::span<const Triangle> triangles, std::span<const std::ui
         const std::atomic_ref shared(flag);
         if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
     };
-    polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
+    for_each_index(triangles.size(), [&](std::size_t t) {
         for (const std::uint32_t index : triangles[t]) {
             set(used[index]);
             set(represented[first[index]]);
@@ -45,7 +45,7 @@ void count_vertices(std::span<const Triangle> triangles, std::span<const std::ui
 
 std::vector<Triangle> triangles_over(std::span<const std::uint32_t> first, std::span<const Triangle> triangles) {
     std::vector<Triangle> result(triangles.size());
-    polyhedra::for_each_index(triangles.size(), [&](std::size_t t) {
+    for_each_index(triangles.size(), [&](std::size_t t) {
         for (std::size_t k = 0; k < 3; ++k) result[t][k] = first[triangles[t][k]];
     });
     return result;

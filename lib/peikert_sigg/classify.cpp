@@ -1,6 +1,6 @@
 #include "peikert_sigg/surface.hpp"
 
-#include "polyhedra/parallel.hpp"
+#include "core/parallel.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

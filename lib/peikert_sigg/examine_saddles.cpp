@@ -1,5 +1,5 @@
+#include "core/parallel.hpp"
 #include "peikert_sigg/gap_test.hpp"
-#include "polyhedra/parallel.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -29,7 +29,7 @@ SaddleReport examine_saddles(const Mesh& mesh) {
     std::atomic<std::size_t> decisions = 0;
     std::atomic<std::size_t> exact_decisions = 0;
     tbb::enumerable_thread_specific<polyhedra::VertexFans> fans_of_thread;
-    polyhedra::for_each_index(marks.size(), [&](std::size_t vertex) {
+    for_each_index(marks.size(), [&](std::size_t vertex) {
         polyhedra::VertexFans& fans = fans_of_thread.local();
         if (surface.kind(vertex, fans) != VertexKind::saddle) return;
         const Fan fan = fan_at(surface, vertex, fans);

@@ -1,7 +1,7 @@
 #include "peikert_sigg/peikert_sigg_polyhedra.hpp"
 
+#include "core/parallel.hpp"
 #include "peikert_sigg/gap_test.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
 #include <tbb/enumerable_thread_specific.h>

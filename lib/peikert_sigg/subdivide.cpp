@@ -1,5 +1,5 @@
+#include "core/parallel.hpp"
 #include "peikert_sigg/gap_test.hpp"
-#include "polyhedra/parallel.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -47,9 +47,8 @@ Remedy remedy_for(const Surface& surface, std::size_t vertex, VertexFans& fans) 
 std::vector<Remedy> remedies(const Surface& surface) {
     std::vector<Remedy> result(surface.mesh().vertices().size());
     tbb::enumerable_thread_specific<VertexFans> fans_of_thread;
-    polyhedra::for_each_index(result.size(), [&](std::size_t vertex) {
-        result[vertex] = remedy_for(surface, vertex, fans_of_thread.local());
-    });
+    for_each_index(result.size(),
+                   [&](std::size_t vertex) { result[vertex] = remedy_for(surface, vertex, fans_of_thread.local()); });
     return result;
 }
 

@@ -55,7 +55,7 @@ private:
     std::vector<Triangle> triangles_;
     std::vector<polyhedra::TriangleFrame> frames_;
     polyhedra::OneRings rings_;
-    polyhedra::UninitializedVector<polyhedra::FaceEdges> edges_;
+    UninitializedVector<polyhedra::FaceEdges> edges_;
 };
 
 }  // namespace clsdf::peikert_sigg

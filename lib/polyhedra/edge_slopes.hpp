@@ -1,15 +1,15 @@
 #pragma once
 
+#include "core/parallel.hpp"
+#include "core/uninitialized_vector.hpp"
 #include "polyhedra/face_edges.hpp"
 #include "polyhedra/lateral_plane.hpp"
 #include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/non_manifold_edges.hpp"
 #include "polyhedra/ordered_faces.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/plane_sides.hpp"
 #include "polyhedra/side_of_plane.hpp"
 #include "polyhedra/slopes.hpp"
-#include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
 #include <tbb/enumerable_thread_specific.h>

@@ -1,8 +1,8 @@
 #include "polyhedra/gaps.hpp"
 
+#include "core/parallel.hpp"
 #include "polyhedra/cone_search.hpp"
 #include "polyhedra/fan_screen.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/vertex_fans.hpp"
 
 #include <tbb/enumerable_thread_specific.h>

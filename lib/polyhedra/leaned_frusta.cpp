@@ -1,5 +1,6 @@
 #include "polyhedra/leaned_frusta.hpp"
 
+#include "core/parallel.hpp"
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/gap_screen.hpp"
 #include "polyhedra/gaps.hpp"
@@ -10,7 +11,6 @@
 #include "polyhedra/ordered_faces.hpp"
 #include "polyhedra/pack.hpp"
 #include "polyhedra/pair_edges.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/point_site.hpp"
 #include "polyhedra/record_planes.hpp"
 

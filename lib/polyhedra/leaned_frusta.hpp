@@ -2,8 +2,8 @@
 
 #include <clsdf/mesh.hpp>
 
+#include "core/uninitialized_vector.hpp"
 #include "polyhedra/lattice_view.hpp"
-#include "polyhedra/uninitialized_vector.hpp"
 #include "polyhedron.h"
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 #include "polyhedra/morton_order.hpp"
 
+#include "core/parallel.hpp"
 #include "core/several_targets.hpp"
 #include "polyhedra/lanes.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/prefetch.hpp"
 #include "polyhedra/vector.hpp"
 

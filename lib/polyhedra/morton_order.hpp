@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/uninitialized_vector.hpp"
+#include "core/uninitialized_vector.hpp"
 
 #include <clsdf/mesh.hpp>
 

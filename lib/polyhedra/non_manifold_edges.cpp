@@ -1,7 +1,7 @@
 #include "polyhedra/non_manifold_edges.hpp"
 
+#include "core/parallel.hpp"
 #include "polyhedra/edges_of_vertex.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/wedge_batch.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "polyhedra/one_rings.hpp"
 
-#include "polyhedra/parallel.hpp"
+#include "core/parallel.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -1,7 +1,7 @@
 #include "polyhedra/ordered_faces.hpp"
 
+#include "core/parallel.hpp"
 #include "polyhedra/one_rings.hpp"
-#include "polyhedra/parallel.hpp"
 
 namespace clsdf::polyhedra {
 

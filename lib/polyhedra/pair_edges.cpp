@@ -1,8 +1,8 @@
 #include "polyhedra/pair_edges.hpp"
 
+#include "core/parallel.hpp"
 #include "core/several_targets.hpp"
 #include "polyhedra/edges_of_vertex.hpp"
-#include "polyhedra/parallel.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/uninitialized_vector.hpp"
 #include "polyhedra/face_edges.hpp"
 #include "polyhedra/one_rings.hpp"
-#include "polyhedra/uninitialized_vector.hpp"
 
 #include <cstddef>
 #include <cstdint>

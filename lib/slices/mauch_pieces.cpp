@@ -1,10 +1,10 @@
 #include "slices/mauch_pieces.hpp"
 
+#include "core/parallel.hpp"
 #include "polyhedra/edges_of_vertex.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/pack.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/triangle_frame.hpp"
 #include "slices/mauch_cone.hpp"
 #include "slices/record_frame.hpp"

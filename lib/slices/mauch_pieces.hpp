@@ -6,7 +6,7 @@
 namespace clsdf::slices {
 
 struct MauchPieces {
-    polyhedra::UninitializedVector<Polyhedron> polyhedra;  ///< of the triangles, for the distances alone: no slopes
+    UninitializedVector<Polyhedron> polyhedra;  ///< of the triangles, for the distances alone: no slopes
     ConvexPieces pieces;
     std::size_t towers = 0;
     std::size_t wedges = 0;

@@ -1,8 +1,8 @@
 #include "slices/peikert_sigg_pieces.hpp"
 
+#include "core/parallel.hpp"
 #include "peikert_sigg/peikert_sigg_polyhedra.hpp"
 #include "polyhedra/pack.hpp"
-#include "polyhedra/parallel.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 namespace clsdf::slices {
@@ -28,7 +28,7 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
     PeikertSiggPieces result;
     result.closed_gaps = paper.closings.size();
     result.polyhedra.resize(paper.polyhedra.size());
-    polyhedra::for_each_index(paper.polyhedra.size(), [&](std::size_t i) {
+    for_each_index(paper.polyhedra.size(), [&](std::size_t i) {
         const std::uint32_t index = paper.polyhedra[i].triangle;
         const auto& [a, b, c] = mesh.triangles()[index];
         const std::array<Vec3, 3> corners{mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]};

@@ -6,9 +6,9 @@
 namespace clsdf::slices {
 
 struct PeikertSiggPieces {
-    polyhedra::UninitializedVector<Polyhedron> polyhedra;  ///< for the distances alone: without slopes
-    ConvexPieces pieces;                                   ///< one a polyhedron
-    std::size_t closed_gaps = 0;                           ///< vertices at which the published test fails
+    UninitializedVector<Polyhedron> polyhedra;  ///< for the distances alone: without slopes
+    ConvexPieces pieces;                        ///< one a polyhedron
+    std::size_t closed_gaps = 0;                ///< vertices at which the published test fails
 };
 
 /// The polyhedra that Peikert & Sigg published (lib/peikert_sigg), for a band of `half_width` units. They are not

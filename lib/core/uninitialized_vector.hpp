@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace clsdf::polyhedra {
+namespace clsdf {
 
 /// Takes the memory of large arrays from `scratch` where there is one; it must outlive them.
 template <typename T>
@@ -60,4 +60,4 @@ struct DefaultInitializingAllocator {
 template <typename T>
 using UninitializedVector = std::vector<T, DefaultInitializingAllocator<T>>;
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf

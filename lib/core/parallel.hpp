@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace clsdf::polyhedra {
+namespace clsdf {
 
 /// Calls f(begin, end) for ranges that cover [0, count), on all cores. f writes only what belongs to its indices, so
 /// results are the same for any number of threads.
@@ -37,4 +37,4 @@ void for_each_stretch(std::size_t count, std::size_t size, const Function& f) {
                       [&](std::size_t stretch) { f(stretch, stretch * size, std::min(count, (stretch + 1) * size)); });
 }
 
-}  // namespace clsdf::polyhedra
+}  // namespace clsdf
