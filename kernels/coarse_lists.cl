@@ -149,7 +149,7 @@ __kernel void coarse_count(Layout layout, uint count, __global const Polyhedron*
                 for (int x = start.x; x <= range.high.x; x += 4) {
                     const int3 group = (int3)(x, y, z), relative = group - first;
                     if (!uniform_caps) greatest = load_caps(caps + coarse_cap_place(layout, x, y, z), group_caps);
-                    const ulong near = near_bricks(layout, cluster, group, group_caps) & group_in_range(group, range);
+                    const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_caps);
                     if (!near) continue;
                     const float slack = greatest * layout.slack_rate + layout.coarse_slack;
                     const int base = (relative.z * size.y + relative.y) * size.x + relative.x;
