@@ -71,6 +71,12 @@ public:
           touch_counts_(pool->lease(parts_ * sizeof(cl_uint), "touches of the coarse lists")),
           touch_starts_(pool->lease((parts_ + 1) * sizeof(cl_uint), "touches of the coarse lists")) {}
 
+    CoarseListMaker(const CoarseListMaker&) = delete;
+    CoarseListMaker& operator=(const CoarseListMaker&) = delete;
+    ~CoarseListMaker() {
+        if (!room_starts_.empty()) clFinish(queue_());  // what is under way reads them
+    }
+
     CoarseLists make() {
         CoarseLists lists;
         lists.parts = parts_;
@@ -82,8 +88,11 @@ public:
                            "pairs of a triangle and a coarse brick");
         constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
         lists.entries = pool_->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        std::vector<cl_uint> starts(counters_ + 1);
+        queue_.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
         write_entries(*lists.starts, *lists.entries);
-        order_by_length(lists);
+        queue_.flush();
+        order_by_length(lists, starts);
         return lists;
     }
 
@@ -176,14 +185,17 @@ private:
             queue_.enqueueReadBuffer(*touch_counts_, CL_TRUE, 0, parts_ * sizeof(cl_uint), found.data());
             all_kept = std::equal(found.begin(), found.end(), room.begin(), std::less_equal<>());
         }
+        room_starts_.clear();
         touch_count_ = std::accumulate(found.begin(), found.end(), std::size_t{0});
     }
 
     /// For so many touches of each part.
     void make_room(const std::vector<cl_uint>& touches_of_parts) {
-        std::vector<cl_uint> starts(parts_ + 1);
-        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), starts.begin() + 1);
-        queue_.enqueueWriteBuffer(*touch_starts_, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
+        room_starts_.resize(parts_ + 1);
+        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), room_starts_.begin() + 1);
+        // Not waited for: what they make room for is.
+        queue_.enqueueWriteBuffer(*touch_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
+                                  room_starts_.data());
         touches_ = {};  // the smaller one goes back first
         touches_ = pool_->lease(
             sizeof(Touch) * std::accumulate(touches_of_parts.begin(), touches_of_parts.end(), std::size_t{0}),
@@ -215,9 +227,7 @@ private:
 
     /// The long lists first, so that cores end together; among those of like length neighbours follow each other,
     /// because they share polyhedra (measured: a tenth of the bricks' time).
-    void order_by_length(CoarseLists& lists) const {
-        std::vector<cl_uint> starts(counters_ + 1);
-        queue_.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
+    void order_by_length(CoarseLists& lists, const std::vector<cl_uint>& starts) const {
         const auto length = [&](cl_uint brick) {
             return starts[(std::size_t{brick} + 1) * parts_] - starts[std::size_t{brick} * parts_];
         };
@@ -243,6 +253,7 @@ private:
     device::BufferPool::Lease histograms_;
     device::BufferPool::Lease touch_counts_;
     device::BufferPool::Lease touch_starts_;  ///< where the room for each part's touches begins
+    std::vector<cl_uint> room_starts_;        ///< the same here
     device::BufferPool::Lease touches_;
     std::size_t touch_count_ = 0;
 };

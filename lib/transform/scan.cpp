@@ -7,6 +7,14 @@
 
 namespace clsdf::transform {
 
+namespace {
+
+enum SumsArgument : cl_uint { sums_count, sums_values, sums_sums };
+enum OffsetsArgument : cl_uint { offsets_parts, offsets_sums };
+enum WriteArgument : cl_uint { write_count, write_values, write_sums, write_starts };
+
+}  // namespace
+
 std::size_t scan(device::Context& context, const cl::Program& program, const std::shared_ptr<device::BufferPool>& pool,
                  const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what) {
     if (count >= std::numeric_limits<cl_uint>::max())
@@ -22,21 +30,21 @@ std::size_t scan(device::Context& context, const cl::Program& program, const std
         const auto values_count = static_cast<cl_uint>(count);
 
         cl::Kernel sum_kernel(program, "scan_sums");
-        sum_kernel.setArg(0, values_count);
-        sum_kernel.setArg(1, values);
-        sum_kernel.setArg(2, *sums);
+        sum_kernel.setArg(sums_count, values_count);
+        sum_kernel.setArg(sums_values, values);
+        sum_kernel.setArg(sums_sums, *sums);
         queue.enqueueNDRangeKernel(sum_kernel, cl::NullRange, cl::NDRange(parts), cl::NDRange(group));
 
         cl::Kernel offset_kernel(program, "scan_offsets");
-        offset_kernel.setArg(0, static_cast<cl_uint>(parts));
-        offset_kernel.setArg(1, *sums);
+        offset_kernel.setArg(offsets_parts, static_cast<cl_uint>(parts));
+        offset_kernel.setArg(offsets_sums, *sums);
         queue.enqueueNDRangeKernel(offset_kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
 
         cl::Kernel write_kernel(program, "scan_write");
-        write_kernel.setArg(0, values_count);
-        write_kernel.setArg(1, values);
-        write_kernel.setArg(2, *sums);
-        write_kernel.setArg(3, starts);
+        write_kernel.setArg(write_count, values_count);
+        write_kernel.setArg(write_values, values);
+        write_kernel.setArg(write_sums, *sums);
+        write_kernel.setArg(write_starts, starts);
         queue.enqueueNDRangeKernel(write_kernel, cl::NullRange, cl::NDRange(parts), cl::NDRange(group));
 
         cl_ulong total = 0;

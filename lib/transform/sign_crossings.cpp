@@ -37,13 +37,13 @@ public:
           small_kernel_(programs.sign_sweep, "sign_crossings"),
           large_kernel_(programs.sign_sweep, "sign_crossings_of_large") {
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(0, layout);
-            kernel->setArg(3, mesh.triangles);
-            kernel->setArg(4, mesh.vertices);
-            kernel->setArg(5, cl_int{mesh.bits_y});
-            kernel->setArg(6, cl_int{mesh.bits_z});
-            kernel->setArg(10, *totals_);
-            kernel->setArg(11, *large_);
+            kernel->setArg(arg_layout, layout);
+            kernel->setArg(arg_triangles, *mesh.triangles);
+            kernel->setArg(arg_vertices, *mesh.vertices);
+            kernel->setArg(arg_bits_y, cl_int{mesh.bits_y});
+            kernel->setArg(arg_bits_z, cl_int{mesh.bits_z});
+            kernel->setArg(arg_totals, *totals_);
+            kernel->setArg(arg_large, *large_);
         }
     }
 
@@ -54,9 +54,9 @@ public:
     std::size_t find(const Crossings& crossings, std::size_t capacity) {
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(7, *crossings.row_counts);
-            kernel->setArg(8, static_cast<cl_uint>(capacity));
-            kernel->setArg(9, *crossings.records);
+            kernel->setArg(arg_row_counts, *crossings.row_counts);
+            kernel->setArg(arg_capacity, static_cast<cl_uint>(capacity));
+            kernel->setArg(arg_records, *crossings.records);
         }
         launches_.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
             enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
@@ -66,6 +66,22 @@ public:
     }
 
 private:
+    /// Of both kernels.
+    enum Argument : cl_uint {
+        arg_layout,
+        arg_begin,
+        arg_end,
+        arg_triangles,
+        arg_vertices,
+        arg_bits_y,
+        arg_bits_z,
+        arg_row_counts,
+        arg_capacity,
+        arg_records,
+        arg_totals,
+        arg_large
+    };
+
     std::size_t find_large(const SweepTotals& totals) {
         const std::size_t strips = std::min(totals.largest_rows / rows_per_item + 1, most_strips);
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
@@ -80,8 +96,8 @@ private:
 
     void enqueue(cl::Kernel& kernel, std::size_t begin, std::size_t end, const cl::NDRange& items,
                  const cl::NDRange& group) const {
-        kernel.setArg(1, static_cast<cl_uint>(begin));
-        kernel.setArg(2, static_cast<cl_uint>(end));
+        kernel.setArg(arg_begin, static_cast<cl_uint>(begin));
+        kernel.setArg(arg_end, static_cast<cl_uint>(end));
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
     }
 
