@@ -111,7 +111,7 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         std::unique_ptr<device::HostFilling> filling;
         const auto memory = [&](std::size_t count) {
             const std::size_t bytes = count * sizeof(Polyhedron);
-            auto larger = std::make_unique<device::HostFilling>(context, pool->lease(bytes, "polyhedra"), bytes);
+            auto larger = std::make_unique<device::HostFilling>(context, pool, bytes, "polyhedra");
             const std::span<Polyhedron> filled(static_cast<Polyhedron*>(larger->memory()), count);
             std::copy(records.begin(), records.end(), filled.begin());
             filling = std::move(larger);

@@ -1,5 +1,7 @@
 #include "transform/scan.hpp"
 
+#include "transform/programs.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,8 +24,7 @@ std::size_t scan(device::Context& context, const cl::Program& program, const std
                     fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
     return device::guarded([&] {
         // A part of some hundred values: enough of them to fill a GPU, few enough for one work-item to scan their sums.
-        // In groups of one size, because PoCL compiles a kernel for each size anew.
-        constexpr std::size_t group = 64;
+        constexpr std::size_t group = common_group;
         const std::size_t parts = std::clamp<std::size_t>(count / 256 / group, 1, 4096 / group) * group;
         const auto sums = pool->lease((parts + 1) * sizeof(cl_ulong), "sums of a scan");
         const cl::CommandQueue& queue = context.queue();

@@ -14,6 +14,7 @@ namespace {
 // Crossings that there is room for at first, for each row on average (see sign_bytes_of_slice). Where there are more
 // crossings, they are found twice.
 constexpr std::size_t records_per_row = 4;
+constexpr const char* records_purpose = "crossings of the sign's sweep";
 
 // Measured on a core, and rounded up.
 constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
@@ -87,9 +88,8 @@ private:
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         launches_.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
-            constexpr std::size_t group = 64;
-            enqueue(large_kernel_, begin, end, cl::NDRange((end - begin + group - 1) / group * group, strips),
-                    cl::NDRange(group, 1));
+            enqueue(large_kernel_, begin, end, cl::NDRange(in_whole_groups(end - begin), strips),
+                    cl::NDRange(common_group, 1));
         });
         return read_totals().records;
     }
@@ -129,13 +129,19 @@ Crossings find_crossings(device::Context& context, const Programs& programs,
     crossings.row_counts = pool->lease(rows * sizeof(cl_uint), "counts of the sign's crossings");
     const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),
                                                    std::numeric_limits<cl_uint>::max());
-    for (std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);;
-         capacity = crossings.record_count) {
+    // The first capacity is a guess. Where there is no memory for it, crossings are only counted at first.
+    std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);
+    if (auto guess = pool->lease_if_it_fits(capacity * sizeof(SweepRecord), records_purpose))
+        crossings.records = std::move(*guess);
+    else
+        crossings.records = pool->lease(capacity = 0, records_purpose);
+    for (;;) {
         context.queue().enqueueFillBuffer(*crossings.row_counts, cl_uint{0}, 0, rows * sizeof(cl_uint));
-        crossings.records = {};  // the smaller one goes back first
-        crossings.records = pool->lease(capacity * sizeof(SweepRecord), "crossings of the sign's sweep");
         crossings.record_count = search.find(crossings, capacity);
         if (crossings.record_count <= capacity) return crossings;
+        capacity = crossings.record_count;
+        crossings.records = {};  // the smaller one goes back first
+        crossings.records = pool->lease(capacity * sizeof(SweepRecord), records_purpose);
     }
 }
 

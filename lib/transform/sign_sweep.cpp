@@ -15,11 +15,8 @@ namespace {
 constexpr double seconds_per_record = 2e-8;
 constexpr double seconds_per_word = 5e-9;  // of sign bits
 
-constexpr std::size_t group = 64;
-
-std::size_t whole_groups(std::size_t items) {
-    return (items + group - 1) / group * group;
-}
+// Rows that lie together, most of which meet no surface, of one work-item on a processor.
+constexpr std::size_t rows_of_a_core = 64;
 
 enum ScatterArgument : cl_uint { scatter_begin, scatter_end, scatter_records, scatter_starts, scatter_keys };
 enum RowsArgument : cl_uint {
@@ -51,8 +48,8 @@ device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& 
     launches.over(crossings.record_count, seconds_per_record, [&](std::size_t begin, std::size_t end) {
         scatter.setArg(scatter_begin, static_cast<cl_uint>(begin));
         scatter.setArg(scatter_end, static_cast<cl_uint>(end));
-        context.queue().enqueueNDRangeKernel(scatter, cl::NullRange, cl::NDRange(whole_groups(end - begin)),
-                                             cl::NDRange(group));
+        context.queue().enqueueNDRangeKernel(scatter, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
+                                             cl::NDRange(common_group));
     });
     return keys;
 }
@@ -78,8 +75,7 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
         const auto keys = keys_by_row(context, programs, pool, crossings, rows, *starts, launches);
 
         cl::Kernel sweep(programs.sign_sweep, "sign_rows");
-        // On a processor a work-item takes rows that lie together, most of which it clears.
-        const std::size_t item_rows = programs.body == KernelBody::by_group ? 1 : group;
+        const std::size_t item_rows = programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
         sweep.setArg(rows_layout, layout);
         sweep.setArg(rows_per_item, static_cast<cl_uint>(item_rows));
         sweep.setArg(rows_parity, cl_int{rule == SignRule::parity ? 1 : 0});
@@ -93,8 +89,7 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
             sweep.setArg(rows_end, static_cast<cl_uint>(end));
             const std::size_t items = (end - begin + item_rows - 1) / item_rows;
             const std::size_t items_of_group = programs.part_group();
-            queue.enqueueNDRangeKernel(sweep, cl::NullRange,
-                                       cl::NDRange((items + items_of_group - 1) / items_of_group * items_of_group),
+            queue.enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
                                        cl::NDRange(items_of_group));
         });
         queue.finish();  // the transient buffers go back to the pool
