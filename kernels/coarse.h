@@ -5,8 +5,10 @@
 
 #include "layout.h"
 
-// Coarse bricks are taken by groups of 4 x 4 x 4, 64 bits, which tile the lattice from its sample (0, 0, 0) too.
+// Coarse bricks are taken by groups of 4 x 4 x 4, 64 bits, which tile the lattice from its sample (0, 0, 0) too: 16
+// columns along z.
 #define CLSDF_COARSE_GROUP 64
+#define CLSDF_COARSE_COLUMNS 16
 
 #ifndef __OPENCL_VERSION__
 namespace clsdf {

@@ -107,13 +107,14 @@ INLINE float3 first_centre(Layout layout, Cluster cluster, int3 start) {
     return (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * vload3(0, layout.spacing);
 }
 
-// The bricks of a group of which some sample may lie within the brick's cap of the cluster.
-INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, __private const float* caps) {
+// Those of the `wanted` bricks of a group of which some sample may lie within the brick's cap of the cluster.
+INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wanted, __private const float* caps) {
     const float3 spacing = vload3(0, layout.spacing), side = CLSDF_COARSE * spacing;
     const float3 half_lengths = 0.5f * (cluster.to - cluster.from) + COARSE_CENTRE * spacing;
     const float3 middles = first_centre(layout, cluster, start) - 0.5f * (cluster.from + cluster.to);
     ulong near = 0;
     for (uint first = 0; first < CLSDF_COARSE_GROUP; first += LANES) {
+        if ((wanted >> first & LANE_BITS) == 0) continue;
         const uintL block = LANE_NUMBERS + first;
         const floatL x = gap_between(convert_floatL(block & 3u) * side.x + middles.x, half_lengths.x),
                      y = gap_between(convert_floatL(block >> 2 & 3u) * side.y + middles.y, half_lengths.y),
@@ -121,7 +122,7 @@ INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, __private c
         const floatL reach = load_lanes(0, caps + first) + layout.coarse_slack;
         near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= reach * reach) << first;
     }
-    return near;
+    return near & wanted;
 }
 
 // The cluster's polyhedra at a group of coarse bricks.

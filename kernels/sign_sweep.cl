@@ -67,9 +67,12 @@ INLINE void leave_records(Writer writer) {
 INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, double wa, double wb, double wc,
                            uint row, uint faces_back, __private Writer* writer) {
     const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
-    const double sample =
-        clamp(ceil(x) - (double)(layout.brick_first[0] * CLSDF_BRICK), 0.0, (double)(layout.bricks[0] * CLSDF_BRICK));
-    write_crossing(writer, row, 2 * (uint)sample + faces_back);
+    // The least integer not below x: PoCL's ceil is two dozen operations.
+    const int first = layout.brick_first[0] * CLSDF_BRICK, end = first + layout.bricks[0] * CLSDF_BRICK;
+    const double limited = clamp(x, (double)first, (double)end);
+    const int truncated = (int)limited;
+    const uint sample = (uint)(truncated + (limited > truncated) - first);
+    write_crossing(writer, row, 2 * sample + faces_back);
 }
 
 // The crossings of some rows of a triangle's box.

@@ -68,6 +68,15 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     });
 }
 
+std::optional<BufferPool::Lease> BufferPool::lease_if_it_fits(std::size_t bytes, const char* purpose) {
+    try {
+        return lease(bytes, purpose);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::out_of_memory) throw;
+        return std::nullopt;
+    }
+}
+
 void BufferPool::trim() {
     const std::scoped_lock lock(mutex_);
     std::erase_if(free_, [](const Free& free) { return !free.used; });

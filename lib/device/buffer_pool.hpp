@@ -40,6 +40,9 @@ public:
     /// much memory left.
     Lease lease(std::size_t bytes, const char* purpose);
 
+    /// The same for what one can do without: nothing where it does not fit.
+    std::optional<Lease> lease_if_it_fits(std::size_t bytes, const char* purpose);
+
     /// Releases the free buffers that were not in use since the last call.
     void trim();
 

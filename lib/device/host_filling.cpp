@@ -4,9 +4,11 @@
 
 namespace clsdf::device {
 
-HostFilling::HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes, bool in_place)
-    : context_(context), buffer_(std::move(buffer)), bytes_(bytes) {
+HostFilling::HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose,
+                         bool in_place)
+    : context_(context), pool_(std::move(pool)), bytes_(bytes), purpose_(purpose) {
     if (bytes_ > 0 && in_place) {
+        buffer_ = pool_->lease(bytes_, purpose_);
         memory_ = guarded([&] {
             return context_.queue().enqueueMapBuffer(*buffer_, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes_);
         });
@@ -27,11 +29,13 @@ HostFilling::~HostFilling() {
 }
 
 BufferPool::Lease HostFilling::finish() {
-    if (is_mapped_)
+    if (is_mapped_) {
         guarded([&] { unmap(); });
-    else if (bytes_ > 0)
-        guarded([&] { context_.queue().enqueueWriteBuffer(*buffer_, CL_TRUE, 0, bytes_, memory_); });
-    return std::move(buffer_);
+        return std::move(buffer_);
+    }
+    BufferPool::Lease buffer = pool_->lease(bytes_, purpose_);
+    if (bytes_ > 0) guarded([&] { context_.queue().enqueueWriteBuffer(*buffer, CL_TRUE, 0, bytes_, memory_); });
+    return buffer;
 }
 
 void HostFilling::unmap() {

@@ -12,9 +12,10 @@ namespace clsdf::device {
 /// copied at the end.
 class HostFilling {
 public:
-    HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes)
-        : HostFilling(context, std::move(buffer), bytes, context.capabilities().is_processor) {}
-    HostFilling(Context& context, BufferPool::Lease buffer, std::size_t bytes, bool in_place);
+    HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose)
+        : HostFilling(context, std::move(pool), bytes, purpose, context.capabilities().is_processor) {}
+    HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose,
+                bool in_place);
     HostFilling(const HostFilling&) = delete;
     HostFilling& operator=(const HostFilling&) = delete;
     ~HostFilling();
@@ -22,15 +23,18 @@ public:
     /// `bytes` bytes, their contents undefined; what has been written can be read.
     void* memory() const { return memory_; }
 
-    /// Hands the filled buffer over; nothing may be written to the memory any more.
+    /// Hands the filled buffer over, which is leased only now where it is not filled in place: of several fillings of
+    /// which all but the last are given up one is on the device. Nothing may be written to the memory any more.
     BufferPool::Lease finish();
 
 private:
     void unmap();
 
     Context& context_;
-    BufferPool::Lease buffer_;
+    std::shared_ptr<BufferPool> pool_;
     std::size_t bytes_;
+    const char* purpose_;
+    BufferPool::Lease buffer_;  // where it is mapped
     void* memory_ = nullptr;
     bool is_mapped_ = false;
     std::unique_ptr<std::byte[]> array_;  // where the buffer is not mapped

@@ -144,7 +144,12 @@ void ProgramCache::prune(const fs::path& newest) const {
 }
 
 fs::path default_cache_folder(bool driver_keeps_programs) {
-    if (const char* folder = std::getenv("CLSDF_CACHE_DIR")) return folder;
+    if (const char* folder = std::getenv("CLSDF_CACHE_DIR")) {
+        // A relative one would be another whenever the program goes to another folder.
+        std::error_code error;
+        const fs::path path = *folder == 0 ? fs::path() : fs::absolute(folder, error);
+        return error ? fs::path() : path;
+    }
     if (driver_keeps_programs) return {};
     // A relative path is to be ignored (XDG Base Directory Specification).
     if (const char* base = std::getenv("XDG_CACHE_HOME"); base != nullptr && fs::path(base).is_absolute())

@@ -18,11 +18,9 @@ namespace {
 constexpr std::size_t cap_points = 4096;
 
 // Measured on a core, and rounded up.
-constexpr double seconds_per_point = 1e-8;    // for a vector of bricks
+constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
 constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
 constexpr double seconds_per_touch = 5e-8;
-
-constexpr std::size_t group_size = CLSDF_COARSE_GROUP;
 
 std::size_t coarse_group_count(const Layout& layout) {
     std::size_t count = 1;
@@ -68,8 +66,14 @@ public:
           parts_(programs.parallel_parts(context, bricks_)),
           counters_(bricks_ * parts_),
           histograms_(pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
-          touch_counts_(pool->lease(parts_ * sizeof(cl_uint), "touches of the coarse lists")),
-          touch_starts_(pool->lease((parts_ + 1) * sizeof(cl_uint), "touches of the coarse lists")) {}
+          touch_counts_(pool->lease(parts_ * sizeof(cl_uint), touches_purpose)),
+          touch_starts_(pool->lease((parts_ + 1) * sizeof(cl_uint), touches_purpose)) {}
+
+    CoarseListMaker(const CoarseListMaker&) = delete;
+    CoarseListMaker& operator=(const CoarseListMaker&) = delete;
+    ~CoarseListMaker() {
+        if (!room_starts_.empty()) clFinish(queue_());  // what is under way reads them
+    }
 
     CoarseLists make() {
         CoarseLists lists;
@@ -82,12 +86,17 @@ public:
                            "pairs of a triangle and a coarse brick");
         constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
         lists.entries = pool_->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        std::vector<cl_uint> starts(counters_ + 1);
+        queue_.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
         write_entries(*lists.starts, *lists.entries);
-        order_by_length(lists);
+        queue_.flush();
+        order_by_length(lists, starts);
         return lists;
     }
 
 private:
+    static constexpr const char* touches_purpose = "touches of the coarse lists";
+
     enum CapsArgument : cl_uint { caps_layout, caps_count, caps_points, caps_caps, caps_first };
     enum PointsArgument : cl_uint { points_stride, points_count, points_polyhedra, points_points };
     enum CountArgument : cl_uint {
@@ -117,7 +126,7 @@ private:
     };
 
     device::BufferPool::Lease find_caps() {
-        const std::size_t bricks = coarse_group_count(layout_) * group_size;
+        const std::size_t bricks = coarse_group_count(layout_) * CLSDF_COARSE_GROUP;
         auto caps = pool_->lease(bricks * sizeof(float), "bounds of the coarse bricks");
         if (has_uniform_caps(layout_) || polyhedron_count_ == 0) {
             queue_.enqueueFillBuffer(*caps, layout_.half_width, 0, bricks * sizeof(float));
@@ -131,9 +140,8 @@ private:
         gather.setArg(points_count, static_cast<cl_uint>(count));
         gather.setArg(points_polyhedra, polyhedra_);
         gather.setArg(points_points, *points);
-        constexpr std::size_t group = 64;
-        queue_.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange((count + group - 1) / group * group),
-                                    cl::NDRange(group));
+        queue_.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(in_whole_groups(count)),
+                                    cl::NDRange(common_group));
 
         cl::Kernel kernel(programs_.coarse_lists, "coarse_caps");
         kernel.setArg(caps_layout, layout_);
@@ -143,10 +151,11 @@ private:
         const double seconds = seconds_per_point * static_cast<double>(count);
         // PoCL compiles a kernel anew for each size of a group: one size for all grids.
         const cl::NDRange alone = programs_.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
-        launches_.over(bricks / programs_.lanes, seconds, [&](std::size_t begin, std::size_t end) {
-            kernel.setArg(caps_first, static_cast<cl_uint>(begin));
-            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
-        });
+        launches_.over(coarse_group_count(layout_) * CLSDF_COARSE_COLUMNS / programs_.lanes, seconds,
+                       [&](std::size_t begin, std::size_t end) {
+                           kernel.setArg(caps_first, static_cast<cl_uint>(begin));
+                           queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
+                       });
         queue_.finish();  // the points go back to the pool
         return caps;
     }
@@ -166,28 +175,42 @@ private:
         const double seconds = seconds_per_cluster * groups_of_a_cluster(layout_) * static_cast<double>(clusters);
         const std::size_t expected = std::min(expected_touches(layout_, programs_.lanes) * polyhedron_count_,
                                               context_.capabilities().largest_allocation / sizeof(Touch) / 2);
-        std::vector<cl_uint> found(parts_, static_cast<cl_uint>(expected / parts_));
-        for (bool all_kept = false; !all_kept;) {
-            const std::vector<cl_uint> room = found;
-            make_room(room);
+        // The first room is a guess. Where there is no memory for it, touches are only counted at first.
+        std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
+        if (auto guess = pool_->lease_if_it_fits(bytes_of(room), touches_purpose))
+            touches_ = std::move(*guess);
+        else
+            make_room(room = std::vector<cl_uint>(parts_));
+        std::vector<cl_uint> found(parts_);
+        for (;;) {
+            place_parts(room);
             kernel.setArg(count_touch_starts, *touch_starts_);
             kernel.setArg(count_touches, *touches_);
             launch(kernel, count_step, count_steps, seconds);
             queue_.enqueueReadBuffer(*touch_counts_, CL_TRUE, 0, parts_ * sizeof(cl_uint), found.data());
-            all_kept = std::equal(found.begin(), found.end(), room.begin(), std::less_equal<>());
+            if (std::equal(found.begin(), found.end(), room.begin(), std::less_equal<>())) break;
+            make_room(room = found);
         }
+        room_starts_.clear();
         touch_count_ = std::accumulate(found.begin(), found.end(), std::size_t{0});
+    }
+
+    static std::size_t bytes_of(const std::vector<cl_uint>& touches_of_parts) {
+        return sizeof(Touch) * std::accumulate(touches_of_parts.begin(), touches_of_parts.end(), std::size_t{0});
     }
 
     /// For so many touches of each part.
     void make_room(const std::vector<cl_uint>& touches_of_parts) {
-        std::vector<cl_uint> starts(parts_ + 1);
-        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), starts.begin() + 1);
-        queue_.enqueueWriteBuffer(*touch_starts_, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
         touches_ = {};  // the smaller one goes back first
-        touches_ = pool_->lease(
-            sizeof(Touch) * std::accumulate(touches_of_parts.begin(), touches_of_parts.end(), std::size_t{0}),
-            "touches of the coarse lists");
+        touches_ = pool_->lease(bytes_of(touches_of_parts), touches_purpose);
+    }
+
+    /// Where the room for each part's touches begins. Not waited for: what they make room for is.
+    void place_parts(const std::vector<cl_uint>& touches_of_parts) {
+        room_starts_.assign(parts_ + 1, 0);
+        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), room_starts_.begin() + 1);
+        queue_.enqueueWriteBuffer(*touch_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
+                                  room_starts_.data());
     }
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
@@ -215,9 +238,7 @@ private:
 
     /// The long lists first, so that cores end together; among those of like length neighbours follow each other,
     /// because they share polyhedra (measured: a tenth of the bricks' time).
-    void order_by_length(CoarseLists& lists) const {
-        std::vector<cl_uint> starts(counters_ + 1);
-        queue_.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
+    void order_by_length(CoarseLists& lists, const std::vector<cl_uint>& starts) const {
         const auto length = [&](cl_uint brick) {
             return starts[(std::size_t{brick} + 1) * parts_] - starts[std::size_t{brick} * parts_];
         };
@@ -243,6 +264,7 @@ private:
     device::BufferPool::Lease histograms_;
     device::BufferPool::Lease touch_counts_;
     device::BufferPool::Lease touch_starts_;  ///< where the room for each part's touches begins
+    std::vector<cl_uint> room_starts_;        ///< the same here
     device::BufferPool::Lease touches_;
     std::size_t touch_count_ = 0;
 };

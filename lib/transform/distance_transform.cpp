@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <limits>
 #include <new>
+#include <optional>
 
 namespace clsdf {
 
@@ -55,10 +56,11 @@ struct DistanceTransform::State {
         }
     }
 
-    std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared, const Grid& grid,
+    std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared,
+                                           std::optional<transform::SweepMesh>& sweep_mesh, const Grid& grid,
                                            const Band& band, const Outputs& outputs) {
-        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), mesh, grid, band, sign,
-                                                  outputs, options, [this] { throw_if_stopped(); });
+        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), sweep_mesh, mesh, grid,
+                                                  band, sign, outputs, options, [this] { throw_if_stopped(); });
         pool->trim();
         return plan;
     }
@@ -117,8 +119,10 @@ void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabP
             };
         try {
             plan.enqueue(context.queue(), slot.distance.buffer(),
-                         plan.outputs.triangle ? slot.triangle.buffer() : cl::Buffer(), {}, between)
-                .wait();
+                         plan.outputs.triangle ? slot.triangle.buffer() : cl::Buffer(), {}, between);
+            slot.distance.enqueue_handover(context.queue());
+            if (plan.outputs.triangle) slot.triangle.enqueue_handover(context.queue());
+            context.queue().finish();
             plan.read_counters();
             plan.read_times(context.queue());
         } catch (...) {
@@ -136,6 +140,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     throw_if_stopped();
     pool->restart_peak();
     const auto prepared = prepare(grid, band);
+    std::optional<transform::SweepMesh> sweep_mesh;
     throw_if_stopped();
     statistics = {};
     const auto samples = static_cast<double>(grid.sample_count());
@@ -150,7 +155,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         transform::SlabPipeline::Slot& slot = pipeline.next();
         try {
             pipeline.place(slot, slab, outputs, part);
-            const auto plan = make_plan(prepared, slab, band, outputs);
+            const auto plan = make_plan(prepared, sweep_mesh, slab, band, outputs);
             throw_if_stopped();
             compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples);
             add(statistics, plan->statistics);
@@ -197,7 +202,8 @@ void DistanceTransform::set_stop(std::stop_token stop) {
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {
-    return Plan(state_->make_plan(state_->prepare(grid, band), grid, band, outputs));
+    std::optional<transform::SweepMesh> sweep_mesh;
+    return Plan(state_->make_plan(state_->prepare(grid, band), sweep_mesh, grid, band, outputs));
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOutputs& host) {

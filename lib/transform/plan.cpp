@@ -12,7 +12,8 @@
 namespace clsdf {
 
 Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
-                   std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
+                   std::shared_ptr<const transform::PreparedMesh> prepared_in,
+                   std::optional<transform::SweepMesh>& sweep_mesh, const Mesh& mesh, const Grid& grid_in,
                    const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options,
                    const std::function<void()>& between_launches)
     : device(std::move(device_in)),
@@ -27,8 +28,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     const Layout layout = transform::layout_of(grid, band, sign);
     const transform::ShortLaunches launches(context, between_launches);
     const Stopwatch sign_watch;
-    sign_bits_ =
-        transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, *prepared->triangles, launches);
+    sign_bits_ = transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, sweep_mesh, launches);
     statistics.sign_seconds = sign_watch.seconds();
     device::guarded([&] {
         const transform::BrickVariant variant{outputs.triangle, options.count, transform::has_long_bricks(grid)};

@@ -5,20 +5,22 @@
 #include "transform/field_scan.hpp"
 #include "transform/prepared_mesh.hpp"
 #include "transform/programs.hpp"
+#include "transform/sweep_mesh.hpp"
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace clsdf {
 
-/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs. `between_launches` of the
-/// set-up may throw.
+/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs, and so is what their
+/// set-up needs for the sign, which the first one makes. `between_launches` of the set-up may throw.
 struct Plan::State {
     State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
-          std::shared_ptr<const transform::PreparedMesh> prepared_in, const Mesh& mesh, const Grid& grid_in,
-          const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options,
-          const std::function<void()>& between_launches);
+          std::shared_ptr<const transform::PreparedMesh> prepared_in, std::optional<transform::SweepMesh>& sweep_mesh,
+          const Mesh& mesh, const Grid& grid_in, const Band& band_in, SignRule sign_in, const Outputs& outputs_in,
+          const TransformOptions& options, const std::function<void()>& between_launches);
 
     /// Waits for what is under way: its buffers go back to the pool.
     ~State();

@@ -76,7 +76,7 @@ PreparedPieces prepare_pieces(device::Context& context, const std::shared_ptr<de
 }  // namespace
 
 std::size_t PreparedMesh::device_bytes() const {
-    return polyhedra.bytes() + triangles.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
+    return polyhedra.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
 }
 
 PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
@@ -111,7 +111,7 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         std::unique_ptr<device::HostFilling> filling;
         const auto memory = [&](std::size_t count) {
             const std::size_t bytes = count * sizeof(Polyhedron);
-            auto larger = std::make_unique<device::HostFilling>(context, pool->lease(bytes, "polyhedra"), bytes);
+            auto larger = std::make_unique<device::HostFilling>(context, pool, bytes, "polyhedra");
             const std::span<Polyhedron> filled(static_cast<Polyhedron*>(larger->memory()), count);
             std::copy(records.begin(), records.end(), filled.begin());
             filling = std::move(larger);
@@ -131,8 +131,6 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
                 prepare_pieces(context, pool, slices::leaned_pieces(records, widths.half_width, widths.slack, layout));
         prepared.polyhedra = filling->finish();
     }
-    prepared.triangles =
-        upload(context, pool, mesh.triangles().data(), mesh.triangles().size() * sizeof(Triangle), "triangles");
     prepared.seconds = watch.seconds();
     return prepared;
 }

@@ -32,7 +32,6 @@ struct PreparedPieces {
 /// A mesh on the device, as seen from one grid with one band: what all parts of the grid share.
 struct PreparedMesh {
     device::BufferPool::Lease polyhedra;
-    device::BufferPool::Lease triangles;
     std::optional<PreparedPieces> pieces;  ///< for the scan by slices
     std::size_t record_count = 0;
     std::size_t polyhedron_count = 0;  ///< of Mauch's kind more than records

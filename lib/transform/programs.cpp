@@ -81,7 +81,7 @@ std::size_t Programs::parallel_parts(const device::Context& context, std::size_t
         const std::size_t most = std::max<std::size_t>(histogram_budget / histogram, 1);
         return std::min(most, 8 * std::size_t{context.capabilities().compute_units});
     }
-    return std::clamp<std::size_t>(histogram_budget / histogram, 64, 8192) / 64 * 64;
+    return std::clamp<std::size_t>(histogram_budget / histogram, common_group, 8192) / common_group * common_group;
 }
 
 }  // namespace clsdf::transform

@@ -25,6 +25,15 @@ struct SliceShape {
     std::size_t batch;
 };
 
+/// Work-items of a group where a kernel does not ask for another number. One for all grids, because PoCL compiles a
+/// kernel anew for each.
+constexpr std::size_t common_group = 64;
+
+/// So many work-items, and what fills the last group.
+constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
+    return (items + group - 1) / group * group;
+}
+
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
 /// are not shared between threads.
 struct Programs {
@@ -47,7 +56,7 @@ struct Programs {
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;
     /// The size of their groups.
-    std::size_t part_group() const { return body == KernelBody::by_group ? 64 : 1; }
+    std::size_t part_group() const { return body == KernelBody::by_group ? common_group : 1; }
 };
 
 }  // namespace clsdf::transform

@@ -14,6 +14,7 @@ namespace {
 // Crossings that there is room for at first, for each row on average (see sign_bytes_of_slice). Where there are more
 // crossings, they are found twice.
 constexpr std::size_t records_per_row = 4;
+constexpr const char* records_purpose = "crossings of the sign's sweep";
 
 // Measured on a core, and rounded up.
 constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
@@ -37,13 +38,13 @@ public:
           small_kernel_(programs.sign_sweep, "sign_crossings"),
           large_kernel_(programs.sign_sweep, "sign_crossings_of_large") {
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(0, layout);
-            kernel->setArg(3, mesh.triangles);
-            kernel->setArg(4, mesh.vertices);
-            kernel->setArg(5, cl_int{mesh.bits_y});
-            kernel->setArg(6, cl_int{mesh.bits_z});
-            kernel->setArg(10, *totals_);
-            kernel->setArg(11, *large_);
+            kernel->setArg(arg_layout, layout);
+            kernel->setArg(arg_triangles, *mesh.triangles);
+            kernel->setArg(arg_vertices, *mesh.vertices);
+            kernel->setArg(arg_bits_y, cl_int{mesh.bits_y});
+            kernel->setArg(arg_bits_z, cl_int{mesh.bits_z});
+            kernel->setArg(arg_totals, *totals_);
+            kernel->setArg(arg_large, *large_);
         }
     }
 
@@ -54,9 +55,9 @@ public:
     std::size_t find(const Crossings& crossings, std::size_t capacity) {
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(7, *crossings.row_counts);
-            kernel->setArg(8, static_cast<cl_uint>(capacity));
-            kernel->setArg(9, *crossings.records);
+            kernel->setArg(arg_row_counts, *crossings.row_counts);
+            kernel->setArg(arg_capacity, static_cast<cl_uint>(capacity));
+            kernel->setArg(arg_records, *crossings.records);
         }
         launches_.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
             enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
@@ -66,22 +67,37 @@ public:
     }
 
 private:
+    /// Of both kernels.
+    enum Argument : cl_uint {
+        arg_layout,
+        arg_begin,
+        arg_end,
+        arg_triangles,
+        arg_vertices,
+        arg_bits_y,
+        arg_bits_z,
+        arg_row_counts,
+        arg_capacity,
+        arg_records,
+        arg_totals,
+        arg_large
+    };
+
     std::size_t find_large(const SweepTotals& totals) {
         const std::size_t strips = std::min(totals.largest_rows / rows_per_item + 1, most_strips);
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         launches_.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
-            constexpr std::size_t group = 64;
-            enqueue(large_kernel_, begin, end, cl::NDRange((end - begin + group - 1) / group * group, strips),
-                    cl::NDRange(group, 1));
+            enqueue(large_kernel_, begin, end, cl::NDRange(in_whole_groups(end - begin), strips),
+                    cl::NDRange(common_group, 1));
         });
         return read_totals().records;
     }
 
     void enqueue(cl::Kernel& kernel, std::size_t begin, std::size_t end, const cl::NDRange& items,
                  const cl::NDRange& group) const {
-        kernel.setArg(1, static_cast<cl_uint>(begin));
-        kernel.setArg(2, static_cast<cl_uint>(end));
+        kernel.setArg(arg_begin, static_cast<cl_uint>(begin));
+        kernel.setArg(arg_end, static_cast<cl_uint>(end));
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
     }
 
@@ -113,13 +129,19 @@ Crossings find_crossings(device::Context& context, const Programs& programs,
     crossings.row_counts = pool->lease(rows * sizeof(cl_uint), "counts of the sign's crossings");
     const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),
                                                    std::numeric_limits<cl_uint>::max());
-    for (std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);;
-         capacity = crossings.record_count) {
+    // The first capacity is a guess. Where there is no memory for it, crossings are only counted at first.
+    std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);
+    if (auto guess = pool->lease_if_it_fits(capacity * sizeof(SweepRecord), records_purpose))
+        crossings.records = std::move(*guess);
+    else
+        crossings.records = pool->lease(capacity = 0, records_purpose);
+    for (;;) {
         context.queue().enqueueFillBuffer(*crossings.row_counts, cl_uint{0}, 0, rows * sizeof(cl_uint));
-        crossings.records = {};  // the smaller one goes back first
-        crossings.records = pool->lease(capacity * sizeof(SweepRecord), "crossings of the sign's sweep");
         crossings.record_count = search.find(crossings, capacity);
         if (crossings.record_count <= capacity) return crossings;
+        capacity = crossings.record_count;
+        crossings.records = {};  // the smaller one goes back first
+        crossings.records = pool->lease(capacity * sizeof(SweepRecord), records_purpose);
     }
 }
 

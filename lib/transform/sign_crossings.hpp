@@ -3,19 +3,11 @@
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "transform/short_launches.hpp"
+#include "transform/sweep_mesh.hpp"
 
 namespace clsdf::transform {
 
 struct Programs;
-
-/// A mesh on the device as the sweep for the sign sees it.
-struct SweepMesh {
-    const cl::Buffer& triangles;
-    std::size_t triangle_count;
-    const cl::Buffer& vertices;  ///< SweepVertex
-    int bits_y;                  ///< of a snapped vertex, below a sample
-    int bits_z;
-};
 
 /// Where the part's rows of samples cross the surface.
 struct Crossings {

@@ -17,14 +17,15 @@ void OutputMemory::place(const device::Context& context, device::BufferPool& poo
     }
 }
 
-cl::Event OutputMemory::fetch(const device::Context& context, const cl::CommandQueue& transfers) const {
+void OutputMemory::enqueue_handover(const cl::CommandQueue& queue) const {
+    if (in_place_() == nullptr) return;
+    void* mapped = queue.enqueueMapBuffer(in_place_, CL_FALSE, CL_MAP_READ, 0, bytes_);
+    queue.enqueueUnmapMemObject(in_place_, mapped);
+}
+
+cl::Event OutputMemory::fetch(const cl::CommandQueue& transfers) const {
     cl::Event event;
-    if (in_place_() != nullptr) {
-        const cl::CommandQueue& queue = context.queue();
-        void* mapped = queue.enqueueMapBuffer(in_place_, CL_TRUE, CL_MAP_READ, 0, bytes_);
-        queue.enqueueUnmapMemObject(in_place_, mapped);
-        queue.finish();
-    } else {
+    if (in_place_() == nullptr) {
         transfers.enqueueReadBuffer(*lease_, CL_FALSE, 0, bytes_, host_, nullptr, &event);
         transfers.flush();
     }
@@ -80,8 +81,8 @@ void SlabPipeline::take_back(Slot& slot) {
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
     std::vector<cl::Event> read;
     device::guarded([&] {
-        read.push_back(slot.distance.fetch(context_, transfers_));
-        if (!slot.host.triangle.empty()) read.push_back(slot.triangle.fetch(context_, transfers_));
+        read.push_back(slot.distance.fetch(transfers_));
+        if (!slot.host.triangle.empty()) read.push_back(slot.triangle.fetch(transfers_));
     });
     const FieldSlab values{slot.host.distance, slot.host.triangle};
     slot.delivered_ = std::async(policy_, [this, previous = latest_, read, slab, values]() mutable {

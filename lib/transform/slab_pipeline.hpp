@@ -18,8 +18,12 @@ public:
 
     const cl::Buffer& buffer() const { return in_place_() != nullptr ? in_place_ : *lease_; }
 
-    /// The array holds the result when the event, which may be null, has completed.
-    cl::Event fetch(const device::Context& context, const cl::CommandQueue& transfers) const;
+    /// Enqueued behind what computes the result: where the array is the device's memory, it holds the result when all
+    /// of the queue, which is in order, has ended.
+    void enqueue_handover(const cl::CommandQueue& queue) const;
+    /// Elsewhere: reads the result, which has been computed. The array holds it when the event has completed; null
+    /// where there is nothing to read.
+    cl::Event fetch(const cl::CommandQueue& transfers) const;
 
 private:
     void* host_ = nullptr;

@@ -40,7 +40,7 @@ BOOST_AUTO_TEST_CASE(a_buffer_holds_what_the_host_filled_in_by_either_way) {
     const auto pool = std::make_shared<BufferPool>(device.shared());
     for (const std::size_t bytes : sizes)
         for (const bool in_place : {true, false}) {
-            HostFilling filling(device.internal(), pool->lease(bytes, "test"), bytes, in_place);
+            HostFilling filling(device.internal(), pool, bytes, "test", in_place);
             const unsigned seed = in_place ? 1 : 2;
             fill(filling, bytes, seed);
             BOOST_TEST(is_filled(device, filling.finish(), bytes, seed));
@@ -51,29 +51,37 @@ BOOST_AUTO_TEST_CASE(a_buffer_of_nothing_is_filled_all_the_same) {
     const Device device = Device::best();
     const auto pool = std::make_shared<BufferPool>(device.shared());
     for (const bool in_place : {true, false}) {
-        HostFilling filling(device.internal(), pool->lease(0, "test"), 0, in_place);
+        HostFilling filling(device.internal(), pool, 0, "test", in_place);
         BOOST_TEST((*filling.finish())() != nullptr);
     }
 }
 
-BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_gives_its_buffer_back) {
+BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_leaves_its_buffer_to_the_next) {
     const Device device = Device::best();
-    const auto pool = std::make_shared<BufferPool>(device.shared());
     for (const std::size_t bytes : sizes)
         for (const bool in_place : {true, false}) {
-            cl_mem abandoned = nullptr;
+            const auto pool = std::make_shared<BufferPool>(device.shared());
             const auto fail = [&] {
-                BufferPool::Lease lease = pool->lease(bytes, "test");
-                abandoned = (*lease)();
-                const HostFilling filling(device.internal(), std::move(lease), bytes, in_place);
+                const HostFilling filling(device.internal(), pool, bytes, "test", in_place);
                 fill(filling, bytes, 3);
                 throw std::runtime_error("halfway");
             };
             BOOST_CHECK_THROW(fail(), std::runtime_error);
-            BufferPool::Lease again = pool->lease(bytes, "test");
-            BOOST_TEST((*again)() == abandoned);
-            HostFilling filling(device.internal(), std::move(again), bytes, in_place);
+            HostFilling filling(device.internal(), pool, bytes, "test", in_place);
             fill(filling, bytes, 4);
             BOOST_TEST(is_filled(device, filling.finish(), bytes, 4));
+            BOOST_TEST(pool->peak() < bytes + 64);
         }
+}
+
+// Where a larger one turns out to be needed, the smaller one's values are copied.
+BOOST_AUTO_TEST_CASE(a_filling_that_is_not_in_place_takes_no_buffer_before_it_ends) {
+    const Device device = Device::best();
+    const auto pool = std::make_shared<BufferPool>(device.shared());
+    const HostFilling smaller(device.internal(), pool, 10000, "test", false);
+    HostFilling larger(device.internal(), pool, 20000, "test", false);
+    BOOST_TEST(pool->peak() == 0U);
+    fill(larger, 20000, 5);
+    BOOST_TEST(is_filled(device, larger.finish(), 20000, 5));
+    BOOST_TEST(pool->peak() == 20000U);
 }

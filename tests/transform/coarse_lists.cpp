@@ -1,6 +1,8 @@
 #include "transform/coarse_lists.hpp"
 
+#include "coarse.h"
 #include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/prepared_mesh.hpp"
 #include "transform/programs.hpp"
@@ -8,8 +10,12 @@
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <utility>
+#include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -19,6 +25,14 @@ namespace {
 /// The numbers of the polyhedra in the list of each coarse brick of the lattice.
 using Lists = std::map<Index3, std::vector<cl_uint>>;
 
+/// What the lists are made from, and what comes of it.
+struct Coarse {
+    Layout layout;
+    std::vector<Polyhedron> polyhedra;
+    std::map<Index3, double> caps;  ///< of each brick of the part
+    Lists lists;
+};
+
 template <class Value>
 std::vector<Value> read(const device::Context& context, const cl::Buffer& buffer, std::size_t count) {
     std::vector<Value> values(count);
@@ -26,30 +40,121 @@ std::vector<Value> read(const device::Context& context, const cl::Buffer& buffer
     return values;
 }
 
-Lists lists_of(const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
-    const Device device = Device::best();
+std::size_t place_of_cap(const Layout& layout, const Index3& brick) {
+    std::array<std::int64_t, 3> group{};
+    for (int axis = 0; axis < 3; ++axis)
+        group[static_cast<std::size_t>(axis)] =
+            (brick[static_cast<std::size_t>(axis)] >> 2) - first_coarse_group(layout, axis);
+    const std::int64_t number = (group[2] * coarse_groups(layout, 1) + group[1]) * coarse_groups(layout, 0) + group[0];
+    return static_cast<std::size_t>(number * CLSDF_COARSE_GROUP + (brick[2] & 3) * 16 + (brick[1] & 3) * 4 +
+                                    (brick[0] & 3));
+}
+
+Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
     device::Context& context = device.internal();
     const transform::Programs programs(context, body);
     const auto pool = std::make_shared<device::BufferPool>(device.shared());
     ScratchMemory scratch;
-    const Layout layout = transform::layout_of(grid, band, SignRule::nonzero);
+    Coarse found{transform::layout_of(grid, band, SignRule::nonzero), {}, {}, {}};
+    const Layout& layout = found.layout;
     const transform::PreparedMesh prepared =
         transform::prepare_mesh(context, pool, scratch, mesh, grid, layout, {}, Scan::bricks);
+    found.polyhedra = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);
     const transform::CoarseLists coarse =
         transform::make_coarse_lists(context, programs, pool, layout, *prepared.polyhedra, prepared.record_count,
                                      transform::ShortLaunches(context, {}));
     const std::size_t bricks = transform::coarse_brick_count(layout);
     const auto starts = read<cl_uint>(context, *coarse.starts, bricks * coarse.parts + 1);
     const auto entries = read<cl_uint>(context, *coarse.entries, coarse.pairs);
-    Lists lists;
-    std::size_t brick = 0;
+    const auto caps = read<float>(context, *coarse.caps, coarse.caps.bytes() / sizeof(float));
+    std::size_t number = 0;
     for (int z = 0; z < layout.coarse_bricks[2]; ++z)
         for (int y = 0; y < layout.coarse_bricks[1]; ++y)
-            for (int x = 0; x < layout.coarse_bricks[0]; ++x, ++brick)
-                lists[{x + layout.coarse_first[0], y + layout.coarse_first[1], z + layout.coarse_first[2]}] = {
-                    entries.begin() + starts[brick * coarse.parts],
-                    entries.begin() + starts[(brick + 1) * coarse.parts]};
-    return lists;
+            for (int x = 0; x < layout.coarse_bricks[0]; ++x, ++number) {
+                const Index3 brick{x + layout.coarse_first[0], y + layout.coarse_first[1], z + layout.coarse_first[2]};
+                found.caps[brick] = static_cast<double>(caps[place_of_cap(layout, brick)]);
+                found.lists[brick] = {entries.begin() + starts[number * coarse.parts],
+                                      entries.begin() + starts[(number + 1) * coarse.parts]};
+            }
+    return found;
+}
+
+Lists lists_of(const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
+    return coarse_of(Device::best(), mesh, grid, band, body).lists;
+}
+
+/// A polyhedron and its triangle as polyhedron.h states them, in double, without slack.
+class PlainPolyhedron {
+public:
+    explicit PlainPolyhedron(const Polyhedron& polyhedron) : p_(polyhedron) {}
+
+    /// Whether the sample lies within, and its triangle within the cap.
+    bool holds(const Index3& sample, double cap) const {
+        const auto i = static_cast<double>(sample[0] - p_.origin_x), j = static_cast<double>(sample[1] - p_.origin_y),
+                   k = static_cast<double>(sample[2] - p_.origin_z);
+        std::array<double, 3> at{};
+        for (std::size_t n = 0; n < 3; ++n)
+            at[n] = i * p_.exact_gradient_x[n] + j * p_.exact_gradient_y[n] + k * p_.exact_gradient_z[n] +
+                    p_.exact_constant_at_origin[n];
+        const auto [x, y, z] = at;
+        if (std::abs(z) > cap || x > right_ + cap || -x > left_ + cap) return false;
+        const std::array<double, 3> outward{
+            -y, p_.exact_normal_along[CLSDF_HALF_RIGHT] * (x - right_) + p_.exact_normal_across[CLSDF_HALF_RIGHT] * y,
+            p_.exact_normal_along[CLSDF_HALF_LEFT] * (-x - left_) + p_.exact_normal_across[CLSDF_HALF_LEFT] * y};
+        for (std::size_t edge = 0; edge < 3; ++edge) {
+            const double width =
+                std::max(static_cast<double>(p_.slope_above[edge]) * z, static_cast<double>(p_.slope_below[edge]) * -z);
+            if (outward[edge] > std::min(width, cap)) return false;
+        }
+        if (*std::max_element(outward.begin(), outward.end()) <= 0) return true;
+        const std::array<double, 2> apex{0, p_.exact_altitude}, right{right_, 0}, left{-left_, 0};
+        const double in_plane = std::min(
+            {to_segment({x, y}, left, right), to_segment({x, y}, right, apex), to_segment({x, y}, apex, left)});
+        return std::hypot(z, in_plane) <= cap;
+    }
+
+private:
+    static double to_segment(const std::array<double, 2>& p, const std::array<double, 2>& a,
+                             const std::array<double, 2>& b) {
+        const double along_x = b[0] - a[0], along_y = b[1] - a[1];
+        const double length = along_x * along_x + along_y * along_y;
+        const double t =
+            length == 0 ? 0 : std::clamp(((p[0] - a[0]) * along_x + (p[1] - a[1]) * along_y) / length, 0.0, 1.0);
+        return std::hypot(p[0] - a[0] - t * along_x, p[1] - a[1] - t * along_y);
+    }
+
+    const Polyhedron& p_;
+    double right_ = p_.exact_base[CLSDF_HALF_RIGHT];
+    double left_ = p_.exact_base[CLSDF_HALF_LEFT];
+};
+
+/// Which polyhedra hold samples of a brick and are not in its list. Of each axis' samples every other, from the first
+/// or the second on.
+std::vector<cl_uint> missing_in(const Coarse& coarse, const Index3& brick, Random& random) {
+    const std::vector<cl_uint>& list = coarse.lists.at(brick);
+    const double cap = coarse.caps.at(brick);
+    Index3 first{};
+    for (std::size_t axis = 0; axis < 3; ++axis) first[axis] = brick[axis] * CLSDF_COARSE + random.index(2);
+    const auto is_missing = [&](const PlainPolyhedron& polyhedron) {
+        for (std::int64_t z = 0; z < CLSDF_COARSE; z += 2)
+            for (std::int64_t y = 0; y < CLSDF_COARSE; y += 2)
+                for (std::int64_t x = 0; x < CLSDF_COARSE; x += 2)
+                    if (polyhedron.holds({first[0] + x, first[1] + y, first[2] + z}, cap)) return true;
+        return false;
+    };
+    std::vector<cl_uint> missing;
+    for (cl_uint n = 0; n < coarse.polyhedra.size(); ++n)
+        if (!std::binary_search(list.begin(), list.end(), n) && is_missing(PlainPolyhedron(coarse.polyhedra[n])))
+            missing.push_back(n);
+    return missing;
+}
+
+/// The tests' device if its vectors had so many floats.
+Device with_float_width(unsigned width) {
+    Device device = Device::best();
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): there is but one processor here
+    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
+    return device;
 }
 
 }  // namespace
@@ -88,4 +193,30 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
             for (const auto& [brick, list] : lists_of(mesh, grid.part(offset, part_size), band, body))
                 BOOST_TEST((list == whole.at(brick)));
         }
+}
+
+// By brute force. More than what holds a sample may be in a list.
+BOOST_AUTO_TEST_CASE(every_polyhedron_that_holds_a_sample_is_in_the_list_of_its_coarse_brick) {
+    for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+        Random random(seed);
+        const Mesh mesh = seed % 2 == 0 ? random_sphere(random, "sphere2", 0.2) : random_soup(random, 60, 80);
+        Grid grid;
+        grid.size = {70, 90, 80};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            grid.spacing[axis] = random.uniform(1, 1.5) * mesh.box().longest_side() / 64;
+            grid.first[axis] = static_cast<std::int64_t>(random.index(200)) - 100;
+            grid.origin[axis] = mesh.box().lower[axis] - grid.spacing[axis] * static_cast<double>(grid.first[axis] + 7);
+        }
+        for (const Band& band : {Band::symmetric(3 * grid.voxel()), Band::symmetric(12 * grid.voxel()), Band::full()})
+            for (const auto& [body, width] :
+                 {std::pair(KernelBody::by_vector, 16U), std::pair(KernelBody::by_vector, 8U),
+                  std::pair(KernelBody::by_group, 1U)}) {
+                const Coarse coarse = coarse_of(with_float_width(width), mesh, grid, band, body);
+                BOOST_TEST_CONTEXT("seed " << seed << ", half width " << band.outside / grid.voxel() << " voxels, "
+                                           << width << " lanes")
+                for (const auto& [brick, list] : coarse.lists)
+                    BOOST_TEST(missing_in(coarse, brick, random).empty(),
+                               "brick " << brick[0] << ", " << brick[1] << ", " << brick[2]);
+            }
+    }
 }

@@ -73,9 +73,10 @@ public:
     cl_command_queue queue() const;
 
     /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
-    /// variable CLSDF_CACHE_DIR where it is set, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty where the
-    /// first is set and empty, where none is known, and, unless the first is set, for PoCL, which keeps programs
-    /// itself: nothing is kept then.
+    /// variable CLSDF_CACHE_DIR where it is set, from the current folder where it is relative, else
+    /// $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty where the first is set and empty, where none is known,
+    /// and, unless the first is set, for PoCL, which keeps programs itself unless POCL_KERNEL_CACHE=0 forbids it:
+    /// nothing is kept then.
     std::string program_cache() const;
 
     /// Another folder, for programs that are built from now on: call it before the first DistanceTransform is made.

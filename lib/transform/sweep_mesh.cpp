@@ -1,0 +1,87 @@
+#include "transform/sweep_mesh.hpp"
+
+#include "sweep.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace clsdf::transform {
+
+namespace {
+
+// A vertex moves by at most 2^-21 of the smallest spacing on each axis.
+constexpr int snap_bits = 20;
+// Of the snapped coordinates, so that differences fit 63 bits with room for the grid's own.
+constexpr double snapped_limit = 0x1p61;
+
+/// Bits below a sample on an axis whose spacing is `ratio` voxels.
+int bits_of(double ratio) {
+    return snap_bits + static_cast<int>(std::ceil(std::log2(std::max(ratio, 1.0))));
+}
+
+device::BufferPool::Lease sweep_triangles(const device::Context& context,
+                                          const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh) {
+    const std::size_t bytes = mesh.triangles().size() * sizeof(Triangle);
+    if (context.capabilities().is_processor && bytes > 0) {
+        // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): the device only reads it
+        auto* values = const_cast<Triangle*>(mesh.triangles().data());
+        return {nullptr, cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, bytes, values), bytes};
+    }
+    auto triangles = pool->lease(bytes, "triangles");
+    if (bytes > 0) context.queue().enqueueWriteBuffer(*triangles, CL_TRUE, 0, bytes, mesh.triangles().data());
+    return triangles;
+}
+
+device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const std::shared_ptr<device::BufferPool>& pool,
+                                         const Grid& grid, const Mesh& mesh, int bits_y, int bits_z) {
+    const std::vector<Vec3>& positions = mesh.vertices();
+    const std::size_t bytes = positions.size() * sizeof(SweepVertex);
+    auto lease = pool->lease(bytes, "vertices of the sign's sweep");
+    auto* vertices =
+        static_cast<SweepVertex*>(queue.enqueueMapBuffer(*lease, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes));
+    const double scale_y = std::ldexp(1.0, bits_y), scale_z = std::ldexp(1.0, bits_z);
+    std::atomic<std::size_t> too_far{positions.size()};
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
+        for (std::size_t v = range.begin(); v != range.end(); ++v) {
+            const auto sample = [&](std::size_t axis) {
+                return (positions[v][axis] - grid.origin[axis]) / grid.spacing[axis];
+            };
+            const double y = std::nearbyint(sample(1) * scale_y);
+            const double z = std::nearbyint(sample(2) * scale_z);
+            // A vertex that is not finite is in no triangle, or the mesh would not be.
+            if (!(std::abs(y) < snapped_limit) || !(std::abs(z) < snapped_limit)) {
+                if (std::isfinite(y) && std::isfinite(z)) too_far = v;
+                continue;
+            }
+            vertices[v] = {static_cast<std::int64_t>(y), static_cast<std::int64_t>(z), sample(0)};
+        }
+    });
+    queue.enqueueUnmapMemObject(*lease, vertices);
+    if (too_far < positions.size())
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format(
+                "vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an exact sign; use a "
+                "larger spacing or an unsigned field",
+                too_far.load(), mesh.name(), 61 - std::max(bits_y, bits_z)));
+    return lease;
+}
+
+}  // namespace
+
+SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const Grid& grid, const Mesh& mesh) {
+    return device::guarded([&] {
+        const int bits_y = bits_of(grid.spacing[1] / grid.voxel()), bits_z = bits_of(grid.spacing[2] / grid.voxel());
+        return SweepMesh{sweep_triangles(context, pool, mesh),
+                         sweep_vertices(context.queue(), pool, grid, mesh, bits_y, bits_z), mesh.triangles().size(),
+                         bits_y, bits_z};
+    });
+}
+
+}  // namespace clsdf::transform

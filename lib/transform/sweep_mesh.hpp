@@ -1,0 +1,26 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "device/buffer_pool.hpp"
+
+#include <cstddef>
+
+namespace clsdf::transform {
+
+/// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid. A
+/// processor reads the triangles where the mesh has them, which must outlive this.
+struct SweepMesh {
+    device::BufferPool::Lease triangles;
+    device::BufferPool::Lease vertices;  ///< SweepVertex
+    std::size_t triangle_count = 0;
+    int bits_y = 0;  ///< of a snapped vertex, below a sample
+    int bits_z = 0;
+};
+
+/// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
+SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const Grid& grid, const Mesh& mesh);
+
+}  // namespace clsdf::transform
