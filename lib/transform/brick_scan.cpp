@@ -12,11 +12,9 @@ namespace {
 
 constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
 
-constexpr std::size_t fill_group_slices = 32;
-
-std::size_t whole_groups(std::size_t slices) {
-    return (slices + fill_group_slices - 1) / fill_group_slices * fill_group_slices;
-}
+// On a processor. PoCL compiles a kernel anew for each size of a group: one size for nearly all grids, and another one
+// where so many slices would take too long.
+constexpr std::size_t slices_of_a_group = 32;
 
 class BrickScan final : public FieldScan {
 public:
@@ -27,19 +25,22 @@ public:
           with_triangle_(variant.triangle),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
           fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
-          // PoCL compiles a kernel anew for each size of a group: one size for all grids.
-          fill_group_(programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1, 1, fill_group_slices)),
+          fill_group_slices_(programs.body == KernelBody::by_group ? 1 : slices_of_a_group),
           lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.record_count, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
         const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
         bricks_ = make(context, programs, pool, inputs, variant);
         fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
-        fill_kernel_.setArg(0, layout);
-        fill_kernel_.setArg(1, *computed_);
-        fill_kernel_.setArg(2, sign_bits);
+        fill_kernel_.setArg(fill_layout, layout);
+        fill_kernel_.setArg(fill_computed, *computed_);
+        fill_kernel_.setArg(fill_sign_bits, sign_bits);
         const double slice = static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]);
-        slices_per_fill_ = whole_groups(launches.most(seconds_per_filled_sample * slice));
+        const std::size_t most_slices = launches.most(seconds_per_filled_sample * slice);
+        if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
+        slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
+        // A GPU's driver chooses.
+        if (programs.body != KernelBody::by_group) fill_group_ = cl::NDRange(1, 1, fill_group_slices_);
     }
 
     std::size_t launch_count() const override { return bricks_->launch_count(); }
@@ -48,9 +49,9 @@ public:
     void enqueue_begin(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
         chain.then_fill(*computed_, brick_count(layout_));
         bricks_->enqueue_reset(chain, distance, triangle);
-        fill_kernel_.setArg(3, distance);
-        fill_kernel_.setArg(4, with_triangle_ ? triangle : distance);
-        fill_kernel_.setArg(5, cl_int{with_triangle_ ? 1 : 0});
+        fill_kernel_.setArg(fill_distance, distance);
+        fill_kernel_.setArg(fill_triangle, with_triangle_ ? triangle : distance);
+        fill_kernel_.setArg(fill_with_triangle, cl_int{with_triangle_ ? 1 : 0});
     }
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
@@ -59,7 +60,7 @@ public:
         const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]),
                    slices = static_cast<std::size_t>(layout_.size[2]);
         for (std::size_t slice = 0; slice < slices; slice += slices_per_fill_) {
-            fill_kernel_.setArg(6, static_cast<cl_int>(slice));
+            fill_kernel_.setArg(fill_first_slice, static_cast<cl_int>(slice));
             const cl::NDRange range(fill_pieces_, brick_rows, std::min(slices_per_fill_, whole_groups(slices - slice)));
             chain.then([&](auto& target, auto* wait, auto* event) {
                 target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, fill_group_, wait, event);
@@ -84,10 +85,26 @@ public:
     }
 
 private:
+    enum FillArgument : cl_uint {
+        fill_layout,
+        fill_computed,
+        fill_sign_bits,
+        fill_distance,
+        fill_triangle,
+        fill_with_triangle,
+        fill_first_slice
+    };
+
+    /// What a launch has work-items for; the kernel leaves out those beyond the last slice.
+    std::size_t whole_groups(std::size_t slices) const {
+        return (slices + fill_group_slices_ - 1) / fill_group_slices_ * fill_group_slices_;
+    }
+
     Layout layout_;
     bool with_triangle_;
     std::size_t fill_pieces_;
-    cl::NDRange fill_group_;
+    std::size_t fill_group_slices_;
+    cl::NDRange fill_group_ = cl::NullRange;
     CoarseLists lists_;
     device::BufferPool::Lease computed_;
     std::unique_ptr<BrickKernel> bricks_;

@@ -128,7 +128,7 @@ BOOST_AUTO_TEST_CASE(ordered_faces_name_their_vertices_in_order) {
     Random random(5);
     for (const Mesh& mesh : {make_shape("noisy"), random_soup(random, 5000, 9000)}) {
         const auto order = polyhedra::morton_order(mesh);
-        const polyhedra::OrderedFaces faces = ordered_faces(mesh, order);
+        const polyhedra::OrderedFaces faces = polyhedra::ordered_faces(mesh, order);
         const std::size_t stretch = polyhedra::OrderedFaces::stretch;
         std::uint32_t named = 0;
         for (std::size_t face = 0; face < order.size(); ++face) {
