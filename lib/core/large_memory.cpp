@@ -1,6 +1,5 @@
 #include "core/large_memory.hpp"
 
-#include <cstdlib>
 #include <memory>
 #include <new>
 
@@ -18,8 +17,8 @@ constexpr std::size_t huge_page = std::size_t{2} << 20;
 
 void* allocate_large_memory(std::size_t bytes) {
     const std::size_t whole_pages = (bytes + huge_page - 1) / huge_page * huge_page;
-    void* memory = whole_pages < bytes ? nullptr : std::aligned_alloc(huge_page, whole_pages);
-    if (memory == nullptr) throw std::bad_alloc();
+    if (whole_pages < bytes) throw std::bad_alloc();
+    void* memory = ::operator new (whole_pages, std::align_val_t{huge_page});
     advise_huge_pages(memory, whole_pages);
     return memory;
 }
@@ -32,7 +31,7 @@ void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size
 }
 
 void free_large_memory(void* memory) noexcept {
-    std::free(memory);
+    ::operator delete (memory, std::align_val_t{huge_page});
 }
 
 }  // namespace clsdf

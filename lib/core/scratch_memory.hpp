@@ -48,8 +48,8 @@ private:
     void free_unless(const Predicate& is_needed) noexcept;
 
     struct Block {
-        void* memory;
-        std::size_t bytes;
+        void* memory = nullptr;
+        std::size_t bytes = 0;
         bool is_taken = false;
         bool was_taken = false;  // since the last trim()
     };

@@ -71,7 +71,7 @@ public:
 private:
     static Handle open(InputFile& file) {
         const std::string beginning = file.beginning(signature.size() + 1);
-        if (!beginning.starts_with(signature)) file.fail("not an HDF5 file: it does not begin with \"\\x89HDF\"");
+        if (!beginning.starts_with(signature)) file.fail(R"(not an HDF5 file: it does not begin with "\x89HDF")");
         if (beginning.size() == signature.size()) file.fail("the file is truncated");
         if (beginning.back() < 2)
             file.fail(

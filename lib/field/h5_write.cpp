@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace clsdf {
 namespace {
@@ -28,7 +29,7 @@ std::vector<hsize_t> shape_of(const Grid& grid, const OutputKind& kind) {
 /// checksums over all else (its file format of 1.8), and no times, so that the same field has the same bytes.
 class H5Layout {
 public:
-    explicit H5Layout(const std::string& path) : path_(path) {}
+    explicit H5Layout(std::string path) : path_(std::move(path)) {}
 
     /// Writes all but the values and returns the offset of each output's.
     std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
@@ -52,6 +53,7 @@ private:
         Handle file = checked({H5Fcreate("layout", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
         write_text(file.get(), "clsdf", description_text(field));
         std::vector<std::uint64_t> offsets;
+        offsets.reserve(kinds.size());
         for (const OutputKind& kind : kinds) offsets.push_back(write_array(file.get(), kind, field.grid));
         if (!file.close()) fail();
         return offsets;

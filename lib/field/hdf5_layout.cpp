@@ -75,7 +75,7 @@ H5FD_class_t driver_class() {
     driver.name = "clsdf_layout";
     driver.maxaddr = haddr_t{1} << 62U;
     driver.fc_degree = H5F_CLOSE_WEAK;
-    driver.fapl_size = sizeof(Layout*);
+    driver.fapl_size = sizeof(void*);  // of the pointer to our layout
     driver.open = open_layout;
     driver.close = close_layout;
     driver.query = query;

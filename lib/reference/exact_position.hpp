@@ -19,7 +19,7 @@ struct ExactPosition {
 inline ExactPosition exact_position(const Grid& grid, const Index3& index) {
     ExactPosition position;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double steps = static_cast<double>(grid.first[axis] + index[axis]);
+        const auto steps = static_cast<double>(grid.first[axis] + index[axis]);
         const double product = steps * grid.spacing[axis];
         const double product_tail = std::fma(steps, grid.spacing[axis], -product);
         const double origin = grid.origin[axis];
