@@ -94,7 +94,7 @@ public:
     void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {
         if (!variant_.brick.count) return;
         std::vector<cl_ulong> sets(counters_.bytes() / sizeof(cl_ulong));
-        queue.enqueueReadBuffer(*counters_, CL_TRUE, 0, counters_.bytes(), sets.data());
+        queue.enqueueReadBuffer(*counters_, CL_TRUE, 0, sets.size() * sizeof(cl_ulong), sets.data());
         std::array<std::size_t, CLSDF_SLICES_COUNTERS> sums{};
         for (std::size_t i = 0; i < sets.size(); ++i) sums[i % CLSDF_SLICES_COUNTERS] += sets[i];
         statistics.slice_intersections = sums[CLSDF_SLICES_INTERSECTIONS];

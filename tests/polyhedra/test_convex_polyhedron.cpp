@@ -91,10 +91,10 @@ std::vector<HalfSpace> random_half_spaces(Random& random, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
         const std::uint32_t kind = i == 0 ? 0 : random.index(8);
         HalfSpace next{random_direction(random), random.uniform(nearest, 1)};
-        if (kind == 1) next = result[random.index(i)];
-        if (kind == 2) next = {2 * result[random.index(i)].normal, random.uniform(0, 2)};
+        if (kind == 1) next = result[random.index(result.size())];
+        if (kind == 2) next = {2 * result[random.index(result.size())].normal, random.uniform(0, 2)};
         if (kind == 3) {
-            next = result[random.index(i)];
+            next = result[random.index(result.size())];
             next.normal += std::pow(10, random.uniform(-17, -6)) * random_direction(random);
             next.offset += std::pow(10, random.uniform(-17, -6)) * random.uniform(-1, 1);
         }
