@@ -105,7 +105,7 @@ INLINE void find_touches(Layout layout, __global const Polyhedron* polyhedra, Cl
                          __private const float* caps, float slack, int base, int2 size, __private Found* found) {
     const ClusterAtGroup at = cluster_at_group(layout, polyhedra, cluster, start, slack);
     for (; near; near &= near - 1) {
-        const uint b = 63 - (uint)clz(near & (0 - near));
+        const uint b = lowest_bit_of_long(near);
         const uint lanes = touching_lanes(&at, b, caps[b]);
         const uint brick = (uint)(base + ((int)(b >> 4) * size.y + (int)(b >> 2 & 3u)) * size.x + (int)(b & 3u));
         found->histogram.first[brick * found->histogram.stride] += popcount(lanes);
@@ -183,7 +183,7 @@ __kernel void coarse_fill(Layout layout, __global const uint* touch_starts, __gl
         __global uint* own = next.first + touch.brick * next.stride;
         uint entry = *own;
         for (uint rest = touch.lanes; rest; rest &= rest - 1)
-            entries[entry++] = touch.cluster * LANES + (31 - clz(rest & (0 - rest)));
+            entries[entry++] = touch.cluster * LANES + lowest_bit(rest);
         *own = entry;
     }
 }

@@ -57,7 +57,7 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
     uint differ = (bits[first >> 5] ^ like) >> (first & 31) << (first & 31);
     int word = first >> 5;
     while (differ == 0 && (word + 1) * 32 < end) differ = bits[++word] ^ like;
-    return differ == 0 ? end : min(word * 32 + 31 - (int)clz(differ & (0 - differ)), end);
+    return differ == 0 ? end : min(word * 32 + (int)lowest_bit(differ), end);
 }
 
 // One work-item the empty ones of a piece of a row of bricks, in one slice of samples, from slice `first_slice` on.

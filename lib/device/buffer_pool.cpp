@@ -44,15 +44,20 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
     return lease;
 }
 
-BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
-    const std::size_t wanted = std::max<std::size_t>(bytes, 64);
-    if (auto free = take_free(wanted)) return std::move(*free);
-    const Context::Capabilities& device = context_->capabilities();
-    if (wanted > device.largest_allocation)
+void BufferPool::check_size(std::size_t bytes, const char* purpose) const {
+    const std::size_t largest = context_->capabilities().largest_allocation;
+    if (bytes > largest)
         throw Error(ErrorCode::out_of_memory, fmt::format("the {} need {} bytes of device memory in one piece, and the "
                                                           "device allocates at most {}; compute a smaller "
                                                           "part of the grid at a time, or a narrower band",
-                                                          purpose, wanted, device.largest_allocation));
+                                                          purpose, bytes, largest));
+}
+
+BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
+    const std::size_t wanted = std::max<std::size_t>(bytes, 64);
+    if (auto free = take_free(wanted)) return std::move(*free);
+    check_size(wanted, purpose);
+    const Context::Capabilities& device = context_->capabilities();
     const std::scoped_lock lock(mutex_);
     if (leased_bytes_ + free_bytes() + wanted > device.memory) free_.clear();
     if (leased_bytes_ + wanted > device.memory)

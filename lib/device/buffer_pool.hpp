@@ -36,6 +36,9 @@ public:
         std::size_t bytes_ = 0;
     };
 
+    /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once.
+    void check_size(std::size_t bytes, const char* purpose) const;
+
     /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once, or has not so
     /// much memory left.
     Lease lease(std::size_t bytes, const char* purpose);

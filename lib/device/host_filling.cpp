@@ -14,6 +14,7 @@ HostFilling::HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std
         });
         is_mapped_ = true;
     } else {
+        pool_->check_size(bytes_, purpose_);
         array_ = std::make_unique_for_overwrite<std::byte[]>(bytes_);
         memory_ = array_.get();
     }

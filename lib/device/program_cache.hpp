@@ -41,8 +41,8 @@ private:
 };
 
 /// The environment variable CLSDF_CACHE_DIR where it is set, counted from the current folder where it is relative; else
-/// empty where the driver keeps what it compiles itself,
-/// else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf; empty where none of them is an absolute path.
+/// empty where the driver keeps what it compiles itself, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf; empty
+/// where none of them is an absolute path.
 std::filesystem::path default_cache_folder(bool driver_keeps_programs);
 
 }  // namespace clsdf::device

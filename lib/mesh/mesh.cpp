@@ -27,8 +27,8 @@ bool is_finite(const Vec3& point) {
 }
 
 /// Throws where one of the triangle's indices is out of range, or its vertex not finite.
-void check(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
-           const std::string& name) {
+void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
+                  const std::string& name) {
     for (const std::uint32_t index : triangles[t]) {
         if (index >= vertices.size())
             throw Error(ErrorCode::invalid_mesh,
@@ -45,7 +45,7 @@ void check(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<T
 /// What a stretch of the triangles is like.
 struct Examined {
     Box box;
-    std::size_t first_bad = std::numeric_limits<std::size_t>::max();  ///< triangle that check() throws for
+    std::size_t first_bad = std::numeric_limits<std::size_t>::max();  ///< triangle that throw_if_bad() throws for
 
     void take(const Examined& other) {
         first_bad = std::min(first_bad, other.first_bad);
@@ -84,7 +84,7 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
             a.take(b);
             return a;
         });
-    if (all.first_bad < triangles.size()) check(all.first_bad, vertices, triangles, name);
+    if (all.first_bad < triangles.size()) throw_if_bad(all.first_bad, vertices, triangles, name);
     return all.box;
 }
 

@@ -98,18 +98,15 @@ EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_c
     std::optional<DirectedEdges> arriving;
     tbb::parallel_invoke([&] { leaving.emplace(triangles, vertex_count, Direction::from_lower); },
                          [&] { arriving.emplace(triangles, vertex_count, Direction::to_lower); });
-    constexpr std::size_t grain = 4096;
-    return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, vertex_count, grain), EdgeCounts{},
-        [&](const tbb::blocked_range<std::size_t>& range, EdgeCounts counts) {
-            for (std::size_t v = range.begin(); v != range.end(); ++v)
-                counts.add(static_cast<std::uint32_t>(v), leaving->at(v), arriving->at(v));
-            return counts;
-        },
-        [](EdgeCounts counts, const EdgeCounts& later) {
-            counts.append(later);
-            return counts;
-        });
+    constexpr std::size_t stretch = 4096;
+    std::vector<EdgeCounts> counts(stretch_count(vertex_count, stretch));
+    for_each_stretch(vertex_count, stretch, [&](std::size_t s, std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v != end; ++v)
+            counts[s].add(static_cast<std::uint32_t>(v), leaving->at(v), arriving->at(v));
+    });
+    EdgeCounts all;
+    for (const EdgeCounts& of_stretch : counts) all.append(of_stretch);
+    return all;
 }
 
 /// The first five of the edges, and the first five open ones, in the order and the direction of the first triangles

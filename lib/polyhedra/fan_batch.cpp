@@ -4,14 +4,8 @@
 
 #include <algorithm>
 
-// A plane of slope a above a face with outward direction R and normal N rejects the unit vector u by the margin where
-// (R - a N) . u >= margin (1 + a), the slack's unit being 1 + a; one of slope b below it where (R + b N) . u >= margin
-// (1 + b). The plane of an edge is the higher one of the two, so that u satisfies both. As |middle . u| <= 1, it also
-// satisfies (R - a N - margin (1 + a) middle) . u >= 0 and (R + b N + margin (1 + b) middle) . u >= 0.
-//
-// If three of the former, v_i, combine to -middle by positive factors, then middle . u <= 0, and if three of the latter
-// combine to middle, then middle . u >= 0. So middle . u = 0, all v_i . u = 0, and u = 0 because the v_i are
-// independent: there is no u.
+// Why three planes prove it, v_i and w_i: docs/method.md, 'Gaps at saddle vertices'.
+
 namespace clsdf::polyhedra {
 
 namespace {

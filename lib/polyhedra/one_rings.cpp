@@ -21,7 +21,8 @@ OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count
     : start_(vertex_count + 1), corners_(3 * triangles.size(), scratch) {
     check_face_count(triangles.size());
 
-    // By one thread, in the order of the faces: several would take longer to agree, and to sort what they file.
+    // By one thread, in the order of the faces: several would take longer to agree, and to sort what they file (on two
+    // cores).
     UninitializedVector<std::array<std::uint32_t, 3>> places(triangles.size(), scratch);
     for (std::size_t face = 0; face < triangles.size(); ++face)
         for (std::size_t k = 0; k < 3; ++k) places[face][k] = start_[triangles[face][k] + 1]++;

@@ -14,7 +14,7 @@ OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> orde
     faces.triangles = UninitializedVector<Triangle>(order.size(), scratch);
     for_each_index(order.size(), [&](std::size_t face) { faces.triangles[face] = mesh.triangles()[order[face]]; });
 
-    // By one thread: several would write to the same cache lines, and take longer.
+    // By one thread: several would write to the same cache lines, and take longer (on two cores).
     UninitializedVector<std::uint32_t> numbers(vertex_count, none, scratch);
     faces.vertices = UninitializedVector<std::uint32_t>(vertex_count + 1, scratch);
     std::uint32_t count = 0;

@@ -16,7 +16,7 @@ inline bool folded(double squared_apart) {
     return squared_apart < fold_angle * fold_angle;
 }
 
-/// Pairs of faces at edges, as many at a time as the edges of eight faces, for processors' vectors.
+/// Pairs of faces at edges, a few of a processor's vectors at a time.
 class WedgeBatch {
 public:
     static constexpr std::size_t capacity = 24;

@@ -24,10 +24,16 @@ int bits_of(double ratio) {
     return snap_bits + static_cast<int>(std::ceil(std::log2(std::max(ratio, 1.0))));
 }
 
+void lower(std::atomic<std::size_t>& least, std::size_t value) {
+    for (std::size_t known = least; value < known && !least.compare_exchange_weak(known, value);) {
+    }
+}
+
 device::BufferPool::Lease sweep_triangles(const device::Context& context,
                                           const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh) {
     const std::size_t bytes = mesh.triangles().size() * sizeof(Triangle);
     if (context.capabilities().is_processor && bytes > 0) {
+        pool->check_size(bytes, "triangles");
         // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): the device only reads it
         auto* values = const_cast<Triangle*>(mesh.triangles().data());
         return {nullptr, cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, bytes, values), bytes};
@@ -55,7 +61,7 @@ device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const st
             const double z = std::nearbyint(sample(2) * scale_z);
             // A vertex that is not finite is in no triangle, or the mesh would not be.
             if (!(std::abs(y) < snapped_limit) || !(std::abs(z) < snapped_limit)) {
-                if (std::isfinite(y) && std::isfinite(z)) too_far = v;
+                if (std::isfinite(y) && std::isfinite(z)) lower(too_far, v);
                 continue;
             }
             vertices[v] = {static_cast<std::int64_t>(y), static_cast<std::int64_t>(z), sample(0)};

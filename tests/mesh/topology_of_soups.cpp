@@ -6,6 +6,7 @@
 #include "mesh/equal_vertices.hpp"
 #include "support/random_meshes.hpp"
 
+#include <tbb/task_arena.h>
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
@@ -113,16 +114,19 @@ BOOST_AUTO_TEST_CASE(soups_are_described_as_maps_describe_them) {
                 const Mesh mesh(lattice_points(random, count, side), random_triangles(random, 2 * count, count));
                 BOOST_TEST(first_equal_vertices(mesh.vertices()) == first_by_map(mesh.vertices()),
                            boost::test_tools::per_element());
-                const Topology found = describe_topology(mesh);
                 const Topology expected = describe_by_map(mesh);
-                BOOST_TEST(found.open_edges == expected.open_edges);
-                BOOST_TEST(found.unbalanced_edges == expected.unbalanced_edges);
-                BOOST_TEST(found.non_manifold_edges == expected.non_manifold_edges);
-                BOOST_TEST(found.repeated_vertex_faces == expected.repeated_vertex_faces);
-                BOOST_TEST(found.coincident_vertices == expected.coincident_vertices);
-                BOOST_TEST(found.unused_vertices == expected.unused_vertices);
-                BOOST_TEST(are_same(found.first_open_edges, expected.first_open_edges));
-                BOOST_TEST(are_same(found.first_unbalanced_edges, expected.first_unbalanced_edges));
+                for (const int threads : {1, 2, 16}) {
+                    tbb::task_arena arena(threads);
+                    const Topology found = arena.execute([&] { return describe_topology(mesh); });
+                    BOOST_TEST(found.open_edges == expected.open_edges);
+                    BOOST_TEST(found.unbalanced_edges == expected.unbalanced_edges);
+                    BOOST_TEST(found.non_manifold_edges == expected.non_manifold_edges);
+                    BOOST_TEST(found.repeated_vertex_faces == expected.repeated_vertex_faces);
+                    BOOST_TEST(found.coincident_vertices == expected.coincident_vertices);
+                    BOOST_TEST(found.unused_vertices == expected.unused_vertices);
+                    BOOST_TEST(are_same(found.first_open_edges, expected.first_open_edges));
+                    BOOST_TEST(are_same(found.first_unbalanced_edges, expected.first_unbalanced_edges));
+                }
             }
         }
 }

@@ -1,8 +1,7 @@
 #include "support/exact_field.hpp"
+#include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/test_meshes.hpp"
-
-#include "device/context.hpp"
 
 #include "layout.h"
 
@@ -28,16 +27,6 @@ void check_by_group(const Mesh& mesh, const Grid& grid, const Band& band, const 
     const Field field = compute(mesh, grid, band, KernelBody::by_group);
     BOOST_TEST(check_exact(mesh, field, accuracy).band_samples > 0U);
     check_agreement(field, compute(mesh, grid, band, KernelBody::by_vector));
-}
-
-/// A device whose vectors are half as wide as 512 bits, or narrower: this one, with what it says of itself put aside.
-Device with_float_width(unsigned width) {
-    const device::Context& own = test_device().internal();
-    const cl::CommandQueue queue(own.context(), own.device());
-    Device device = Device::from_handles(own.context()(), own.device()(), queue());
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other processor is at hand
-    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
-    return device;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "transform/coarse_lists.hpp"
 
 #include "coarse.h"
+#include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "transform/layout_of.hpp"
@@ -147,14 +148,6 @@ std::vector<cl_uint> missing_in(const Coarse& coarse, const Index3& brick, Rando
         if (!std::binary_search(list.begin(), list.end(), n) && is_missing(PlainPolyhedron(coarse.polyhedra[n])))
             missing.push_back(n);
     return missing;
-}
-
-/// The tests' device if its vectors had so many floats.
-Device with_float_width(unsigned width) {
-    Device device = Device::best();
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): there is but one processor here
-    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
-    return device;
 }
 
 }  // namespace
