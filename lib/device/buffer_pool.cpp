@@ -6,6 +6,7 @@
 
 namespace clsdf::device {
 
+// NOLINTNEXTLINE(bugprone-exception-escape): as its class
 BufferPool::Lease& BufferPool::Lease::operator=(Lease&& other) noexcept {
     if (this != &other) {
         give_back();
@@ -16,6 +17,7 @@ BufferPool::Lease& BufferPool::Lease::operator=(Lease&& other) noexcept {
     return *this;
 }
 
+// NOLINTNEXTLINE(bugprone-exception-escape): as its class
 void BufferPool::Lease::give_back() noexcept {
     if (!pool_) return;
     try {

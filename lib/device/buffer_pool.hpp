@@ -15,6 +15,7 @@ class BufferPool : public std::enable_shared_from_this<BufferPool> {
 public:
     explicit BufferPool(std::shared_ptr<Context> context) : context_(std::move(context)) {}
 
+    // NOLINTBEGIN(bugprone-exception-escape): OpenCL's binding would throw from a move where a release fails
     /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself.
     class Lease {
     public:
@@ -35,6 +36,7 @@ public:
         cl::Buffer buffer_;
         std::size_t bytes_ = 0;
     };
+    // NOLINTEND(bugprone-exception-escape)
 
     /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once.
     void check_size(std::size_t bytes, const char* purpose) const;
@@ -57,6 +59,7 @@ public:
     void restart_peak();
 
 private:
+    // NOLINTNEXTLINE(bugprone-exception-escape): as above
     struct Free {
         cl::Buffer buffer;
         std::size_t bytes;
