@@ -3,7 +3,7 @@
 #include "frame.h"
 #include "lanes.h"
 
-// Numbers of a line of memory.
+// Numbers of a line of memory. (Half a line, one vector of eight, costs as much past the caches as a whole one.)
 #define LINE 16
 
 // Whether a whole line of samples may be stored past the caches: nobody reads a field's empty part soon. (Measured on
