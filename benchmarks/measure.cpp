@@ -1,6 +1,7 @@
 #include "benchmarks/measure.hpp"
 
 #include "benchmarks/memory.hpp"
+#include "core/large_memory.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -96,7 +97,8 @@ Spread spread_of(std::vector<double> values) {
 std::vector<Measurement> measure_in_turns(const Workload& workload, const std::vector<Method*>& methods,
                                           const MeasureOptions& options) {
     const Truth truth(workload, options.samples_judged, options.seed);
-    std::vector<float> distance(workload.grid.sample_count());
+    std::vector<float> distance;  // on pages as the library gives its own fields
+    resize_on_huge_pages(distance, workload.grid.sample_count());
     const auto announce = [&](const Course& course) {
         if (options.progress) options.progress(course.name());
     };

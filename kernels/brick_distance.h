@@ -11,57 +11,64 @@
 
 // A polyhedron at a brick: what its distances take.
 typedef struct AtBrick {
-    Offsets offsets;
 #ifdef LONG_BRICKS
     double4 frame;
 #else
     Steps steps;
-    // Displacements from the brick's centre along the frame, in two parts: of the lanes of a plane's sub-blocks, with
-    // all of x; of the sub-blocks of any plane, by y and z, and in Z with what the offset lacks. Each is rounded once.
-    floatL lane_x[SUBBLOCK_PLANES][SUBBLOCK_VECTORS], lane_y[SUBBLOCK_PLANES][SUBBLOCK_VECTORS],
-        lane_z[SUBBLOCK_PLANES][SUBBLOCK_VECTORS];
-    float x[SUBBLOCK_PLANE], y[SUBBLOCK_PLANE], z[SUBBLOCK_PLANE];
+    // Displacements along the frame: of a sub-block's samples from its centre, in Z with what the offset lacks; of the
+    // sub-blocks' centres from the brick's. Each is rounded once.
+    floatL lane_x[SUBBLOCK_VECTORS], lane_y[SUBBLOCK_VECTORS], lane_z[SUBBLOCK_VECTORS];
+    float x[SUBBLOCKS], y[SUBBLOCKS], z[SUBBLOCKS];
 #endif
 } AtBrick;
 
-INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, __private AtBrick* at) {
-    const Offsets o = offsets_at(p, centre.x, centre.y, centre.z);
-    at->offsets = o;
+#ifndef LONG_BRICKS
+// The displacements of all samples of a sub-block, from those of the first half and of their mirror images.
+INLINE void set_samples(float8 first, float8 images, __private floatL* all) {
+#if LANES == 16
+    all[0] = (float16)(first, images.s76543210);
+#else
+    all[0] = first;
+    all[1] = images.s76543210;
+#endif
+}
+
+// Of all sub-blocks of a brick, from those of its first plane.
+INLINE void set_subblocks(float16 plane, __private float* all) {
+    store_sixteen(plane, 0, all);
+    store_sixteen(-plane.sfedcba9876543210, 1, all);
+}
+#endif
+
+INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, double z_low, __private AtBrick* at) {
 #ifdef LONG_BRICKS
     at->frame = frame_at(p, centre.x, centre.y, centre.z);
 #else
     at->steps = steps_of(p);
     const double3 gx = vload3(0, p->exact_gradient_x), gy = vload3(0, p->exact_gradient_y),
                   gz = vload3(0, p->exact_gradient_z);
-#pragma unroll
-    for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
-        const doubleL lane_j = convert_doubleL(LANE_J), lane_k = convert_doubleL(LANE_K(v));
-        const doubleL x = lane_j * gy.x + lane_k * gz.x, y = lane_j * gy.y + lane_k * gz.y,
-                      z = lane_j * gy.z + lane_k * gz.z;
-#pragma unroll
-        for (uint plane = 0; plane < SUBBLOCK_PLANES; ++plane) {
-            const doubleL i = convert_doubleL(LANE_I + subblock_i(plane));
-            at->lane_x[plane][v] = convert_floatL(i * gx.x + x);
-            at->lane_y[plane][v] = convert_floatL(i * gx.y + y);
-            at->lane_z[plane][v] = convert_floatL(i * gx.z + z);
-        }
-    }
-#pragma unroll
-    for (uint v = 0; v < SUBBLOCK_PLANE / LANES; ++v) {
-        const doubleL j = convert_doubleL(subblocks_j(v)), k = convert_doubleL(subblocks_k(v));
-        store_lanes(convert_floatL(j * gy.x + k * gz.x), v, at->x);
-        store_lanes(convert_floatL(j * gy.y + k * gz.y), v, at->y);
-        store_lanes(convert_floatL(j * gy.z + (k * gz.z + (double)o.z_low)), v, at->z);
-    }
+    const double8 i = SAMPLES_I, j = SAMPLES_J;
+#define OF_SAMPLES(n) (i * gx.n + (j * gy.n + SAMPLES_K * gz.n))
+    const float8 x = convert_float8(OF_SAMPLES(x)), y = convert_float8(OF_SAMPLES(y));
+    const double8 z = OF_SAMPLES(z);
+#undef OF_SAMPLES
+    set_samples(x, -x, at->lane_x);
+    set_samples(y, -y, at->lane_y);
+    set_samples(convert_float8(z_low + z), convert_float8(z_low - z), at->lane_z);
+    const double16 plane_j = SUBBLOCKS_J, plane_k = SUBBLOCKS_K;
+#define OF_SUBBLOCKS(n) convert_float16(plane_j* gy.n + (plane_k * gz.n + SUBBLOCKS_I * gx.n))
+    set_subblocks(OF_SUBBLOCKS(x), at->x);
+    set_subblocks(OF_SUBBLOCKS(y), at->y);
+    set_subblocks(OF_SUBBLOCKS(z), at->z);
+#undef OF_SUBBLOCKS
 #endif
 }
 
 // Into the minimum.
-static inline void evaluate(__global const Polyhedron* p, __private const AtBrick* at, SubblockMask touched,
+static inline void evaluate(__global const Polyhedron* p, Offsets o, __private const AtBrick* at, SubblockMask touched,
                             __global Minimum* minimum, Layout layout, __private ulong* counters) {
     const uint triangle = p->triangle;
 #ifndef LONG_BRICKS
-    const Offsets o = at->offsets;
     const Steps s = at->steps;
 #endif
     for (; touched; touched &= touched - 1) {
@@ -72,18 +79,16 @@ static inline void evaluate(__global const Polyhedron* p, __private const AtBric
             const floatL squared =
                 squared_distance_long_brick(p, at->frame, samples_i(b), samples_j(b), samples_k(b, v));
 #else
-            const uint plane = b / SUBBLOCK_PLANE, n = b % SUBBLOCK_PLANE;
-            const floatL squared =
-                squared_distance_displaced(s, o, at->lane_x[plane][v] + at->x[n], at->lane_y[plane][v] + at->y[n],
-                                           at->lane_z[plane][v] + at->z[n]);
+            const floatL squared = squared_distance_displaced(s, o, at->lane_x[v] + at->x[b], at->lane_y[v] + at->y[b],
+                                                              at->lane_z[v] + at->z[b]);
 #endif
             lower_minimum(minimum, b * SUBBLOCK_VECTORS + v, squared, triangle);
 #ifdef COUNT
             const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
             counters[CLSDF_COUNT_LANES] += LANES;
-            counters[CLSDF_COUNT_COVERED] += popcount(
-                covered_samples(p, at->offsets, samples_i(b), samples_j(b), samples_k(b, v), layout.half_width, slack) &
-                LANE_BITS);
+            counters[CLSDF_COUNT_COVERED] +=
+                popcount(covered_samples(p, o, samples_i(b), samples_j(b), samples_k(b, v), layout.half_width, slack) &
+                         LANE_BITS);
 #endif
         }
     }

@@ -58,6 +58,41 @@ typedef struct Output {
 #endif
 } Output;
 
+// Where the rows of a brick go: addresses, of those before the part's first sample too.
+typedef struct BrickRows {
+    size_t distance;
+#ifdef NEAREST
+    size_t triangle;
+#endif
+    size_t y_step, z_step;
+} BrickRows;
+
+static inline BrickRows rows_of_brick(Layout layout, int3 brick, Output output) {
+    const int3 at = brick * CLSDF_BRICK - vload3(0, layout.first);
+    BrickRows rows;
+    rows.y_step = (size_t)layout.size[0] * sizeof(float);
+    rows.z_step = rows.y_step * layout.size[1];
+    const size_t from_first = (size_t)at.z * rows.z_step + (size_t)at.y * rows.y_step + (size_t)at.x * sizeof(float);
+    rows.distance = (size_t)output.distance + from_first;
+#ifdef NEAREST
+    rows.triangle = (size_t)output.triangle + from_first;
+#endif
+    return rows;
+}
+
+// Asks for two of the rows, by turns. Spread over a brick's computation, the lines of the field are there when they are
+// stored to; else all stores after them would wait, and soon everything. (Measured: a tenth of the bricks' time, where
+// the field is on huge pages.)
+INLINE void request_rows(BrickRows rows, uint turn) {
+    const size_t from_first = turn % 4 * 2 * rows.y_step + turn / 4 % 8 * rows.z_step;
+    request_line_to_store(rows.distance + from_first);
+    request_line_to_store(rows.distance + from_first + rows.y_step);
+#ifdef NEAREST
+    request_line_to_store(rows.triangle + from_first);
+    request_line_to_store(rows.triangle + from_first + rows.y_step);
+#endif
+}
+
 // Row (y, z) of a brick's samples, out of its sub-blocks.
 INLINE uint8 row_of(__global const uint* samples, uint y, uint z) {
     __global const uint* half_row = samples + (z / 2 * 4 + y / 2) * SUBBLOCK_SAMPLES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;

@@ -13,6 +13,7 @@
 
 #include "brick_distance.h"
 #include "brick_lists.h"
+#include "lane_offsets.h"
 
 // After how many polyhedra of a brick's list the bounds of its distances are taken anew.
 #define CHUNK 64
@@ -38,23 +39,30 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
 }
 
 // The polyhedra numbers[0, LANES) into a brick's minima, as far as `lanes` says that they count. Returns which
-// sub-blocks any of them touches.
+// sub-blocks any of them touches. They are the list's from `begin` on; one brick's rows are asked for meanwhile.
 static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private const uint* numbers, uint lanes,
                                           __private const float* caps, float slack,
                                           __global const Polyhedron* polyhedra, __global Minimum* minimum,
-                                          __private ulong* counters) {
+                                          BrickRows rows, uint begin, __private ulong* counters) {
     const float centre = 0.5f * (CLSDF_BRICK - 1);
-    const double3 at = convert_double3(first) + (double)centre;
     const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, centre);
     SubblockMask masks[LANES], lowered = 0;
     const uint touching = lanes & touched_subblocks(&p, caps, slack, masks);
+    if (touching == 0) return 0;
     // What takes double numbers is a long chain of operations: one polyhedron's hides behind the next one's.
+    LaneOffsets offsets;
+    set_offsets(polyhedra, numbers, &p, centre, &offsets);
     AtBrick at_brick[LANES];
-    for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n)
-        set_at_brick(polyhedra + numbers[lowest_bit(rest)], at, at_brick + n);
     for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
         const uint lane = lowest_bit(rest);
-        evaluate(polyhedra + numbers[lane], at_brick + n, masks[lane], minimum, layout, counters);
+        set_at_brick(polyhedra + numbers[lane], convert_double3(first) + (double)centre, offsets.z_low[lane],
+                     at_brick + n);
+    }
+    for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
+        const uint lane = lowest_bit(rest);
+        request_rows(rows, begin + n);
+        evaluate(polyhedra + numbers[lane], offsets_of_lane(&offsets, lane), at_brick + n, masks[lane], minimum, layout,
+                 counters);
         lowered |= masks[lane];
     }
     return lowered;
@@ -64,7 +72,7 @@ static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private c
 // `nearest` is a polyhedron whose foot is near the brick.
 static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
                                  bool is_first, __global const Polyhedron* nearest,
-                                 __global const Polyhedron* polyhedra, __global Minimum* minimum,
+                                 __global const Polyhedron* polyhedra, __global Minimum* minimum, BrickRows rows,
                                  __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
@@ -83,8 +91,8 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
             }
         uint numbers[LANES];
         load_numbers(list, e, count, numbers);
-        lowered |=
-            evaluate_lanes(layout, first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, minimum, counters);
+        lowered |= evaluate_lanes(layout, first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, minimum,
+                                  rows, e, counters);
     }
 #ifdef COUNT
     counters[CLSDF_COUNT_BRICK_PAIRS] += count;
@@ -143,7 +151,7 @@ static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __glo
 typedef struct Scratch {
     LaneMask
         masks[64 * CLSDF_LIST_PART / LANES];  // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
-    uint list[CLSDF_LIST_PART + LANES];
+    uint lists[2][CLSDF_LIST_PART + LANES];   // of a brick and the next
 } Scratch;
 
 // The host allocates CLSDF_SCRATCH_BYTES for it.
@@ -175,6 +183,13 @@ static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global
     return any;
 }
 
+// The list of the first of some bricks, as far as there are any.
+static inline uint choose_for_first(ulong bricks, uint count, __global const uint* entries,
+                                    __global const LaneMask* masks, __global uint* chosen) {
+    if (bricks == 0) return 0;
+    return choose(count, entries, masks + lowest_bit_of_long(bricks) * (CLSDF_LIST_PART / LANES), chosen);
+}
+
 static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                         float coarse_cap, __global const Polyhedron* polyhedra,
                                         __global const uint* sign_bits, __global uchar* computed,
@@ -188,16 +203,20 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     ulong begun = 0;
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
         const uint length = min(count - begin, (uint)CLSDF_LIST_PART);
-        ulong any =
+        ulong rest =
             in_part & list_bricks(layout, coarse, length, entries + begin, caps.cap, slack, polyhedra, scratch->masks);
-        for (; any; any &= any - 1) {
-            const uint b = lowest_bit_of_long(any);
+        // Each brick's list is made before the brick before it is computed. Read right after it is written, it would
+        // have to wait until all stores before it, that brick's rows, have reached the caches.
+        uint next_chosen = choose_for_first(rest, length, entries + begin, scratch->masks, scratch->lists[0]);
+        for (uint n = 0; rest; ++n) {
+            const uint b = lowest_bit_of_long(rest), chosen = next_chosen;
+            rest &= rest - 1;
+            next_chosen = choose_for_first(rest, length, entries + begin, scratch->masks, scratch->lists[(n + 1) % 2]);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
-            const uint chosen =
-                choose(length, entries + begin, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
             __global Minimum* minimum = minima + (is_short ? 0 : b);
-            evaluate_list(layout, brick, chosen, scratch->list, caps.cap[b], !(begun >> b & 1),
-                          polyhedra + caps.nearest[b], polyhedra, minimum, counters);
+            evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps.cap[b], !(begun >> b & 1),
+                          polyhedra + caps.nearest[b], polyhedra, minimum, rows_of_brick(layout, brick, output),
+                          counters);
             begun |= 1ul << b;
             if (is_short)
                 write_brick(layout, brick, minimum, sign_bits, computed, output, counters);

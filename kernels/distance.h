@@ -12,11 +12,14 @@
 #include "frame.h"
 #include "lanes.h"
 
-// The formulas above; `past` is t minus the length of the slanted edge.
-INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL t, floatL past) {
-    const intL below = y < 0.0f;
-    const floatL along = GREATER(below ? beyond : past, below ? (floatL)0.0f : LESSER(t, 0.0f));
-    const floatL outward = below ? y : GREATER(r, 0.0f);
+// The formulas above, from `before` = -t and `past` = t minus the length of the slanted edge: at most one of them is
+// positive. (Each half has its own two bounds of which the greater counts, so that one comparison serves all choices.)
+INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL before, floatL past) {
+    const intL above = y >= 0.0f;
+    const floatL end = above ? past : beyond, other_end = above ? before : beyond;
+    const floatL farther = GREATER(end, other_end);
+    const floatL along = GREATER(farther, 0.0f);
+    const floatL outward = above ? GREATER(r, 0.0f) : y;
     return along * along + outward * outward + z * z;
 }
 
@@ -45,17 +48,17 @@ INLINE floatL squared_distance_displaced(Steps s, Offsets o, floatL dx, floatL d
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
 
-    const intL right = dx >= -o.x;
-    const floatL away = right ? dx : -dx;
-    const floatL along = right ? (floatL)s.along_right : (floatL)s.along_left;
-    const floatL across = right ? (floatL)s.across_right : (floatL)s.across_left;
+    const intL left = dx < -o.x;
+    const floatL away = left ? -dx : dx;
+    const floatL along = left ? (floatL)s.along_left : (floatL)s.along_right;
+    const floatL across = left ? (floatL)s.across_left : (floatL)s.across_right;
     const floatL dr = along * away + across * dy;
     const floatL dt = along * dy - across * away;
-    const floatL beyond = (right ? (floatL)o.beyond_right : (floatL)o.beyond_left) + away;
-    const floatL r = (right ? (floatL)o.outward_right : (floatL)o.outward_left) + dr;
-    const floatL t = (right ? (floatL)o.along_right : (floatL)o.along_left) + dt;
-    const floatL past = (right ? (floatL)o.past_right : (floatL)o.past_left) + dt;
-    return squared_from_frame(y, z, beyond, r, t, past);
+    const floatL beyond = (left ? (floatL)o.beyond_left : (floatL)o.beyond_right) + away;
+    const floatL r = (left ? (floatL)o.outward_left : (floatL)o.outward_right) + dr;
+    const floatL before = (left ? (floatL)o.before_left : (floatL)o.before_right) - dt;
+    const floatL past = (left ? (floatL)o.past_left : (floatL)o.past_right) + dt;
+    return squared_from_frame(y, z, beyond, r, before, past);
 }
 
 // The same from the samples (i, j, k) away from the point of the offsets.
@@ -84,7 +87,7 @@ static inline floatL squared_distance_long_brick(__global const Polyhedron* p, d
     const doubleL beyond = away - (right ? (doubleL)base.x : (doubleL)base.y);
     const doubleL above_apex = y - p->exact_altitude;
     return squared_from_frame(convert_floatL(y), convert_floatL(z), convert_floatL(beyond),
-                              convert_floatL(along * beyond + across * y), convert_floatL(along * y - across * beyond),
+                              convert_floatL(along * beyond + across * y), convert_floatL(across * beyond - along * y),
                               convert_floatL(along * above_apex - across * away));
 }
 

@@ -60,6 +60,14 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
     return differ == 0 ? end : min(word * 32 + (int)lowest_bit(differ), end);
 }
 
+// Asks for a row of bricks' sign bits in one slice of samples: what is loaded among stores past the caches waits for
+// them. (Measured: 7% of the kernel's time.)
+INLINE void request_signs(Layout layout, __global const uint* sign_bits, int brick_y, int from_z) {
+    __global const uint* bits =
+        sign_bits + ((size_t)from_z * layout.bricks[1] + brick_y) * CLSDF_BRICK * layout.sign_words;
+    for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE) request_line_for_soon(bits + word);
+}
+
 // One work-item the empty ones of a piece of a row of bricks, in one slice of samples, from slice `first_slice` on.
 // Global size: (pieces of a row of bricks, rows of bricks, slices and what fills the last group).
 __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
@@ -71,6 +79,7 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
     const int shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;
     const int shift_y = layout.first[1] - layout.brick_first[1] * CLSDF_BRICK;
     const int from_z = z + layout.first[2] - layout.brick_first[2] * CLSDF_BRICK;
+    request_signs(layout, sign_bits, brick_y, from_z + 1);  // of the next work-item of the group
     __global const uchar* row_computed =
         computed + ((size_t)(from_z / CLSDF_BRICK) * layout.bricks[1] + brick_y) * layout.bricks[0];
     const int begin_y = max(brick_y * CLSDF_BRICK - shift_y, 0),

@@ -10,8 +10,7 @@
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 
-#include "frame.h"
-#include "lanes.h"
+#include "transpose.h"
 
 // Words of a polyhedron.
 #define WORD_GRADIENT_X 0
@@ -26,32 +25,6 @@
 #define WORD_ORIGIN 27
 #define WORD_FLAGS 30
 #define WORDS 32
-
-// rows[i].s[j] <-> rows[j].s[i], for LANES rows: each round shuffles the first half of the rows into the second.
-#if LANES == 16
-#define ZIP_LOW(a, b) \
-    (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
-#define ZIP_HIGH(a, b) \
-    (float16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se, a.sf, b.sf)
-#define ZIP_ROUNDS 4
-#else
-#define ZIP_LOW(a, b) (float8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3)
-#define ZIP_HIGH(a, b) (float8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
-#define ZIP_ROUNDS 3
-#endif
-INLINE void transpose(__private floatL* rows) {
-#pragma unroll
-    for (uint round = 0; round < ZIP_ROUNDS; ++round) {
-        floatL zipped[LANES];
-#pragma unroll
-        for (uint i = 0; i < LANES / 2; ++i) {
-            zipped[2 * i] = ZIP_LOW(rows[i], rows[i + LANES / 2]);
-            zipped[2 * i + 1] = ZIP_HIGH(rows[i], rows[i + LANES / 2]);
-        }
-#pragma unroll
-        for (uint i = 0; i < LANES; ++i) rows[i] = zipped[i];
-    }
-}
 
 // What bounds the polyhedra, at one point: Z and the distances outward of the base (-Y) and of the slanted edges. All
 // are affine in the sample: the same struct holds a step.
@@ -81,6 +54,7 @@ typedef struct LanePolyhedra {
     floatL gradient_x, gradient_y, gradient_z;  // of X
     floatL along_right, along_left, across_right, across_left;
     floatL above[3], below[3], greater[3];  // slopes by edge
+    intL first_i, first_j, first_k;         // the sample that the point was given from, from the integer origins
     bool all_compact;
 } LanePolyhedra;
 
@@ -111,9 +85,11 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     SET_STEP(step_z, WORD_GRADIENT_Z)
 #undef SET_STEP
 
-    const floatL i = convert_floatL(first.x - as_intL(words[WORD_ORIGIN])) + centre;
-    const floatL j = convert_floatL(first.y - as_intL(words[WORD_ORIGIN + 1])) + centre;
-    const floatL k = convert_floatL(first.z - as_intL(words[WORD_ORIGIN + 2])) + centre;
+    p.first_i = first.x - as_intL(words[WORD_ORIGIN]);
+    p.first_j = first.y - as_intL(words[WORD_ORIGIN + 1]);
+    p.first_k = first.z - as_intL(words[WORD_ORIGIN + 2]);
+    const floatL i = convert_floatL(p.first_i) + centre, j = convert_floatL(p.first_j) + centre,
+                 k = convert_floatL(p.first_k) + centre;
 #define FRAME(n)                      \
     (words[WORD_GRADIENT_X + n] * i + \
      (words[WORD_GRADIENT_Y + n] * j + (words[WORD_GRADIENT_Z + n] * k + words[WORD_CONSTANT + n])))
