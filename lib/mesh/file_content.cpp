@@ -1,5 +1,7 @@
 #include "mesh/file_content.hpp"
 
+#include "core/descriptor.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
@@ -14,22 +16,6 @@
 namespace clsdf {
 
 namespace {
-
-/// A file descriptor that is closed at the end of its scope.
-class Descriptor {
-public:
-    explicit Descriptor(int number) : number_(number) {}
-    ~Descriptor() {
-        if (number_ >= 0) ::close(number_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-
-    int number() const { return number_; }
-
-private:
-    int number_;
-};
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
     throw Error(ErrorCode::unreadable_input, fmt::format("cannot read '{}': {}", path, reason));
