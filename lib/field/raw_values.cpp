@@ -1,10 +1,15 @@
 #include "field/raw_values.hpp"
 
+#include "core/parallel.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -16,7 +21,8 @@ namespace {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
 
-constexpr std::size_t chunk = std::size_t{1} << 16;  // values converted at a time
+constexpr std::size_t chunk = std::size_t{1} << 16;    // values converted at a time
+constexpr std::size_t stretch = std::size_t{4} << 20;  // bytes read by one core
 
 void swap_bytes(std::span<std::byte> bytes, std::size_t width) {
     for (std::size_t begin = 0; begin < bytes.size(); begin += width)
@@ -34,17 +40,29 @@ InputFile::InputFile(std::string path) : path_(std::move(path)) {
     if (!std::filesystem::is_regular_file(status)) fail("not a regular file; its size must be known before it is read");
     size_ = std::filesystem::file_size(path_, error);
     if (error) fail(error.message());
-    errno = 0;
-    stream_.open(path_, std::ios::binary);
-    if (!stream_) fail(errno != 0 ? std::generic_category().message(errno) : "cannot be opened");
+    const int descriptor = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) fail(std::generic_category().message(errno));
+    file_ = std::make_unique<Descriptor>(descriptor);
 }
 
 void InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) {
-    stream_.clear();
-    stream_.seekg(static_cast<std::streamoff>(offset));
-    stream_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    if (!stream_)
+    std::atomic<bool> is_read = true;
+    for_each_stretch(bytes.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
+        if (!read_all(offset + begin, bytes.subspan(begin, end - begin))) is_read = false;
+    });
+    if (!is_read)
         fail(fmt::format("{} bytes from byte {} on cannot be read; the file has {}", bytes.size(), offset, size_));
+}
+
+bool InputFile::read_all(std::uint64_t offset, std::span<std::byte> bytes) const {
+    while (!bytes.empty()) {
+        const ssize_t count = ::pread(file_->number(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return false;
+        offset += static_cast<std::uint64_t>(count);
+        bytes = bytes.subspan(static_cast<std::size_t>(count));
+    }
+    return true;
 }
 
 std::string InputFile::beginning(std::size_t limit) {

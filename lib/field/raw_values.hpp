@@ -1,11 +1,12 @@
 #pragma once
 
 #include "core/atomic_file.hpp"
+#include "core/descriptor.hpp"
 
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ public:
     const std::string& path() const { return path_; }
     std::uint64_t size() const { return size_; }
 
-    /// Throws where the file ends before.
+    /// Throws where the file ends before. Much is read on all cores.
     void read(std::uint64_t offset, std::span<std::byte> bytes);
 
     /// The first bytes, at most `limit`.
@@ -29,8 +30,10 @@ public:
     [[noreturn]] void fail(const std::string& what) const;
 
 private:
+    bool read_all(std::uint64_t offset, std::span<std::byte> bytes) const;
+
     std::string path_;
-    std::ifstream stream_;
+    std::unique_ptr<Descriptor> file_;
     std::uint64_t size_ = 0;
 };
 

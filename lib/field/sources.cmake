@@ -17,7 +17,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/numbers.cpp
           ${CMAKE_CURRENT_LIST_DIR}/outputs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sdf_read.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sdf_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_HAS_VDB}>,vdb_write,vdb_absent>.cpp
           $<$<BOOL:${CLSDF_HAS_VDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
           ${CMAKE_CURRENT_LIST_DIR}/vdb_file.cpp

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <fstream>
 #include <stdexcept>
 
@@ -17,21 +18,33 @@ constexpr std::size_t header_length = uuid_begin + uuid_length;
 constexpr std::string_view uuid_of_ours = "c15df000-0000-8000-";  // then the checksum, as xxxx-xxxxxxxxxxxx
 constexpr std::size_t chunk = std::size_t{1} << 16;
 
-// FNV-1a of 64 bits (Fowler, Noll, Vo).
+// Of words of eight bytes: byte by byte it took a quarter of the time of writing the file. Each step is one to one, so
+// that no change within one word goes unnoticed; the rotation takes the upper bits, which a product leaves where they
+// are, to the lower ones.
 class Checksum {
 public:
     void add(std::string_view bytes) {
-        for (const char byte : bytes) sum_ = (sum_ ^ static_cast<unsigned char>(byte)) * 0x100000001B3U;
+        constexpr std::size_t width = sizeof(std::uint64_t);
+        for (; bytes.size() >= width; bytes.remove_prefix(width)) add(word_of(bytes.data(), width));
+        if (!bytes.empty()) add(word_of(bytes.data(), bytes.size()));
     }
+    void add(std::uint64_t word) { sum_ = std::rotl((sum_ ^ word) * 0x9E3779B97F4A7C15U, 32); }
     std::string uuid() const {
         return fmt::format("{}{:04x}-{:012x}", uuid_of_ours, sum_ >> 48, sum_ & 0xFFFFFFFFFFFFU);
     }
 
 private:
-    std::uint64_t sum_ = 0xCBF29CE484222325U;
+    /// The lowest byte comes first; bytes that are missing are zero.
+    static std::uint64_t word_of(const char* bytes, std::size_t count) {
+        std::uint64_t word = 0;
+        for (std::size_t i = count; i-- > 0;) word = word << 8 | static_cast<unsigned char>(bytes[i]);
+        return word;
+    }
+
+    std::uint64_t sum_ = 0;
 };
 
-// Of the whole file but the UUID.
+// Of the whole file but the UUID, and of its length: an incomplete word looks like one that ends in zeros.
 std::string expected_uuid(InputFile& file) {
     Checksum checksum;
     std::string bytes = file.beginning(header_length);
@@ -41,6 +54,7 @@ std::string expected_uuid(InputFile& file) {
         file.read(begin, std::as_writable_bytes(std::span(bytes)));
         checksum.add(bytes);
     }
+    checksum.add(file.size());
     return checksum.uuid();
 }
 

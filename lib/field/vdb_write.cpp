@@ -9,12 +9,17 @@
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Prune.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <sstream>
 
 namespace clsdf {
@@ -24,37 +29,66 @@ using namespace vdb;
 
 constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
 
-// The block of a leaf in a layer of slices, cut off at the grid's end.
-struct Block {
-    Index3 first{};
-    Index3 size{};
+/// What samples beyond the band carry, compared bit by bit: -0.0 is not 0.0. Where the band has no end, none is beyond.
+struct Fill {
+    float outside;
+    float inside;
 
-    bool is_whole() const { return size == Index3{leaf_side, leaf_side, leaf_side}; }
+    static bool is_same(float one, float other) {
+        return std::isfinite(one) && std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);
+    }
+    bool is_outside(float value) const { return is_same(outside, value); }
+    bool is_inside(float value) const { return is_same(inside, value); }
+    bool is_beyond(float value) const { return is_outside(value) || is_inside(value); }
 };
 
-// A layer of up to eight slices of one output.
+// A layer of up to eight slices of one output, and its blocks: a leaf each, cut off at the grid's end.
 struct Layer {
     Index3 grid_size{};
     std::int64_t first_slice = 0;
     std::int64_t slices = 0;
 
-    template <class Action>
-    void for_each_block(const Action& action) const {
-        for (std::int64_t y = 0; y < grid_size[1]; y += leaf_side)
-            for (std::int64_t x = 0; x < grid_size[0]; x += leaf_side)
-                action(Block{{x, y, first_slice},
-                             {std::min(leaf_side, grid_size[0] - x), std::min(leaf_side, grid_size[1] - y), slices}});
+    std::size_t block_count() const {
+        return static_cast<std::size_t>(leaves(grid_size[0])) * static_cast<std::size_t>(leaves(grid_size[1]));
+    }
+    Index3 first_of(std::size_t block) const {
+        const auto number = static_cast<std::int64_t>(block);
+        return {number % leaves(grid_size[0]) * leaf_side, number / leaves(grid_size[0]) * leaf_side, first_slice};
+    }
+    Index3 size_of(const Index3& first) const {
+        return {std::min(leaf_side, grid_size[0] - first[0]), std::min(leaf_side, grid_size[1] - first[1]), slices};
     }
 
-    // Calls with the offset in the leaf and the sample's in the layer.
-    template <class Action>
-    void for_each_sample(const Block& block, const Action& action) const {
-        for (std::int64_t k = 0; k < block.size[2]; ++k)
-            for (std::int64_t j = 0; j < block.size[1]; ++j)
-                for (std::int64_t i = 0; i < block.size[0]; ++i)
-                    action(static_cast<openvdb::Index>((i * leaf_side + j) * leaf_side + k),
-                           static_cast<std::size_t>(block.first[0] + i +
-                                                    grid_size[0] * (block.first[1] + j + grid_size[1] * k)));
+private:
+    static std::int64_t leaves(std::int64_t samples) { return (samples + leaf_side - 1) / leaf_side; }
+};
+
+constexpr Index3 whole_leaf{leaf_side, leaf_side, leaf_side};
+
+/// The samples of a block, in rows along x.
+struct Block {
+    Index3 first{};
+    Index3 size{};
+    Index3 grid_size{};
+
+    Block(const Layer& layer, std::size_t number)
+        : first(layer.first_of(number)), size(layer.size_of(first)), grid_size(layer.grid_size) {}
+
+    bool is_whole() const { return size == whole_leaf; }
+    std::size_t first_sample() const { return sample(0, 0); }
+
+    /// Whether it holds for all rows: calls with j, k and the row's first sample in the layer.
+    template <class Predicate>
+    bool all_rows(const Predicate& predicate) const {
+        for (std::int64_t k = 0; k < size[2]; ++k)
+            for (std::int64_t j = 0; j < size[1]; ++j)
+                if (!predicate(j, k, sample(j, k))) return false;
+        return true;
+    }
+
+private:
+    std::size_t sample(std::int64_t j, std::int64_t k) const {
+        return static_cast<std::size_t>(first[0] + grid_size[0] * (first[1] + j + grid_size[1] * k));
     }
 };
 
@@ -71,102 +105,139 @@ public:
     virtual openvdb::GridBase::Ptr finish() = 0;
 };
 
-/// What samples beyond the band carry, compared bit by bit: -0.0 is not 0.0. Where the band has no end, none is beyond.
-struct Fill {
-    float outside;
-    float inside;
-
-    static bool is_same(float one, float other) {
-        return std::isfinite(one) && std::bit_cast<std::uint32_t>(one) == std::bit_cast<std::uint32_t>(other);
-    }
-    bool is_outside(float value) const { return is_same(outside, value); }
-    bool is_inside(float value) const { return is_same(inside, value); }
-    bool is_beyond(float value) const { return is_outside(value) || is_inside(value); }
-};
-
-/// The samples of the band are active; what lies inside beyond it is filled by tiles, and outside is the background.
-class DistanceTree : public OutputTree {
-public:
-    explicit DistanceTree(const Fill& fill) : fill_(fill), grid_(openvdb::FloatGrid::create(fill.outside)) {}
-
-    void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte>) override {
-        for (const float value : distance)
-            if (std::isfinite(value)) farthest_ = std::max(farthest_, value);
-        layer.for_each_block([&](const Block& block) {
-            bool is_outside = true, is_inside = true;
-            layer.for_each_sample(block, [&](openvdb::Index, std::size_t sample) {
-                is_outside = is_outside && fill_.is_outside(distance[sample]);
-                is_inside = is_inside && fill_.is_inside(distance[sample]);
-            });
-            if (is_outside) return;
-            if (is_inside && block.is_whole()) {
-                grid_->tree().addTile(1, coordinates(block.first), fill_.inside, false);
-                return;
-            }
-            auto& leaf = *grid_->tree().touchLeaf(coordinates(block.first));
-            layer.for_each_sample(block, [&](openvdb::Index offset, std::size_t sample) {
-                const float value = distance[sample];
-                if (fill_.is_beyond(value))
-                    leaf.setValueOff(offset, value);
-                else
-                    leaf.setValueOn(offset, value);
-            });
-        });
-    }
-
-    openvdb::GridBase::Ptr finish() override {
-        // Programs do arithmetic with the background: a field without end has its largest distance there.
-        if (!std::isfinite(fill_.outside)) grid_->tree().root().setBackground(farthest_, true);
-        // Tiles are merged where values compare equal, as 0.0 and -0.0 do.
-        if (fill_.outside != 0 && fill_.inside != 0) openvdb::tools::pruneTiles(grid_->tree());
-        return grid_;
-    }
-
-private:
-    Fill fill_;
-    float farthest_ = 0;
-    openvdb::FloatGrid::Ptr grid_;
-};
-
-/// Another output, with a background that means "beyond the band".
+/// Leaves are made on all cores, and hung into the tree in their order.
 template <class GridType>
-class ExtraTree : public OutputTree {
+class TreeOf : public OutputTree {
 public:
     using Value = typename GridType::ValueType;
+    using Leaf = typename GridType::TreeType::LeafNodeType;
 
-    ExtraTree(const Fill& fill, const Value& background)
+    TreeOf(const Fill& fill, const Value& background)
         : fill_(fill), background_(background), grid_(GridType::create(background)) {}
 
     void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) override {
-        const auto value_of = [&](std::size_t sample) {
-            Value value;
-            std::memcpy(&value, values.data() + sample * sizeof(Value), sizeof(Value));
-            return value;
-        };
-        layer.for_each_block([&](const Block& block) {
-            bool is_background = true;
-            layer.for_each_sample(block, [&](openvdb::Index, std::size_t sample) {
-                is_background = is_background && fill_.is_beyond(distance[sample]) &&
-                                std::ranges::equal(values.subspan(sample * sizeof(Value), sizeof(Value)),
-                                                   std::as_bytes(std::span(&background_, 1)));
-            });
-            if (is_background) return;
-            auto& leaf = *grid_->tree().touchLeaf(coordinates(block.first));
-            layer.for_each_sample(block, [&](openvdb::Index offset, std::size_t sample) {
-                if (fill_.is_beyond(distance[sample]))
-                    leaf.setValueOff(offset, value_of(sample));
-                else
-                    leaf.setValueOn(offset, value_of(sample));
-            });
+        std::vector<Part> parts(layer.block_count());
+        tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t block) {
+            parts[block] = part_of(Block(layer, block), distance.data(), values.data());
         });
+        for (std::size_t block = 0; block < parts.size(); ++block) {
+            if (parts[block].leaf)
+                grid_->tree().addLeaf(parts[block].leaf.release());
+            else if (parts[block].tile)
+                grid_->tree().addTile(1, coordinates(layer.first_of(block)), *parts[block].tile, false);
+        }
     }
 
     openvdb::GridBase::Ptr finish() override { return grid_; }
+
+protected:
+    /// A leaf, a tile, or what the tree has without either.
+    struct Part {
+        std::unique_ptr<Leaf> leaf;
+        std::optional<Value> tile;
+    };
+
+    /// Both arrays are those of the block's layer. Called by many threads.
+    virtual Part part_of(const Block& block, const float* distance, const std::byte* values) const = 0;
+
+    Part leaf_of(const Block& block, const float* distance, const std::byte* values) const {
+        auto leaf = std::make_unique<Leaf>(coordinates(block.first), background_, false);
+        Value* const room = leaf->buffer().data();
+        // A leaf's samples lie side by side along z, and its mask has a word for each x.
+        std::array<openvdb::Index64, leaf_side> active{};
+        block.all_rows([&](std::int64_t j, std::int64_t k, std::size_t sample) {
+            const std::int64_t place = j * leaf_side + k;
+            for (std::int64_t i = 0; i < block.size[0]; ++i, ++sample) {
+                std::memcpy(&room[i * leaf_side * leaf_side + place], values + sample * sizeof(Value), sizeof(Value));
+                active[static_cast<std::size_t>(i)] |= openvdb::Index64{!fill_.is_beyond(distance[sample])} << place;
+            }
+            return true;
+        });
+        typename Leaf::NodeMaskType mask;
+        for (openvdb::Index i = 0; i < active.size(); ++i) mask.template getWord<openvdb::Index64>(i) = active[i];
+        leaf->setValueMask(mask);
+        return {std::move(leaf), std::nullopt};
+    }
+
+    const Fill& fill() const { return fill_; }
+    const Value& background() const { return background_; }
+    GridType& grid() { return *grid_; }
 
 private:
     Fill fill_;
     Value background_;
     typename GridType::Ptr grid_;
+};
+
+/// The samples of the band are active; what lies inside beyond it is filled by tiles, and outside is the background.
+class DistanceTree : public TreeOf<openvdb::FloatGrid> {
+public:
+    explicit DistanceTree(const Fill& fill) : TreeOf(fill, fill.outside) {}
+
+    void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) override {
+        if (!std::isfinite(fill().outside)) farthest_ = std::max(farthest_, farthest_of(distance));
+        TreeOf::add(layer, distance, values);
+    }
+
+    openvdb::GridBase::Ptr finish() override {
+        // Programs do arithmetic with the background: a field without end has its largest distance there.
+        if (!std::isfinite(fill().outside)) grid().tree().root().setBackground(farthest_, true);
+        // Tiles are merged where values compare equal, as 0.0 and -0.0 do.
+        if (fill().outside != 0 && fill().inside != 0) openvdb::tools::pruneTiles(grid().tree());
+        return TreeOf::finish();
+    }
+
+private:
+    Part part_of(const Block& block, const float* distance, const std::byte* values) const override {
+        const float one = distance[block.first_sample()];
+        if (fill().is_beyond(one) && is_all(block, distance, one)) {
+            if (fill().is_outside(one)) return {};
+            if (block.is_whole()) return {nullptr, one};
+        }
+        return leaf_of(block, distance, values);
+    }
+
+    static bool is_all(const Block& block, const float* distance, float value) {
+        const auto bits = std::bit_cast<std::uint32_t>(value);
+        return block.all_rows([&](std::int64_t, std::int64_t, std::size_t sample) {
+            std::uint32_t difference = 0;
+            for (std::int64_t i = 0; i < block.size[0]; ++i, ++sample)
+                difference |= std::bit_cast<std::uint32_t>(distance[sample]) ^ bits;
+            return difference == 0;
+        });
+    }
+
+    static float farthest_of(std::span<const float> distance) {
+        float farthest = 0;
+        for (const float value : distance)
+            if (std::isfinite(value)) farthest = std::max(farthest, value);
+        return farthest;
+    }
+
+    float farthest_ = 0;
+};
+
+/// Another output, with a background that means "beyond the band".
+template <class GridType>
+class ExtraTree : public TreeOf<GridType> {
+public:
+    using TreeOf<GridType>::TreeOf;
+    using typename TreeOf<GridType>::Value;
+
+private:
+    using typename TreeOf<GridType>::Part;
+
+    Part part_of(const Block& block, const float* distance, const std::byte* values) const override {
+        const bool is_background = block.all_rows([&](std::int64_t, std::int64_t, std::size_t sample) {
+            bool is_same = true;
+            for (std::int64_t i = 0; i < block.size[0]; ++i, ++sample)
+                is_same = is_same && this->fill().is_beyond(distance[sample]) &&
+                          std::memcmp(values + sample * sizeof(Value), &this->background(), sizeof(Value)) == 0;
+            return is_same;
+        });
+        if (is_background) return {};
+        return this->leaf_of(block, distance, values);
+    }
 };
 
 std::unique_ptr<OutputTree> tree_for(const OutputKind& kind, const Fill& fill, const std::string& path) {
@@ -235,16 +306,25 @@ public:
         const auto slices = static_cast<std::int64_t>(slab.distance.size() / slice);
         for (std::int64_t k = 0; k < slices;) {
             const std::int64_t z = first_slice + k;
-            const std::int64_t layer_end = std::min(size[2], (z / leaf_side + 1) * leaf_side);
+            const std::int64_t layer_begin = z / leaf_side * leaf_side;
+            const std::int64_t layer_end = std::min(size[2], layer_begin + leaf_side);
             const std::int64_t count = std::min(slices - k, layer_end - z);
-            for (std::size_t i = 0; i < kinds_.size(); ++i) {
-                const std::size_t bytes = slice * kinds_[i].sample_bytes();
-                const auto part = kinds_[i].bytes(slab).subspan(static_cast<std::size_t>(k) * bytes,
-                                                                static_cast<std::size_t>(count) * bytes);
-                pending_[i].insert(pending_[i].end(), part.begin(), part.end());
+            std::vector<std::span<const std::byte>> parts;
+            for (const OutputKind& kind : kinds_) {
+                const std::size_t bytes = slice * kind.sample_bytes();
+                parts.push_back(kind.bytes(slab).subspan(static_cast<std::size_t>(k) * bytes,
+                                                         static_cast<std::size_t>(count) * bytes));
+            }
+            if (count < layer_end - layer_begin) {
+                for (std::size_t i = 0; i < parts.size(); ++i) {
+                    pending_[i].insert(pending_[i].end(), parts[i].begin(), parts[i].end());
+                    parts[i] = pending_[i];
+                }
             }
             k += count;
-            if (z + count == layer_end) add_layer(z / leaf_side * leaf_side, layer_end);
+            if (z + count < layer_end) continue;
+            add_layer({size, layer_begin, layer_end - layer_begin}, parts);
+            for (std::vector<std::byte>& values : pending_) values.clear();
         }
     }
 
@@ -275,12 +355,9 @@ public:
     }
 
 private:
-    void add_layer(std::int64_t begin, std::int64_t end) {
-        const Layer layer{field_.grid.size, begin, end - begin};
-        const std::size_t samples = pending_[0].size() / sizeof(float);
-        const std::span distance(reinterpret_cast<const float*>(pending_[0].data()), samples);
-        for (std::size_t i = 0; i < kinds_.size(); ++i) trees_[i]->add(layer, distance, pending_[i]);
-        for (std::vector<std::byte>& values : pending_) values.clear();
+    void add_layer(const Layer& layer, std::span<const std::span<const std::byte>> values) {
+        const std::span distance(reinterpret_cast<const float*>(values[0].data()), values[0].size() / sizeof(float));
+        for (std::size_t i = 0; i < kinds_.size(); ++i) trees_[i]->add(layer, distance, values[i]);
     }
 
     // What OpenVDB's tools take one for: cubic voxels, a sign, and a background that is the half width.

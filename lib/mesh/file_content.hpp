@@ -1,7 +1,8 @@
 #pragma once
 
+#include "core/uninitialized_vector.hpp"
+
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,14 +16,13 @@ public:
     explicit FileContent(std::string path);
 
     const std::string& path() const { return path_; }
-    std::size_t size() const { return size_; }
-    std::string_view text() const { return {bytes_.get(), size_}; }
-    std::span<const std::byte> bytes() const { return std::as_bytes(std::span(bytes_.get(), size_)); }
+    std::size_t size() const { return bytes_.size(); }
+    std::string_view text() const { return {bytes_.data(), bytes_.size()}; }
+    std::span<const std::byte> bytes() const { return std::as_bytes(std::span(bytes_)); }
 
 private:
     std::string path_;
-    std::unique_ptr<char[]> bytes_;
-    std::size_t size_ = 0;
+    UninitializedVector<char> bytes_;
 };
 
 }  // namespace clsdf

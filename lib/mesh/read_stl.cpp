@@ -1,12 +1,17 @@
+#include "core/large_memory.hpp"
 #include "mesh/byte_order.hpp"
 #include "mesh/mesh_readers.hpp"
 #include "mesh/text_scanner.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 namespace clsdf {
 
@@ -80,20 +85,90 @@ void read_facet(TextScanner& scanner, MeshArrays& mesh) {
     expect(scanner, "endfacet");
 }
 
+/// Facets until no more than `rest` bytes of the text are left, or else until all solids have ended. Whether the
+/// scanner stands in a solid, between facets, is given and returned.
+bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t> rest, MeshArrays& mesh) {
+    // A file may hold several solids; the rest of the lines "solid" and "endsolid" is a name.
+    while (in_solid || scanner.next_line()) {
+        if (!in_solid) {
+            expect(scanner, "solid");
+            scanner.next_line();
+            in_solid = true;
+        }
+        if (rest && scanner.remaining() <= *rest) return true;
+        const std::string_view word = scanner.word_of_text();
+        if (equals_ignoring_case(word, "endsolid"))
+            in_solid = false;
+        else if (equals_ignoring_case(word, "facet"))
+            read_facet(scanner, mesh);
+        else
+            scanner.fail_word("'facet' or 'endsolid'", word);
+    }
+    return false;
+}
+
+/// Where parts of a text begin that can be read side by side: behind a facet, or so it seems.
+std::vector<std::size_t> begins_of_parts(std::string_view text) {
+    constexpr std::size_t part_bytes = std::size_t{1} << 20;
+    constexpr std::string_view end_of_facet = "endfacet";
+    std::vector<std::size_t> begins{0};
+    while (text.size() - begins.back() > part_bytes) {
+        const std::size_t end = text.find(end_of_facet, begins.back() + part_bytes);
+        if (end == std::string_view::npos) break;
+        begins.push_back(end + end_of_facet.size());
+    }
+    return begins;
+}
+
+MeshArrays joined(std::span<const MeshArrays> parts) {
+    std::vector<std::size_t> first_vertex{0}, first_triangle{0};
+    for (const MeshArrays& part : parts) {
+        first_vertex.push_back(first_vertex.back() + part.vertices.size());
+        first_triangle.push_back(first_triangle.back() + part.triangles.size());
+    }
+    MeshArrays mesh;
+    resize_on_huge_pages(mesh.vertices, first_vertex.back());
+    resize_on_huge_pages(mesh.triangles, first_triangle.back());
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        std::ranges::copy(parts[i].vertices, mesh.vertices.data() + first_vertex[i]);
+        const auto first = static_cast<std::uint32_t>(first_vertex[i]);
+        std::ranges::transform(parts[i].triangles, mesh.triangles.data() + first_triangle[i],
+                               [first](const Triangle& triangle) -> Triangle {
+                                   return {first + triangle[0], first + triangle[1], first + triangle[2]};
+                               });
+    });
+    return mesh;
+}
+
+/// Reads the parts of a text on all cores. Nothing where one of them has an error, or does not end where the next one
+/// begins, in a solid and between facets: if all do, this is what reading them one after the other gives.
+std::optional<MeshArrays> read_parts(const FileContent& file) {
+    const std::vector<std::size_t> begins = begins_of_parts(file.text());
+    if (begins.size() == 1) return {};
+    std::vector<MeshArrays> parts(begins.size());
+    std::atomic<bool> all_fit = true;
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+        if (!all_fit) return;
+        TextScanner scanner(file.text().substr(begins[i]), file.path(), {});
+        const bool is_last = i + 1 == parts.size();
+        const std::size_t rest = is_last ? 0 : file.size() - begins[i + 1];
+        try {
+            const bool in_solid = read_solids(scanner, i > 0, is_last ? std::nullopt : std::optional(rest), parts[i]);
+            if (!is_last && (!in_solid || scanner.remaining() != rest)) all_fit = false;
+        } catch (const Error&) {
+            all_fit = false;
+        }
+    });
+    if (!all_fit) return {};
+    return joined(parts);
+}
+
 MeshArrays read_ascii(const FileContent& file) {
+    if (std::optional<MeshArrays> mesh = read_parts(file)) return std::move(*mesh);
+    // As a whole: errors have their line here.
     TextScanner scanner(file.text(), file.path(), {});
     MeshArrays mesh;
-    // A file may hold several solids; the rest of the lines "solid" and "endsolid" is a name.
-    while (scanner.next_line()) {
-        expect(scanner, "solid");
-        scanner.next_line();
-        for (;;) {
-            const std::string_view word = scanner.word_of_text();
-            if (equals_ignoring_case(word, "endsolid")) break;
-            if (!equals_ignoring_case(word, "facet")) scanner.fail_word("'facet' or 'endsolid'", word);
-            read_facet(scanner, mesh);
-        }
-    }
+    read_solids(scanner, false, {}, mesh);
     return mesh;
 }
 

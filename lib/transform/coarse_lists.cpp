@@ -80,7 +80,7 @@ public:
         lists.parts = parts_;
         lists.caps = find_caps();
         const auto counts = pool_->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
-        find_touches(*lists.caps, *counts);
+        lists.passes = find_touches(*lists.caps, *counts);
         lists.starts = pool_->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
         lists.pairs = scan(context_, programs_.scan, pool_, *counts, *lists.starts, counters_,
                            "pairs of a triangle and a coarse brick");
@@ -160,8 +160,8 @@ private:
         return caps;
     }
 
-    /// Counts the entries, and keeps what touches what.
-    void find_touches(const cl::Buffer& caps, const cl::Buffer& counts) {
+    /// Counts the entries, and keeps what touches what; returns how many passes that took.
+    std::size_t find_touches(const cl::Buffer& caps, const cl::Buffer& counts) {
         cl::Kernel kernel(programs_.coarse_lists, "coarse_count");
         kernel.setArg(count_layout, layout_);
         kernel.setArg(count_count, static_cast<cl_uint>(polyhedron_count_));
@@ -182,7 +182,8 @@ private:
         else
             make_room(room = std::vector<cl_uint>(parts_));
         std::vector<cl_uint> found(parts_);
-        for (;;) {
+        std::size_t passes = 1;
+        for (;; ++passes) {
             place_parts(room);
             kernel.setArg(count_touch_starts, *touch_starts_);
             kernel.setArg(count_touches, *touches_);
@@ -193,6 +194,7 @@ private:
         }
         room_starts_.clear();
         touch_count_ = std::accumulate(found.begin(), found.end(), std::size_t{0});
+        return passes;
     }
 
     static std::size_t bytes_of(const std::vector<cl_uint>& touches_of_parts) {

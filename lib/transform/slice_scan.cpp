@@ -108,6 +108,36 @@ public:
     }
 
 private:
+    enum ActiveArgument : cl_uint {
+        active_layout,
+        active_count,
+        active_pieces,
+        active_begin,
+        active_end,
+        active_counts,
+        active_list,
+        active_base,
+        active_fill
+    };
+    enum ScanArgument : cl_uint {
+        scan_layout,
+        scan_begin,
+        scan_end,
+        scan_list,
+        scan_pieces,
+        scan_planes,
+        scan_polyhedra,
+        scan_first_slice,
+        scan_keys,                 // alone, or the squared distances, the triangles
+        scan_pass = scan_keys + 2  // and the pass; then the counters, where asked for
+    };
+    enum FinishArgument : cl_uint {
+        finish_layout,
+        finish_first_slice,
+        finish_end_slice,
+        finish_keys  // as the scan's; then the sign bits and finish_outputs_
+    };
+
     /// Beside the distances, not in one key with them.
     bool has_triangles() const { return variant_.brick.triangle && !variant_.key_64; }
 
@@ -124,16 +154,16 @@ private:
 
     void make_kernels(device::Context& context, const Programs& programs, const PreparedMesh& mesh) {
         active_kernel_ = cl::Kernel(programs.slices(context, "slices_active.cl", variant_), "slices_active");
-        active_kernel_.setArg(0, layout_);
-        active_kernel_.setArg(1, static_cast<cl_uint>(piece_count_));
-        active_kernel_.setArg(2, *mesh.pieces->pieces);
+        active_kernel_.setArg(active_layout, layout_);
+        active_kernel_.setArg(active_count, static_cast<cl_uint>(piece_count_));
+        active_kernel_.setArg(active_pieces, *mesh.pieces->pieces);
         scan_kernel_ = cl::Kernel(programs.slices(context, "slices_scan.cl", variant_), "slices_scan");
-        scan_kernel_.setArg(0, layout_);
-        scan_kernel_.setArg(4, *mesh.pieces->pieces);
-        scan_kernel_.setArg(5, *mesh.pieces->planes);
-        scan_kernel_.setArg(6, *mesh.polyhedra);
+        scan_kernel_.setArg(scan_layout, layout_);
+        scan_kernel_.setArg(scan_pieces, *mesh.pieces->pieces);
+        scan_kernel_.setArg(scan_planes, *mesh.pieces->planes);
+        scan_kernel_.setArg(scan_polyhedra, *mesh.polyhedra);
         finish_kernel_ = cl::Kernel(programs.slices(context, "slices_finish.cl", variant_), "slices_finish");
-        finish_kernel_.setArg(0, layout_);
+        finish_kernel_.setArg(finish_layout, layout_);
     }
 
     /// Where each slice's part of the active list begins.
@@ -144,8 +174,8 @@ private:
         active_ = pool->lease(schedule_.most_active * sizeof(cl_uint2), "active pieces");
         const cl::CommandQueue& queue = context.queue();
         queue.enqueueFillBuffer(*cursors_, cl_uint{0}, 0, cursor_count() * sizeof(cl_uint));
-        active_kernel_.setArg(5, *cursors_);
-        active_kernel_.setArg(6, *active_);
+        active_kernel_.setArg(active_counts, *cursors_);
+        active_kernel_.setArg(active_list, *active_);
         for (auto first = schedule_.chunks.begin(); first != schedule_.chunks.end();) {
             const auto next = std::find_if(first + 1, schedule_.chunks.end(), [&](const SliceChunk& chunk) {
                 return chunk.active_end - first->active_begin > active_counted_at_once;
@@ -177,22 +207,22 @@ private:
             }
             return argument;
         };
-        scan_kernel_.setArg(3, *active_);
-        const cl_uint counters = set_keys(scan_kernel_, 8);
+        scan_kernel_.setArg(scan_list, *active_);
+        const cl_uint counters = set_keys(scan_kernel_, scan_keys);
         if (variant_.brick.count) scan_kernel_.setArg(counters, *counters_);
-        finish_outputs_ = set_keys(finish_kernel_, 3);
+        finish_outputs_ = set_keys(finish_kernel_, finish_keys);
         finish_kernel_.setArg(finish_outputs_++, sign_bits);
     }
 
     /// The compiler specialises a kernel at its first launch: empty ones here keep later calls from waiting for it.
     void warm_up(const cl::CommandQueue& queue) {
-        scan_kernel_.setArg(1, cl_uint{0});
-        scan_kernel_.setArg(2, cl_uint{0});
-        scan_kernel_.setArg(7, layout_.first[2]);
+        scan_kernel_.setArg(scan_begin, cl_uint{0});
+        scan_kernel_.setArg(scan_end, cl_uint{0});
+        scan_kernel_.setArg(scan_first_slice, layout_.first[2]);
         if (variant_.brick.count) queue.enqueueFillBuffer(*counters_, cl_uchar{0}, 0, counters_.bytes());
         queue.enqueueNDRangeKernel(scan_kernel_, cl::NullRange, cl::NDRange(shape_.group), cl::NDRange(shape_.group));
-        finish_kernel_.setArg(1, layout_.first[2]);
-        finish_kernel_.setArg(2, layout_.first[2]);
+        finish_kernel_.setArg(finish_first_slice, layout_.first[2]);
+        finish_kernel_.setArg(finish_end_slice, layout_.first[2]);
         cl_uint argument = finish_outputs_;
         finish_kernel_.setArg(argument++, *keys_);
         if (variant_.brick.triangle) finish_kernel_.setArg(argument++, *keys_);
@@ -202,10 +232,10 @@ private:
     }
 
     void set_active_range(cl_int begin, cl_int end, std::size_t base, bool fill) {
-        active_kernel_.setArg(3, begin);
-        active_kernel_.setArg(4, end);
-        active_kernel_.setArg(7, static_cast<cl_uint>(base));
-        active_kernel_.setArg(8, cl_int{fill ? 1 : 0});
+        active_kernel_.setArg(active_begin, begin);
+        active_kernel_.setArg(active_end, end);
+        active_kernel_.setArg(active_base, static_cast<cl_uint>(base));
+        active_kernel_.setArg(active_fill, cl_int{fill ? 1 : 0});
     }
 
     void begin_chunk(CommandChain& chain, const SliceChunk& chunk) {
@@ -226,10 +256,10 @@ private:
     }
 
     void enqueue_scan(CommandChain& chain, const SliceChunk& chunk, const SliceLaunch& launch) {
-        scan_kernel_.setArg(1, static_cast<cl_uint>(launch.begin));
-        scan_kernel_.setArg(2, static_cast<cl_uint>(launch.end));
-        scan_kernel_.setArg(7, chunk.begin);
-        if (!variant_.key_64) scan_kernel_.setArg(10, cl_int{launch.pass});
+        scan_kernel_.setArg(scan_begin, static_cast<cl_uint>(launch.begin));
+        scan_kernel_.setArg(scan_end, static_cast<cl_uint>(launch.end));
+        scan_kernel_.setArg(scan_first_slice, chunk.begin);
+        if (!variant_.key_64) scan_kernel_.setArg(scan_pass, cl_int{launch.pass});
         const cl::NDRange items(work_items(launch.end - launch.begin));
         chain.then([&](auto& queue, auto* wait, auto* event) {
             queue.enqueueNDRangeKernel(scan_kernel_, cl::NullRange, items, cl::NDRange(shape_.group), wait, event);
@@ -237,8 +267,8 @@ private:
     }
 
     void finish_chunk(CommandChain& chain, const SliceChunk& chunk) {
-        finish_kernel_.setArg(1, chunk.begin);
-        finish_kernel_.setArg(2, chunk.end);
+        finish_kernel_.setArg(finish_first_slice, chunk.begin);
+        finish_kernel_.setArg(finish_end_slice, chunk.end);
         const cl::NDRange range = finish_range(static_cast<std::size_t>(chunk.end - chunk.begin));
         chain.then([&](auto& queue, auto* wait, auto* event) {
             queue.enqueueNDRangeKernel(finish_kernel_, cl::NullRange, range, cl::NDRange(finish_group, 1, 1), wait,

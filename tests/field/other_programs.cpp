@@ -5,6 +5,7 @@
 
 #include <clsdf/field.hpp>
 
+#include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
 
 #include <fstream>
@@ -114,6 +115,52 @@ BOOST_AUTO_TEST_CASE(is_read_as_sdfgen_writes_it) {
     }
 }
 
+/// A text that is read and written in many pieces, with values in succession that are the same.
+struct LongText {
+    std::vector<float> values;
+    std::string text = "100 90 80\n0 0 0\n0.5\n";
+    std::vector<std::size_t> ends;  ///< of each value's line
+
+    LongText() {
+        for (std::uint32_t i = 0; i < 100 * 90 * 80; ++i) {
+            const std::uint32_t scattered = i / 5 * 2654435761U;
+            values.push_back(static_cast<float>(static_cast<std::int32_t>(scattered)) * 1e-12F);
+            text += fmt::format("{}\n", values.back());
+            ends.push_back(text.size());
+        }
+    }
+};
+
+BOOST_AUTO_TEST_CASE(of_many_pieces_has_all_its_values_in_their_order) {
+    const TemporaryFolder folder;
+    const LongText many;
+    const Field field = Field::read(folder.file("a.sdf", many.text));
+    BOOST_CHECK(same_bits(field.distance, many.values));
+    field.write(folder.file("b.sdf"));
+    BOOST_CHECK(content_of(folder.file("b.sdf")) == many.text);
+}
+
+BOOST_AUTO_TEST_CASE(of_many_pieces_is_refused_for_its_first_damage) {
+    const TemporaryFolder folder;
+    const LongText many;
+    const auto refused = [&](const std::string& content, const std::string& fragment) {
+        const std::string path = folder.file("a.sdf", content);
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+    };
+    for (const std::size_t value : {std::size_t{0}, std::size_t{300000}, many.values.size() - 2}) {
+        std::string damaged = many.text;
+        damaged.insert(many.ends[value], "first ");
+        damaged.insert(damaged.size() - 1, "second");
+        refused(damaged, "'first'");
+        refused(many.text.substr(0, many.ends[value]), "truncated");
+        std::string longer = many.text;
+        longer.insert(many.ends[value], "1\n");
+        refused(longer, "more values");
+    }
+    refused(many.text + "behind", "more values");
+    refused(many.text.substr(0, many.text.size() - 1), "truncated");
+}
+
 BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
     const TemporaryFolder folder;
     const auto refused = [&](const std::string& content, const std::string& fragment) {
@@ -130,6 +177,7 @@ BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
     refused(replaced(sdf_text, "-2\n", "-2,5\n"), "-2,5");
     refused(replaced(sdf_text, "-2\n", std::string(10000, '7') + "\n"), "777");
     refused(sdf_text.substr(0, sdf_text.size() - 1), "truncated");
+    refused(replaced(sdf_text, "3.5\n", "3.5\n" + std::string(1000000, '7') + "\n"), "longer than numbers");
 }
 
 BOOST_AUTO_TEST_CASE(has_no_place_for_triangles_or_unequal_spacing) {

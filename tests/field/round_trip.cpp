@@ -42,6 +42,20 @@ BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(has_all_its_values_where_it_is_read_in_parts_on_all_cores) {
+    for_each_format([](const TemporaryFolder& folder, const Format& format) {
+        Field written = large_field(format);
+        written.grid.size = {129, 127, 131};  // eight megabytes
+        written.triangle.clear();
+        written.distance.clear();
+        for (std::uint32_t i = 0; i < written.grid.sample_count(); ++i)
+            written.distance.push_back(static_cast<float>(i * 2654435761U >> 8));
+        const std::string path = folder.file("field" + format.ending);
+        written.write(path);
+        BOOST_CHECK(same_bits(Field::read(path).distance, written.distance));
+    });
+}
+
 BOOST_AUTO_TEST_CASE(has_every_number_of_its_grid_and_band_bit_by_bit) {
     for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
         constexpr unsigned seed = 5;

@@ -73,12 +73,17 @@ BOOST_AUTO_TEST_CASE(that_is_damaged_has_a_wrong_checksum_wherever_the_damage_is
     const TemporaryFolder folder;
     ball({0.2, 0.2}).write(folder.file("ball.vdb"));
     const std::string whole = content_of(folder.file("ball.vdb"));
+    const auto refused = [&](const std::string& damaged) {
+        check_throws(ErrorCode::unreadable_input, {"damaged.vdb", "checksum"},
+                     [&] { Field::read(folder.file("damaged.vdb", damaged)); });
+    };
     for (std::size_t position = 8; position < whole.size(); position += 101) {
         std::string damaged = whole;
         damaged[position] = static_cast<char>(damaged[position] ^ 1);
-        check_throws(ErrorCode::unreadable_input, {"damaged.vdb", "checksum"},
-                     [&] { Field::read(folder.file("damaged.vdb", damaged)); });
+        refused(damaged);
     }
+    refused(whole + '\0');
+    refused(whole.substr(0, whole.size() - 1));
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -6,13 +6,16 @@
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
-#include <sys/stat.h>
+#include <fmt/format.h>
 
+#include <sys/stat.h>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace clsdf {
 
@@ -285,6 +288,43 @@ BOOST_AUTO_TEST_CASE(text_stl_is_read_and_welded) {
     refused("endsolid a\n", "", unreadable, {"'endsolid'", "file ends"});
     refused(facet1, "", invalid, {"no triangle"});
     check_is_refused("a.stl", "solid", unreadable, {"file ends"});
+}
+
+BOOST_AUTO_TEST_CASE(text_stl_of_many_megabytes_is_read_as_it_is_one_facet_after_the_other) {
+    constexpr int count = 20000;
+    const auto text_of = [](int solid_facets, const std::string& name) {
+        std::string text = "solid " + name + "\n";
+        for (int t = 0; t < count; ++t) {
+            if (t > 0 && t % solid_facets == 0) text += "endsolid\nsolid " + name + "\n";
+            text += fmt::format(
+                "facet normal 0 0 1\n outer loop\n  vertex {0} 0 0\n  vertex {1} 0 0\n  vertex {0} {0} 1\n endloop\n"
+                "endfacet\n",
+                t, t + 1);
+        }
+        return text + "endsolid\n";
+    };
+    const TemporaryFolder folder;
+    std::string long_name;
+    while (long_name.size() < (3U << 20))
+        long_name += "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet ";
+    for (const auto& [solid_facets, name] : {std::pair(count, std::string("one")), std::pair(3000, std::string("many")),
+                                             std::pair(3, std::string("endfacet")), std::pair(15000, long_name)}) {
+        const std::string text = text_of(solid_facets, name);
+        BOOST_TEST(text.size() > (2U << 20));
+        const Mesh mesh = read_mesh(folder.file("a.stl", text));
+        BOOST_TEST_REQUIRE(mesh.triangles().size() == std::size_t{count});
+        bool is_same = true;
+        for (int t = 0; t < count; ++t) {
+            const std::array<Vec3, 3> expected{Vec3{1.0 * t, 0, 0}, Vec3{t + 1.0, 0, 0}, Vec3{1.0 * t, 1.0 * t, 1}};
+            for (std::size_t k = 0; k < 3; ++k)
+                is_same = is_same && mesh.vertices()[mesh.triangles()[static_cast<std::size_t>(t)][k]] == expected[k];
+        }
+        BOOST_TEST(is_same);
+    }
+    const std::string good = text_of(count, "one");
+    check_is_refused("a.stl", replaced(good, "vertex 19000 0 0", "vertx 19000 0 0"), unreadable,
+                     {"line 132998", "'vertx'"});
+    check_is_refused("a.stl", good.substr(0, good.size() - 9), unreadable, {"'endsolid'", "file ends"});
 }
 
 BOOST_AUTO_TEST_CASE(binary_stl_is_told_by_its_size_even_where_its_header_says_solid) {

@@ -13,8 +13,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,6 +34,8 @@ struct Coarse {
     std::vector<Polyhedron> polyhedra;
     std::map<Index3, double> caps;  ///< of each brick of the part
     Lists lists;
+    std::size_t passes = 0;
+    std::size_t peak = 0;  ///< bytes on the device
 };
 
 template <class Value>
@@ -64,6 +68,8 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     const transform::CoarseLists coarse =
         transform::make_coarse_lists(context, programs, pool, layout, *prepared.polyhedra, prepared.record_count,
                                      transform::ShortLaunches(context, {}));
+    found.passes = coarse.passes;
+    found.peak = pool->peak();
     const std::size_t bricks = transform::coarse_brick_count(layout);
     const auto starts = read<cl_uint>(context, *coarse.starts, bricks * coarse.parts + 1);
     const auto entries = read<cl_uint>(context, *coarse.entries, coarse.pairs);
@@ -189,6 +195,28 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
 }
 
 // By brute force. More than what holds a sample may be in a list.
+// The room for touches is guessed; where there is no memory for the guess, they are counted first, and no more is
+// needed than for what there is.
+BOOST_AUTO_TEST_CASE(coarse_lists_are_the_same_where_there_is_no_memory_for_a_guess) {
+    const Mesh mesh = make_shape("sphere6");
+    // Few polyhedra touch this part, so that the guess is far too large.
+    const Grid grid = grid_around(mesh, 40, 4).part({0, 0, 0}, {16, 16, 16});
+    const auto coarse_within = [&](const std::string& bytes) {
+        if (!bytes.empty()) setenv("CLSDF_MAX_MEMORY", bytes.c_str(), 1);
+        const Device device = Device::best();
+        unsetenv("CLSDF_MAX_MEMORY");
+        return coarse_of(device, mesh, grid, Band::full(), KernelBody::by_vector);
+    };
+    const Coarse unlimited = coarse_within("");
+    BOOST_TEST(unlimited.passes == 1U);
+    // The guess is five touches a polyhedron or more, of which one is enough here.
+    const std::size_t memory = unlimited.peak - 4 * sizeof(Touch) * unlimited.polyhedra.size();
+    const Coarse limited = coarse_within(std::to_string(memory));
+    BOOST_TEST(limited.passes == 2U);
+    BOOST_TEST(limited.peak <= memory);
+    BOOST_CHECK(limited.lists == unlimited.lists);
+}
+
 BOOST_AUTO_TEST_CASE(every_polyhedron_that_holds_a_sample_is_in_the_list_of_its_coarse_brick) {
     for (const unsigned seed : {1U, 2U, 3U, 4U}) {
         Random random(seed);

@@ -120,21 +120,6 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     check_throws(ErrorCode::out_of_memory, {"polyhedra", std::to_string(polyhedra / 2)}, [&] { hopeless(grid, band); });
 }
 
-// The room for touches is guessed; where there is no memory for the guess, they are counted first.
-BOOST_AUTO_TEST_CASE(a_slab_is_not_divided_because_a_guess_does_not_fit) {
-    const Mesh fine = make_shape("sphere6");
-    const Grid grid = grid_around(fine, 40, 4);
-    const Field whole = compute(fine, grid, Band::full());
-    DistanceTransform unlimited(test_device(), fine);
-    unlimited(grid, Band::full());
-    const std::size_t guess = fine.triangles().size() * sizeof(Touch) * 3;  // with vectors of 16 five
-    const std::size_t memory = unlimited.statistics().device_bytes - guess;
-    DistanceTransform transform(with_limit("CLSDF_MAX_MEMORY", memory), fine);
-    BOOST_TEST(same_bytes(whole, transform(grid, Band::full(), {.triangle = true})));
-    BOOST_TEST(transform.statistics().slabs == 1U);
-    BOOST_TEST(transform.statistics().device_bytes <= memory);
-}
-
 BOOST_AUTO_TEST_CASE(what_does_not_fit_a_device_is_named) {
     const Mesh large = make_shape("sphere5");
     DistanceTransform transform(with_largest_allocation(1 << 20), large);
