@@ -36,12 +36,12 @@ ConvexPolyhedron solid_of(const peikert_sigg::Polyhedron& polyhedron) {
 
 }  // namespace
 
-std::vector<BoundingSolid> peikert_sigg_solids(const Mesh& mesh, std::span<const std::uint32_t> triangles,
+std::vector<BoundingSolid> peikert_sigg_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
                                                double half_width, bool close_gaps) {
-    polyhedra::check_solids_asked_for(mesh, triangles, half_width);
+    polyhedra::check_solids_asked_for(mesh, selected, half_width);
     const peikert_sigg::Polyhedra all = peikert_sigg_polyhedra(mesh, half_width, close_gaps);
     std::vector<BoundingSolid> result;
-    for (const std::uint32_t triangle : triangles) {
+    for (const std::uint32_t triangle : selected) {
         const auto found = std::lower_bound(all.polyhedra.begin(), all.polyhedra.end(), triangle,
                                             [](const peikert_sigg::Polyhedron& polyhedron, std::uint32_t index) {
                                                 return polyhedron.triangle < index;

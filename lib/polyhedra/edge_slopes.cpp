@@ -81,11 +81,10 @@ void EdgeSlopes::measure_wedges(std::span<const Wedge> wedges) {
         const auto& [first, second] = wedges[i];
         batch_.set(i, frames_[first.face], first.vertex, frames_[second.face], second.vertex);
     }
-    WedgeBatch::Results results;
-    batch_.measure(results);
+    batch_.measure(measured_);
     for (std::size_t i = 0; i < wedges.size(); ++i) {
-        const Measured wedge{wedges[i], results.folded[i] != 0, std::min(open_, results.slope[i])};
-        const int side = results.side[i];
+        const Measured wedge{wedges[i], measured_.folded[i] != 0, std::min(open_, measured_.slope[i])};
+        const int side = measured_.side[i];
         if (side == 0)
             questions_.push_back(wedge);
         else if (marks(wedge.faces.first) & edge_unoriented)

@@ -86,6 +86,7 @@ private:
     UninitializedVector<Wedge> wedges_;  // each once
     std::vector<Corner> alone_;          // edges without exactly one other face
     WedgeBatch batch_;
+    WedgeBatch::Results measured_{};
     std::vector<Measured> questions_;  // on which side the second face lies: the frames do not tell
     PlaneSides sides_;
 };

@@ -20,6 +20,10 @@ constexpr double certain_part = 0.99;
 /// Conditions v . u >= 0 for all faces of a fan to reject u, each at one of its edges and on one side.
 using Conditions = std::array<LaneVectors, FanBatch::most_faces>;
 
+/// Of pairs of faces j < k, at [j][k].
+template <typename Value>
+using OfPairs = std::array<std::array<Value, FanBatch::most_faces>, FanBatch::most_faces>;
+
 inline double lesser(double a, double b) {
     return a < b ? a : b;
 }
@@ -71,8 +75,8 @@ CLSDF_SEVERAL_TARGETS void find_combinations(const Conditions& v, std::size_t co
         return;
     }
 
-    std::array<std::array<LaneVectors, FanBatch::most_faces>, FanBatch::most_faces> crosses;
-    std::array<std::array<Lanes, FanBatch::most_faces>, FanBatch::most_faces> turns;  // middle . cross
+    OfPairs<LaneVectors> crosses;
+    OfPairs<Lanes> turns;  // middle . cross
     for (std::size_t j = 0; j < count; ++j) {
         for (std::size_t k = j + 1; k < count; ++k) {
             const LaneVectors& a = v[j];

@@ -203,7 +203,7 @@ void get(const Batch& t, std::size_t i, TriangleFrame& frame) {
 void triangle_frames(std::span<const Vec3> positions, std::span<const Triangle> triangles, const LatticeView& lattice,
                      std::span<TriangleFrame> frames) {
     const double per_unit = 1 / lattice.unit;
-    Batch batch;
+    Batch batch{};
     for (std::size_t begin = 0; begin < triangles.size(); begin += lanes) {
         const std::size_t count = std::min(lanes, triangles.size() - begin);
         for (std::size_t i = 0; i < lanes; ++i) {

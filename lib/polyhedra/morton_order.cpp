@@ -57,7 +57,7 @@ public:
 
     /// Of triangles from `first` on, where there are so many.
     Codes of(std::size_t first) const {
-        LaneVectors sums;
+        LaneVectors sums{};
         for (std::size_t i = 0; i < lanes; ++i) {
             const auto& [a, b, c] = mesh_.triangles()[std::min(first + i, mesh_.triangles().size() - 1)];
             sums.set(i, (from_lower(a) + from_lower(b)) + from_lower(c));

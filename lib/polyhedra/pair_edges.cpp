@@ -30,8 +30,8 @@ struct Matches {
     OfFewFaces leaving;
 };
 
-CLSDF_SEVERAL_TARGETS void match(const Spokes& spokes, std::size_t count, Matches& matches) {
-    matches = {};
+CLSDF_SEVERAL_TARGETS Matches match(const Spokes& spokes, std::size_t count) {
+    Matches matches{};
     for (std::size_t j = 0; j < count; ++j) {
         const std::uint32_t next = spokes.next[j];
         const std::uint32_t previous = spokes.previous[j];
@@ -41,6 +41,7 @@ CLSDF_SEVERAL_TARGETS void match(const Spokes& spokes, std::size_t count, Matche
             matches.leaving[i] += spokes.next[i] == next ? 1U : 0U;
         }
     }
+    return matches;
 }
 
 /// Sets the edges that leave one vertex after the other: those of all vertices are all there are.
@@ -62,7 +63,7 @@ private:
     bool set_pairs(std::uint32_t vertex) {
         const std::size_t count = rings_.size(vertex);
         if (count > few_faces) return false;
-        std::array<Corner, few_faces> corners;
+        std::array<Corner, few_faces> corners{};
         Spokes spokes{};
         for (std::size_t i = 0; i < count; ++i) {
             corners[i] = rings_.corner(vertex, i);
@@ -70,8 +71,7 @@ private:
             spokes.next[i] = triangle[next_of_three(corners[i].vertex)];
             spokes.previous[i] = triangle[previous_of_three(corners[i].vertex)];
         }
-        Matches matches;
-        match(spokes, count, matches);
+        const Matches matches = match(spokes, count);
         bool paired = true;
         for (std::size_t i = 0; i < count; ++i) {
             const Corner& across = corners[matches.other[i]];

@@ -64,7 +64,7 @@ public:
     static std::string environment_choice();
 
     /// The caller's own objects; they are retained, and released with the last copy.
-    static Device from_handles(cl_context context, cl_device_id device, cl_command_queue queue);
+    static Device from_handles(cl_context context, cl_device_id id, cl_command_queue queue);
 
     std::string name() const;
     std::string platform() const;
