@@ -1,7 +1,9 @@
 #pragma once
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -27,6 +29,14 @@ void for_each_index(std::size_t count, const Function& f) {
 
 inline std::size_t stretch_count(std::size_t count, std::size_t size) {
     return (count + size - 1) / size;
+}
+
+/// A multiple of `unit`, so that stretches of this size give each core a few; with one core there is one stretch.
+inline std::size_t stretch_for_all_cores(std::size_t count, std::size_t unit) {
+    const auto cores = std::min(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
+                                tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    const std::size_t units = stretch_count(count, unit);
+    return unit * std::max<std::size_t>(1, cores == 1 ? units : stretch_count(units, 4 * cores));
 }
 
 /// Calls f(stretch, begin, end) for stretches of one size, but for the last, that cover [0, count), on all cores: the

@@ -51,7 +51,7 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     const OrderedFaces ordered = ordered_faces(mesh, order, scratch);
     const MeshFaces faces{ordered.positions, ordered.triangles, lattice};
 
-    const OneRings rings(ordered.triangles, ordered.vertices.size(), scratch);
+    const OneRings rings(ordered, scratch);
     PairedEdges edges = pair_edges(ordered.triangles, rings, scratch);
     const float open = open_slope(half_width, slack);
     const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, open);

@@ -1,12 +1,15 @@
 #include "polyhedra/one_rings.hpp"
 
 #include "core/parallel.hpp"
+#include "polyhedra/ordered_faces.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace clsdf::polyhedra {
 
@@ -17,21 +20,138 @@ void check_face_count(std::size_t count) {
             fmt::format("{} triangles are more than the {} that can be prepared; split the mesh", count, most_faces));
 }
 
-OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch)
-    : start_(vertex_count + 1), corners_(3 * triangles.size(), scratch) {
-    check_face_count(triangles.size());
+/// Each part of the faces has vertices of its own, a range of their numbers, and files the corners there, so that no
+/// two parts write to one ring. Corners that its faces have at other parts' vertices it sets aside for those.
+class OneRings::Filing {
+public:
+    /// The first face and the first vertex of each part; then the end of both.
+    using Borders = std::vector<std::pair<std::size_t, std::size_t>>;
 
-    // By one thread, in the order of the faces: several would take longer to agree, and to sort what they file (on two
-    // cores).
-    UninitializedVector<std::array<std::uint32_t, 3>> places(triangles.size(), scratch);
-    for (std::size_t face = 0; face < triangles.size(); ++face)
-        for (std::size_t k = 0; k < 3; ++k) places[face][k] = start_[triangles[face][k] + 1]++;
-    for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
-    for_each_index(triangles.size(), [&](std::size_t face) {
-        for (std::uint32_t k = 0; k < 3; ++k)
-            corners_[start_[triangles[face][k]] + places[face][k]] =
-                Corner{static_cast<std::uint32_t>(face), k}.packed();
-    });
+    Filing(std::span<const Triangle> triangles, Borders borders, OneRings& rings)
+        : triangles_(triangles), borders_(std::move(borders)), rings_(rings), parts_(borders_.size() - 1) {}
+
+    void run() {
+        rings_.start_[0] = 0;
+        for_each_part([&](std::size_t part) { count(part); });
+        for_each_part([&](std::size_t part) { count_set_aside(part); });
+        std::uint32_t first = 0;
+        for (Part& part : parts_) first += std::exchange(part.corners, first);
+        for_each_part([&](std::size_t part) { file(part); });
+    }
+
+private:
+    /// A corner at a vertex of another part.
+    struct SetAside {
+        std::uint32_t vertex;
+        std::uint32_t corner;
+
+        friend bool operator<(const SetAside& a, const SetAside& b) {
+            return a.vertex != b.vertex ? a.vertex < b.vertex : a.corner < b.corner;
+        }
+    };
+
+    struct Part {
+        std::vector<SetAside> set_aside;
+        std::uint32_t corners = 0;  ///< at its vertices; then the place of the first
+    };
+
+    template <typename Function>
+    void for_each_part(const Function& f) {
+        for_each_stretch(parts_.size(), 1, [&](std::size_t part, std::size_t, std::size_t) { f(part); });
+    }
+
+    /// Calls own(vertex, corner) for corners of the part's faces at its own vertices, other(vertex, corner) elsewhere.
+    template <typename Own, typename Other>
+    void for_each_corner(std::size_t part, const Own& own, const Other& other) const {
+        const auto first = static_cast<std::uint32_t>(borders_[part].second);
+        const auto count = static_cast<std::uint32_t>(borders_[part + 1].second) - first;
+        for (std::size_t face = borders_[part].first; face < borders_[part + 1].first; ++face)
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t vertex = triangles_[face][k];
+                const std::uint32_t corner = Corner{static_cast<std::uint32_t>(face), k}.packed();
+                if (vertex - first < count) {
+                    own(vertex, corner);
+                } else {
+                    other(vertex, corner);
+                }
+            }
+    }
+
+    /// What one part has set aside for another, by vertex and face.
+    std::span<const SetAside> set_aside(std::size_t from, std::size_t part) const {
+        const std::vector<SetAside>& all = parts_[from].set_aside;
+        const auto place = [&](std::size_t vertex) {
+            return std::lower_bound(all.begin(), all.end(), vertex,
+                                    [](const SetAside& a, std::size_t v) { return a.vertex < v; });
+        };
+        return {place(borders_[part].second), place(borders_[part + 1].second)};
+    }
+
+    void count(std::size_t part) {
+        std::uint32_t* const start = rings_.start_.data();
+        // Counted one place further on, so that filing turns each ring's start into the next one's.
+        std::fill(start + borders_[part].second + 1, start + borders_[part + 1].second + 1, 0U);
+        std::vector<SetAside> aside;
+        for_each_corner(
+            part, [&](std::uint32_t vertex, std::uint32_t) { ++start[vertex + 1]; },
+            [&](std::uint32_t vertex, std::uint32_t corner) {
+                aside.push_back({vertex, corner});
+            });
+        std::sort(aside.begin(), aside.end());
+        const std::size_t faces = borders_[part + 1].first - borders_[part].first;
+        parts_[part].corners = static_cast<std::uint32_t>(3 * faces - aside.size());
+        parts_[part].set_aside = std::move(aside);
+    }
+
+    void count_set_aside(std::size_t part) {
+        for (std::size_t from = 0; from < parts_.size(); ++from)
+            for (const SetAside& aside : set_aside(from, part)) {
+                ++rings_.start_[aside.vertex + 1];
+                ++parts_[part].corners;
+            }
+    }
+
+    void file(std::size_t part) {
+        std::uint32_t* const start = rings_.start_.data();
+        std::uint32_t* const corners = rings_.corners_.data();
+        std::uint32_t next = parts_[part].corners;
+        for (std::size_t vertex = borders_[part].second; vertex < borders_[part + 1].second; ++vertex)
+            next += std::exchange(start[vertex + 1], next);
+        const auto take = [&](std::uint32_t vertex, std::uint32_t corner) { corners[start[vertex + 1]++] = corner; };
+        const auto take_from = [&](std::size_t from) {
+            for (const SetAside& aside : set_aside(from, part)) take(aside.vertex, aside.corner);
+        };
+        for (std::size_t from = 0; from < part; ++from) take_from(from);
+        for_each_corner(part, take, [](std::uint32_t, std::uint32_t) {});
+        for (std::size_t from = part + 1; from < parts_.size(); ++from) take_from(from);
+    }
+
+    std::span<const Triangle> triangles_;
+    Borders borders_;
+    OneRings& rings_;
+    std::vector<Part> parts_;
+};
+
+OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch)
+    : start_(vertex_count + 1, scratch), corners_(3 * triangles.size(), scratch) {
+    check_face_count(triangles.size());
+    const std::size_t size = stretch_for_all_cores(triangles.size(), OrderedFaces::stretch);
+    const std::size_t parts = std::max<std::size_t>(1, stretch_count(triangles.size(), size));
+    Filing::Borders borders;
+    for (std::size_t part = 0; part <= parts; ++part)
+        borders.emplace_back(std::min(triangles.size(), part * size), vertex_count * part / parts);
+    Filing(triangles, std::move(borders), *this).run();
+}
+
+OneRings::OneRings(const OrderedFaces& faces, ScratchMemory* scratch)
+    : start_(faces.vertices.size() + 1, scratch), corners_(3 * faces.triangles.size(), scratch) {
+    const std::size_t count = faces.triangles.size();
+    const std::size_t size = stretch_for_all_cores(count, OrderedFaces::stretch);
+    Filing::Borders borders;
+    for (std::size_t face = 0; face < count; face += size)
+        borders.emplace_back(face, faces.first_vertices[face / OrderedFaces::stretch]);
+    borders.emplace_back(count, faces.vertices.size());
+    Filing(faces.triangles, std::move(borders), *this).run();
 }
 
 }  // namespace clsdf::polyhedra

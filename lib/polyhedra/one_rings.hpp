@@ -12,6 +12,8 @@
 
 namespace clsdf::polyhedra {
 
+struct OrderedFaces;
+
 /// A corner of a triangle, and the edge of the triangle that begins there.
 struct Corner {
     std::uint32_t face;    ///< place of the triangle in the list
@@ -41,6 +43,9 @@ public:
     /// Throws Error(unsupported) for more than most_faces.
     OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch = nullptr);
 
+    /// Of the same triangles, but sooner: nearly all corners are at vertices that the core's own faces name first.
+    explicit OneRings(const OrderedFaces& faces, ScratchMemory* scratch = nullptr);
+
     std::size_t vertex_count() const { return start_.size() - 1; }
 
     std::size_t size(std::size_t vertex) const { return start_[vertex + 1] - start_[vertex]; }
@@ -60,7 +65,9 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> start_;            // of each vertex in corners_, and the end of the last
+    class Filing;
+
+    UninitializedVector<std::uint32_t> start_;    // of each vertex in corners_, and the end of the last
     UninitializedVector<std::uint32_t> corners_;  // packed
 };
 

@@ -127,6 +127,8 @@ private:
 PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings, ScratchMemory* scratch) {
     PairedEdges result;
     result.faces = UninitializedVector<FaceEdges>(triangles.size(), scratch);
+    // One after the other first: those around vertices would be waited for, as memory that is far.
+    for_each_index(triangles.size(), [&](std::size_t face) { result.faces[face] = {}; });
     std::mutex mutex;
     for_each_range(rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
         EdgePairing pairing(triangles, rings, result.faces);
