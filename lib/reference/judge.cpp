@@ -13,7 +13,7 @@ constexpr std::size_t kept_findings = 10;
 
 /// The step from the float nearest to a distance to the next larger one.
 double ulp(double distance) {
-    const float nearest = static_cast<float>(std::fabs(distance));
+    const auto nearest = static_cast<float>(std::fabs(distance));
     if (!std::isfinite(nearest)) {
         return 0;
     }

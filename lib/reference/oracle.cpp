@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace clsdf::reference {
 
@@ -22,7 +23,7 @@ void require_finite(const Vec3& query) {
 }  // namespace
 
 struct Oracle::State {
-    explicit State(const Mesh& given) : mesh(given), tree(mesh), rays(tree) {}
+    explicit State(Mesh given) : mesh(std::move(given)), tree(mesh), rays(tree) {}
 
     Mesh mesh;
     TriangleTree tree;

@@ -23,7 +23,7 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
                 const double width = half_width(band, truth.is_signed(), sample.inside);
                 const bool in_band = sample.distance <= width;
                 const double magnitude = in_band ? sample.distance : width;
-                const float value = static_cast<float>(sample.inside ? -magnitude : magnitude);
+                const auto value = static_cast<float>(sample.inside ? -magnitude : magnitude);
                 const std::size_t offset = grid.offset(static_cast<std::int64_t>(i), j, k);
                 field.distance[offset] = in_band && value == 0 ? 0.0F : value;
                 field.triangle[offset] = in_band ? sample.triangle : no_triangle;

@@ -73,13 +73,12 @@ TriangleFrame::TriangleFrame(const Vec3& a, const Vec3& b, const Vec3& c) {
         const WideVector along = difference(vertices_[to], vertices_[from]);
         lengths[i] = stable_norm(along);
         directions[i] = lengths[i] > 0 ? WideVector(along / lengths[i]) : WideVector(WideVector::Zero());
-        edges_[i] = {from, to, edge_site(order[from], order[to]), directions[i].cast<double>(),
-                     static_cast<double>(lengths[i])};
+        edges_[i] = {from, to, edge_site(order[from], order[to]), directions[i].cast<double>()};
     }
 
     // The altitude over the longest edge, then the cross product with that edge: the normal is perpendicular to it to
     // the last bit, however thin the triangle is, and what error is left turns the frame about that edge.
-    const std::size_t longest = static_cast<std::size_t>(std::max_element(lengths, lengths + 3) - lengths);
+    const auto longest = static_cast<std::size_t>(std::max_element(lengths, lengths + 3) - lengths);
     const std::size_t opposite = 3U - ends[longest][0] - ends[longest][1];
     WideVector altitude = difference(vertices_[opposite], vertices_[ends[longest][0]]);
     altitude -= altitude.dot(directions[longest]) * directions[longest];
@@ -116,7 +115,7 @@ double TriangleFrame::height_bound(const ExactPosition& query) const {
 }
 
 void TriangleFrame::consider_vertex(const Eigen::Vector3d* offsets, std::size_t vertex, Closest& best) const {
-    const double distance = stable_norm<double>(offsets[vertex]);
+    const double distance = stable_norm(offsets[vertex]);
     if (is_better(distance, vertex_sites_[vertex], best)) {
         best = {distance, vertex_sites_[vertex], vertices_[vertex]};
     }
@@ -139,7 +138,8 @@ void TriangleFrame::consider_edge(const Eigen::Vector3d* offsets, const Edge& ed
     // From the nearer end: the rounding grows with the way from there.
     const std::size_t base = along <= -beyond ? edge.from : edge.to;
     const Eigen::Vector3d foot = (along <= -beyond ? along : beyond) * edge.direction;
-    const double distance = stable_norm<double>(offsets[base] - foot);
+    const Eigen::Vector3d beside = offsets[base] - foot;
+    const double distance = stable_norm(beside);
     if (is_better(distance, edge.site, best)) {
         best = {distance, edge.site, translated(vertices_[base], foot)};
     }

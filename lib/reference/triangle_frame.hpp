@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+
 namespace clsdf::reference {
 
 /// A triangle with the frame in which the distance to it is evaluated: its unit normal and its edges' unit directions.
@@ -35,22 +37,22 @@ public:
 
 private:
     struct Edge {
-        unsigned char from, to;  ///< vertices of this frame
-        Site site;
+        unsigned char from = 0;  ///< a vertex of this frame, as is the next
+        unsigned char to = 0;
+        Site site = Site::edge0;
         Eigen::Vector3d direction;
-        double length;
     };
 
     Eigen::Vector3d offset(const ExactPosition& query, std::size_t vertex) const;
     void consider_vertex(const Eigen::Vector3d* offsets, std::size_t vertex, Closest& best) const;
     void consider_edge(const Eigen::Vector3d* offsets, const Edge& edge, Closest& best) const;
 
-    Vec3 vertices_[3];
-    Site vertex_sites_[3];
-    Edge edges_[3];
+    std::array<Vec3, 3> vertices_{};
+    std::array<Site, 3> vertex_sites_{};
+    std::array<Edge, 3> edges_{};
     Eigen::Vector3d normal_;
-    Eigen::Vector3d outward_[3];  ///< in-plane unit normals of the edges
-    bool degenerate_;             ///< without a normal: its edges are all there is
+    std::array<Eigen::Vector3d, 3> outward_;  ///< in-plane unit normals of the edges
+    bool degenerate_ = true;                  ///< without a normal: its edges are all there is
 };
 
 }  // namespace clsdf::reference

@@ -29,7 +29,7 @@ public:
     bool is_signed() const { return sign_ != SignRule::none; }
     const TriangleTree& tree() const { return tree_; }
 
-    TrueSample at(const Index3& sample) const;
+    TrueSample at(const Index3& index) const;
 
     /// All samples (i, j, k) of one row, i = 0 ... size - 1.
     void row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& samples) const;
