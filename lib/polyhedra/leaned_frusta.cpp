@@ -29,6 +29,28 @@ std::size_t spare_records(std::size_t faces) {
     return 64 + faces / 128;
 }
 
+struct MarkedVertices {
+    std::size_t saddles = 0;
+    std::vector<std::uint32_t> gaps{};  ///< ascending
+};
+
+MarkedVertices marked_vertices(std::span<const std::uint8_t> marks) {
+    constexpr std::size_t stretch = 4096;
+    std::vector<MarkedVertices> parts(stretch_count(marks.size(), stretch));
+    for_each_stretch(marks.size(), stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        for (std::size_t vertex = begin; vertex < end; ++vertex) {
+            parts[part].saddles += (marks[vertex] & vertex_saddle) != 0 ? 1U : 0U;
+            if ((marks[vertex] & vertex_gap) != 0) parts[part].gaps.push_back(static_cast<std::uint32_t>(vertex));
+        }
+    });
+    MarkedVertices all;
+    for (const MarkedVertices& part : parts) {
+        all.saddles += part.saddles;
+        all.gaps.insert(all.gaps.end(), part.gaps.begin(), part.gaps.end());
+    }
+    return all;
+}
+
 }  // namespace
 
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
@@ -59,7 +81,8 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     const std::size_t room = count + spare_records(count);
     std::span<Polyhedron> records = memory(room);
     const double margin = rejection_margin(half_width, slack);
-    std::vector<std::uint8_t> marks(rings.vertex_count());
+    UninitializedVector<std::uint8_t> marks(rings.vertex_count(), scratch);
+    for_each_index(marks.size(), [&](std::size_t vertex) { marks[vertex] = 0; });
     tbb::enumerable_thread_specific<GapScreen> screens(
         [&] { return GapScreen(ordered.first_vertices, edges.faces, rings, margin, marks); });
     std::atomic<std::size_t> boxes = 0;
@@ -82,11 +105,10 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
 
     LeanedCounts result;
     result.boxes = boxes;
+    const MarkedVertices marked = marked_vertices(marks);
+    result.saddle_vertices = marked.saddles;
     std::vector<std::uint32_t> gaps;
-    for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
-        result.saddle_vertices += (marks[vertex] & vertex_saddle) != 0 ? 1U : 0U;
-        if ((marks[vertex] & vertex_gap) && options.point_sites) gaps.push_back(vertex);
-    }
+    if (options.point_sites) gaps = marked.gaps;
     // The order of the mesh's own vertices.
     std::sort(gaps.begin(), gaps.end(),
               [&](std::uint32_t a, std::uint32_t b) { return ordered.vertices[a] < ordered.vertices[b]; });

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -94,9 +95,18 @@ void sort_by_digit(std::span<const Keyed> from, std::span<Keyed> to, unsigned sh
         });
     };
     for_each_block([&](std::size_t b, const Keyed& keyed) { ++next[b][digit(keyed)]; });
-    std::uint32_t total = 0;
-    for (std::size_t value = 0; value < digit_values; ++value)
-        for (auto& counts : next) total += std::exchange(counts[value], total);
+    // Some digits at a time, block by block: there are as many blocks as the mesh is large.
+    std::array<std::uint32_t, digit_values> first{};
+    const auto for_each_counter = [&](const auto& f) {
+        for_each_stretch(digit_values, digit_values / 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+            for (auto& counts : next)
+                for (std::size_t value = begin; value < end; ++value) f(value, counts[value]);
+        });
+    };
+    for_each_counter([&](std::size_t value, std::uint32_t count) { first[value] += count; });
+    std::exclusive_scan(first.begin(), first.end(), first.begin(), 0U);
+    for_each_counter(
+        [&](std::size_t value, std::uint32_t& count) { first[value] += std::exchange(count, first[value]); });
     for_each_block([&](std::size_t b, const Keyed& keyed) { to[next[b][digit(keyed)]++] = keyed; });
 }
 

@@ -54,8 +54,7 @@ OrderedFaces plainly_ordered(const Mesh& mesh, std::span<const std::uint32_t> or
 Rings plain_rings(std::span<const Triangle> triangles, std::size_t vertex_count) {
     Rings rings(vertex_count);
     for (std::uint32_t face = 0; face < triangles.size(); ++face)
-        for (std::uint32_t k = 0; k < 3; ++k)
-            rings[triangles[face][k]].push_back(polyhedra::Corner{face, k}.packed());
+        for (std::uint32_t k = 0; k < 3; ++k) rings[triangles[face][k]].push_back(polyhedra::Corner{face, k}.packed());
     return rings;
 }
 
@@ -83,7 +82,8 @@ Mesh fan(std::uint32_t count) {
 }
 
 Mesh first_faces(const Mesh& mesh, std::size_t count) {
-    return {mesh.vertices(), {mesh.triangles().begin(), mesh.triangles().begin() + static_cast<std::ptrdiff_t>(count)},
+    return {mesh.vertices(),
+            {mesh.triangles().begin(), mesh.triangles().begin() + static_cast<std::ptrdiff_t>(count)},
             std::to_string(count) + " faces of " + mesh.name()};
 }
 
