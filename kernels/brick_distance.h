@@ -23,6 +23,15 @@ typedef struct AtBrick {
 } AtBrick;
 
 #ifndef LONG_BRICKS
+// Displacements along an axis of the frame with the gradients (x, y, z): of the first half of a sub-block's samples; of
+// the sub-blocks of the first plane.
+INLINE double8 of_samples(double x, double y, double z) {
+    return FIRST_HALF_I * x + (FIRST_HALF_J * y + FIRST_HALF_K * z);
+}
+INLINE float16 of_subblocks(double x, double y, double z) {
+    return convert_float16(FIRST_PLANE_J * y + (FIRST_PLANE_K * z + FIRST_PLANE_I * x));
+}
+
 // The displacements of all samples of a sub-block, from those of the first half and of their mirror images.
 INLINE void set_samples(float8 first, float8 images, __private floatL* all) {
 #if LANES == 16
@@ -40,6 +49,7 @@ INLINE void set_subblocks(float16 plane, __private float* all) {
 }
 #endif
 
+// `centre` is for long bricks, z_low for all others.
 INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, double z_low, __private AtBrick* at) {
 #ifdef LONG_BRICKS
     at->frame = frame_at(p, centre.x, centre.y, centre.z);
@@ -47,20 +57,14 @@ INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, double z_
     at->steps = steps_of(p);
     const double3 gx = vload3(0, p->exact_gradient_x), gy = vload3(0, p->exact_gradient_y),
                   gz = vload3(0, p->exact_gradient_z);
-    const double8 i = SAMPLES_I, j = SAMPLES_J;
-#define OF_SAMPLES(n) (i * gx.n + (j * gy.n + SAMPLES_K * gz.n))
-    const float8 x = convert_float8(OF_SAMPLES(x)), y = convert_float8(OF_SAMPLES(y));
-    const double8 z = OF_SAMPLES(z);
-#undef OF_SAMPLES
+    const float8 x = convert_float8(of_samples(gx.x, gy.x, gz.x)), y = convert_float8(of_samples(gx.y, gy.y, gz.y));
+    const double8 z = of_samples(gx.z, gy.z, gz.z);
     set_samples(x, -x, at->lane_x);
     set_samples(y, -y, at->lane_y);
     set_samples(convert_float8(z_low + z), convert_float8(z_low - z), at->lane_z);
-    const double16 plane_j = SUBBLOCKS_J, plane_k = SUBBLOCKS_K;
-#define OF_SUBBLOCKS(n) convert_float16(plane_j* gy.n + (plane_k * gz.n + SUBBLOCKS_I * gx.n))
-    set_subblocks(OF_SUBBLOCKS(x), at->x);
-    set_subblocks(OF_SUBBLOCKS(y), at->y);
-    set_subblocks(OF_SUBBLOCKS(z), at->z);
-#undef OF_SUBBLOCKS
+    set_subblocks(of_subblocks(gx.x, gy.x, gz.x), at->x);
+    set_subblocks(of_subblocks(gx.y, gy.y, gz.y), at->y);
+    set_subblocks(of_subblocks(gx.z, gy.z, gz.z), at->z);
 #endif
 }
 

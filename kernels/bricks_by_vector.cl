@@ -39,19 +39,19 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
 }
 
 // The polyhedra numbers[0, LANES) into a brick's minima, as far as `lanes` says that they count. Returns which
-// sub-blocks any of them touches. They are the list's from `begin` on; one brick's rows are asked for meanwhile.
+// sub-blocks any of them touches. The brick's rows are asked for meanwhile, from the turn-th two on.
 static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private const uint* numbers, uint lanes,
                                           __private const float* caps, float slack,
                                           __global const Polyhedron* polyhedra, __global Minimum* minimum,
-                                          BrickRows rows, uint begin, __private ulong* counters) {
+                                          BrickRows rows, __private uint* turn, __private ulong* counters) {
     const float centre = 0.5f * (CLSDF_BRICK - 1);
     const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, centre);
     SubblockMask masks[LANES], lowered = 0;
     const uint touching = lanes & touched_subblocks(&p, caps, slack, masks);
     if (touching == 0) return 0;
-    // What takes double numbers is a long chain of operations: one polyhedron's hides behind the next one's.
     LaneOffsets offsets;
     set_offsets(polyhedra, numbers, &p, centre, &offsets);
+    // What takes double numbers is a long chain of operations: one polyhedron's hides behind the next one's.
     AtBrick at_brick[LANES];
     for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
         const uint lane = lowest_bit(rest);
@@ -60,7 +60,7 @@ static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private c
     }
     for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
         const uint lane = lowest_bit(rest);
-        request_rows(rows, begin + n);
+        if (*turn < ROW_TURNS) request_rows(rows, (*turn)++);
         evaluate(polyhedra + numbers[lane], offsets_of_lane(&offsets, lane), at_brick + n, masks[lane], minimum, layout,
                  counters);
         lowered |= masks[lane];
@@ -69,9 +69,9 @@ static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private c
 }
 
 // Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
-// `nearest` is a polyhedron whose foot is near the brick.
+// `nearest` is a polyhedron whose foot is near the brick. After the last of its lists it is written.
 static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
-                                 bool is_first, __global const Polyhedron* nearest,
+                                 bool is_first, bool is_last, __global const Polyhedron* nearest,
                                  __global const Polyhedron* polyhedra, __global Minimum* minimum, BrickRows rows,
                                  __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
@@ -83,6 +83,7 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
     else
         lowered = ~lowered;
     const float slack = cap * layout.slack_rate + layout.brick_slack;
+    uint turn = is_last ? 0 : ROW_TURNS;
     for (uint e = 0; e < count; e += LANES) {
         if (e % CHUNK == 0)
             for (; lowered; lowered &= lowered - 1) {
@@ -92,7 +93,7 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
         uint numbers[LANES];
         load_numbers(list, e, count, numbers);
         lowered |= evaluate_lanes(layout, first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, minimum,
-                                  rows, e, counters);
+                                  rows, &turn, counters);
     }
 #ifdef COUNT
     counters[CLSDF_COUNT_BRICK_PAIRS] += count;
@@ -214,7 +215,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
             next_chosen = choose_for_first(rest, length, entries + begin, scratch->masks, scratch->lists[(n + 1) % 2]);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
             __global Minimum* minimum = minima + (is_short ? 0 : b);
-            evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps.cap[b], !(begun >> b & 1),
+            evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps.cap[b], !(begun >> b & 1), is_short,
                           polyhedra + caps.nearest[b], polyhedra, minimum, rows_of_brick(layout, brick, output),
                           counters);
             begun |= 1ul << b;

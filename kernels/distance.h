@@ -5,7 +5,8 @@
 //   below the base (Y < 0):  distance^2 = max(X - base, 0)^2 + Y^2 + Z^2
 //   else:                    distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
 // where r is the distance outward from the slanted edge and t the position along it. Each value is an offset at a
-// brick's centre, formed in double, plus float gradients times at most 3.5 samples: it rounds with the size of a brick.
+// brick's centre, formed in double, plus a displacement by at most 3.5 samples along each axis: it rounds with the size
+// of a brick.
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 
@@ -80,11 +81,11 @@ static inline floatL squared_distance_long_brick(__global const Polyhedron* p, d
     const doubleL x = di * gx.x + (dj * gy.x + (dk * gz.x + centre.x));
     const doubleL y = di * gx.y + (dj * gy.y + (dk * gz.y + centre.y));
     const doubleL z = di * gx.z + (dj * gy.z + (dk * gz.z + centre.z));
-    const longL right = x >= 0.0;
-    const doubleL away = right ? x : -x;
-    const doubleL along = right ? (doubleL)normals.x : (doubleL)normals.y;
-    const doubleL across = right ? (doubleL)normals.z : (doubleL)normals.w;
-    const doubleL beyond = away - (right ? (doubleL)base.x : (doubleL)base.y);
+    const longL left = x < 0.0;
+    const doubleL away = left ? -x : x;
+    const doubleL along = left ? (doubleL)normals.y : (doubleL)normals.x;
+    const doubleL across = left ? (doubleL)normals.w : (doubleL)normals.z;
+    const doubleL beyond = away - (left ? (doubleL)base.y : (doubleL)base.x);
     const doubleL above_apex = y - p->exact_altitude;
     return squared_from_frame(convert_floatL(y), convert_floatL(z), convert_floatL(beyond),
                               convert_floatL(along * beyond + across * y), convert_floatL(across * beyond - along * y),

@@ -5,6 +5,7 @@
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
+#include "bits.h"
 #include "layout.h"
 
 // Arguments in memory cost more than these functions' own work. Where a work-item is a lane, compilers for GPUs inline
@@ -20,8 +21,8 @@
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
 
 // Ask for a line of memory ahead of its use: into the second cache; into the innermost one, for soon; there to store to
-// it. (OpenCL's own prefetch does nothing in PoCL.)
-#if defined(__x86_64__) || defined(__aarch64__)
+// it. It need not be memory of ours. (OpenCL's own prefetch does nothing in PoCL.)
+#if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_prefetch)
 #define PREFETCH(address, is_stored_to, locality) \
     __builtin_prefetch((__private const void*)(size_t)(address), is_stored_to, locality)
 #else

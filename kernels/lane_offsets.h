@@ -5,7 +5,7 @@
 
 #include "lane_polyhedra.h"
 
-// As Offsets, by lane.
+// As Offsets, by lane. z_low is kept in double, in which it is added to displacements.
 typedef struct LaneOffsets {
     float x[LANES], y[LANES], z[LANES];
     double z_low[LANES];
@@ -15,7 +15,7 @@ typedef struct LaneOffsets {
     float past_right[LANES], past_left[LANES];
 } LaneOffsets;
 
-// Exact numbers of a polyhedron.
+// Exact numbers of a polyhedron, in the order of polyhedron.h.
 #define EXACT_GRADIENT_X 0
 #define EXACT_GRADIENT_Y 3
 #define EXACT_GRADIENT_Z 6
@@ -41,9 +41,9 @@ INLINE void load_exact(__global const Polyhedron* polyhedra, __private const uin
     }
 }
 
-// At the point (i, j, k) samples from the polyhedra's integer origins, eight of them.
+// Of eight polyhedra, at the point (i, j, k) samples from their integer origins, into the group-th eight lanes.
 INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private const uint* numbers, double8 i, double8 j,
-                              double8 k, uint eight, __private LaneOffsets* o) {
+                              double8 k, uint group, __private LaneOffsets* o) {
     double8 exact[EXACT_NUMBERS];
     load_exact(polyhedra, numbers, exact);
 #define FRAME(n)                       \
@@ -53,27 +53,30 @@ INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private co
 #undef FRAME
     const double8 above_apex = y - exact[EXACT_ALTITUDE];
     const float8 rounded_z = convert_float8(z);
-#define STORE(value, member) store_eight_floats(convert_float8(value), eight, o->member)
+#define STORE(value, member) store_eight_floats(convert_float8(value), group, o->member)
     STORE(x, x);
     STORE(y, y);
-    store_eight_floats(rounded_z, eight, o->z);
-    store_eight_doubles(z - convert_double8(rounded_z), eight, o->z_low);
+    store_eight_floats(rounded_z, group, o->z);
+    store_eight_doubles(z - convert_double8(rounded_z), group, o->z_low);
 #define STORE_HALF(away, half, side)                                                                        \
     {                                                                                                       \
         const double8 along = exact[EXACT_NORMAL_ALONG + half], across = exact[EXACT_NORMAL_ACROSS + half]; \
-        const double8 beyond = (away)-exact[EXACT_BASE + half];                                             \
+        const double8 beyond = away - exact[EXACT_BASE + half];                                             \
+        const double8 outward = along * beyond + across * y, before = across * beyond - along * y;          \
+        const double8 past = along * above_apex - across * away;                                            \
         STORE(beyond, beyond_##side);                                                                       \
-        STORE(along* beyond + across * y, outward_##side);                                                  \
-        STORE(across* beyond - along * y, before_##side);                                                   \
-        STORE(along* above_apex - across * (away), past_##side);                                            \
+        STORE(outward, outward_##side);                                                                     \
+        STORE(before, before_##side);                                                                       \
+        STORE(past, past_##side);                                                                           \
     }
+    const double8 minus_x = -x;
     STORE_HALF(x, CLSDF_HALF_RIGHT, right)
-    STORE_HALF(-x, CLSDF_HALF_LEFT, left)
+    STORE_HALF(minus_x, CLSDF_HALF_LEFT, left)
 #undef STORE_HALF
 #undef STORE
 }
 
-// At the point `centre` samples along each axis from the one of `p`'s making.
+// At the point `centre` samples along each axis from the sample `first` that `p` was made with.
 INLINE void set_offsets(__global const Polyhedron* polyhedra, __private const uint* numbers, const LanePolyhedra* p,
                         double centre, __private LaneOffsets* o) {
 #if LANES == 16

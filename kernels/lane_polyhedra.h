@@ -54,7 +54,7 @@ typedef struct LanePolyhedra {
     floatL gradient_x, gradient_y, gradient_z;  // of X
     floatL along_right, along_left, across_right, across_left;
     floatL above[3], below[3], greater[3];  // slopes by edge
-    intL first_i, first_j, first_k;         // the sample that the point was given from, from the integer origins
+    intL first_i, first_j, first_k;         // of sample `first`, from the integer origins
     bool all_compact;
 } LanePolyhedra;
 

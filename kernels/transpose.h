@@ -30,5 +30,9 @@ DEFINE_TRANSPOSE(transpose, float8, 8, 3, ZIP_LOW_8, ZIP_HIGH_8)
 #endif
 DEFINE_TRANSPOSE(transpose_doubles, double8, 8, 3, ZIP_LOW_8, ZIP_HIGH_8)
 #undef DEFINE_TRANSPOSE
+#undef ZIP_LOW_8
+#undef ZIP_HIGH_8
+#undef ZIP_LOW_16
+#undef ZIP_HIGH_16
 
 #endif

@@ -121,9 +121,10 @@ public:
             parts[block] = part_of(Block(layer, block), distance.data(), values.data());
         });
         for (std::size_t block = 0; block < parts.size(); ++block) {
-            if (parts[block].leaf)
-                grid_->tree().addLeaf(parts[block].leaf.release());
-            else if (parts[block].tile)
+            if (parts[block].leaf) {
+                grid_->tree().addLeaf(parts[block].leaf.get());
+                static_cast<void>(parts[block].leaf.release());  // the tree's from now on
+            } else if (parts[block].tile)
                 grid_->tree().addTile(1, coordinates(layer.first_of(block)), *parts[block].tile, false);
         }
     }
