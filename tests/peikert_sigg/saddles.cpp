@@ -6,6 +6,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -59,6 +60,39 @@ bool has_direction_beyond_all(const Fan& fan) {
         u += *worst;
     }
     return false;
+}
+
+/// The definition of a gap: lines in which two planes meet, none of which lies on both sides of other planes, lie
+/// strictly on one side of every plane.
+bool has_gap_by_definition(FanSigns& signs) {
+    const std::size_t count = signs.fan().size();
+    std::vector<bool> strictly(count, false);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = i + 1; j < count; ++j) {
+            std::vector<int> sides(count, 0);
+            for (std::size_t k = 0; k < count; ++k)
+                if (k != i && k != j) sides[k] = signs.side(i, j, k);
+            const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
+            if (*least < 0 && *most > 0) continue;
+            for (std::size_t k = 0; k < count; ++k)
+                if (sides[k] != 0) strictly[k] = true;
+        }
+    return std::find(strictly.begin(), strictly.end(), false) == strictly.end();
+}
+
+/// So many spokes, whose heights are waves, of a random height each.
+Mesh wavy_fan(Random& random, std::size_t count, bool on_lattice) {
+    std::array<double, 4> heights{};
+    for (double& height : heights) height = random.uniform(-0.6, 0.6);
+    std::vector<Vec3> ring;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
+        double z = 0;
+        for (std::size_t wave = 0; wave < heights.size(); ++wave)
+            z += heights[wave] * std::cos(static_cast<double>(wave + 1) * angle);
+        ring.push_back({2 * std::cos(angle), 2 * std::sin(angle), on_lattice ? std::round(4 * z) / 4 : z});
+    }
+    return closed_fan("wavy", ring);
 }
 
 /// 100 x 30 vertices, each row shifted by half a cell against the one before; diagonals run one way.
@@ -201,6 +235,32 @@ BOOST_AUTO_TEST_CASE(the_complete_test_finds_the_gaps_that_a_search_finds) {
                             << " missed by successive planes");
     BOOST_TEST(gaps > 20U);
     BOOST_TEST(10 * confirmed > 9 * gaps);
+}
+
+BOOST_AUTO_TEST_CASE(the_complete_test_agrees_with_the_definition_of_a_gap) {
+    std::size_t gaps = 0;
+    constexpr std::size_t fans = 200;
+    for (std::uint64_t seed = 0; seed < fans; ++seed) {
+        Random random(seed);
+        const Fan fan = fan_of_apex(wavy_fan(random, 4 + random.index(30), seed % 2 == 0));
+        FanSigns signs(fan);
+        const bool expected = has_gap_by_definition(signs);
+        BOOST_TEST_CONTEXT("seed " << seed) BOOST_TEST(has_gap(signs) == expected);
+        gaps += expected;
+    }
+    BOOST_TEST(gaps >= 5U);
+    BOOST_TEST(gaps < fans / 2);
+}
+
+BOOST_AUTO_TEST_CASE(the_complete_test_takes_few_signs_for_each_pair_of_planes) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        Random random(seed);
+        constexpr std::size_t count = 300;
+        const Fan fan = fan_of_apex(wavy_fan(random, count, false));
+        FanSigns signs(fan);
+        has_gap(signs);
+        BOOST_TEST_CONTEXT("seed " << seed) BOOST_TEST(signs.decisions() < 10 * count * count / 2);
+    }
 }
 
 // Many planes meet in one line exactly, with the others on one side of it or not.
