@@ -40,6 +40,9 @@ double part_of(Place place) {
     return place == Place::start ? 0 : place == Place::middle ? 0.5 : 1;
 }
 
+/// As far as cairo's images reach. Of a recording without bounds cairo 1.16 never frees what it puts into a PDF.
+constexpr cairo_rectangle_t largest_sheet{-32767, -32767, 65534, 65534};
+
 }  // namespace
 
 void Canvas::Release::operator()(cairo_surface_t* surface) const {
@@ -70,7 +73,7 @@ std::string Canvas::png_of(const Raster& raster) {
 }
 
 Canvas::Canvas()
-    : recording_(cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, nullptr)),
+    : recording_(cairo_recording_surface_create(CAIRO_CONTENT_COLOR_ALPHA, &largest_sheet)),
       context_(cairo_create(recording_.get())) {
     check(cairo_status(context_.get()));
     cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
