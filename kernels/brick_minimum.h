@@ -3,6 +3,7 @@
 #define CLSDF_BRICK_MINIMUM_H
 
 #include "frame.h"
+#include "request.h"
 #include "subblocks.h"
 
 // The state of a brick's samples, sub-block by sub-block.

@@ -14,6 +14,7 @@
 #include "brick_distance.h"
 #include "brick_lists.h"
 #include "lane_offsets.h"
+#include "request.h"
 
 // After how many polyhedra of a brick's list the bounds of its distances are taken anew.
 #define CHUNK 64

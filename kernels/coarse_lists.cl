@@ -8,6 +8,7 @@
 
 #include "coarse.h"
 #include "coarse_clusters.h"
+#include "request.h"
 
 // Every `stride`-th polyhedron's point.
 __kernel void coarse_points(uint stride, uint count, __global const Polyhedron* polyhedra,

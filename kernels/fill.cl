@@ -2,6 +2,7 @@
 
 #include "frame.h"
 #include "lanes.h"
+#include "request.h"
 
 // Numbers of a line of memory. (Half a line, one vector of eight, costs as much past the caches as a whole one.)
 #define LINE 16

@@ -5,48 +5,8 @@
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
-#include "bits.h"
+#include "inline.h"
 #include "layout.h"
-
-// Arguments in memory cost more than these functions' own work. Where a work-item is a lane, compilers for GPUs inline
-// everything by themselves; forced to, or free to by "static", oclgrind's leaves in the code what it does not know.
-#if LANES == 1
-#define INLINE inline
-#else
-#define INLINE static inline __attribute__((always_inline))
-#endif
-
-// A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.
-#define LESSER(a, b) ((a) < (b) ? (a) : (b))
-#define GREATER(a, b) ((a) > (b) ? (a) : (b))
-
-// Ask for a line of memory ahead of its use: into the second cache; into the innermost one, for soon; there to store to
-// it. It need not be memory of ours. (OpenCL's own prefetch does nothing in PoCL.)
-#if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_prefetch)
-#define PREFETCH(address, is_stored_to, locality) \
-    __builtin_prefetch((__private const void*)(size_t)(address), is_stored_to, locality)
-#else
-#define PREFETCH(address, is_stored_to, locality)
-#endif
-static inline void request_line(__global const void* at) {
-    PREFETCH(at, 0, 2);
-}
-static inline void request_line_for_soon(__global const void* at) {
-    PREFETCH(at, 0, 3);
-}
-static inline void request_line_to_store(size_t address) {
-    PREFETCH(address, 1, 3);
-}
-
-// A list's polyhedra lie scattered over more memory than the inner caches hold: measured, two fifths of the time of
-// what reads them was waiting.
-static inline void request(__global const Polyhedron* p) {
-    for (uint line = 0; line < sizeof(Polyhedron); line += 64) request_line((__global const uchar*)p + line);
-}
-static inline void request_foot(__global const Polyhedron* p) {
-    request_line(p->foot);
-    request_line(&p->origin_z);
-}
 
 // The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point. "Right" and
 // "left" are the formulas of the two halves; each holds where X lies on its side.

@@ -10,6 +10,7 @@
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 
+#include "frame.h"
 #include "transpose.h"
 
 // Words of a polyhedron.

@@ -5,6 +5,7 @@
 #define CLSDF_LANES_H
 
 #include "bits.h"
+#include "inline.h"
 
 #if LANES == 16
 typedef float16 floatL;

@@ -2,7 +2,6 @@
 #ifndef CLSDF_TRANSPOSE_H
 #define CLSDF_TRANSPOSE_H
 
-#include "frame.h"
 #include "lanes.h"
 
 #define ZIP_LOW_8(Vector, a, b) (Vector)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3)
