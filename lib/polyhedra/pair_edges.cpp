@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t few_faces = 16;
 
 using OfFewFaces = std::array<std::uint32_t, few_faces>;
+using FewCorners = std::array<Corner, few_faces>;
 
 /// Faces around a vertex: the vertices at the ends of their edges that leave it, and that arrive there.
 struct Spokes {
@@ -63,7 +64,7 @@ private:
     bool set_pairs(std::uint32_t vertex) {
         const std::size_t count = rings_.size(vertex);
         if (count > few_faces) return false;
-        std::array<Corner, few_faces> corners{};
+        FewCorners corners;  // not cleared: this is done for every vertex
         Spokes spokes{};
         for (std::size_t i = 0; i < count; ++i) {
             corners[i] = rings_.corner(vertex, i);

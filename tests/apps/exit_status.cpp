@@ -25,7 +25,7 @@ void check_error(std::vector<std::string> arguments, int status, const std::stri
         BOOST_TEST(plain.out.empty());
         BOOST_TEST(plain.error.starts_with("clsdf: "));
 
-        arguments.push_back("--json");
+        arguments.emplace_back("--json");
         const Outcome outcome = run_command(arguments, environment);
         BOOST_TEST(outcome.status == status);
         BOOST_TEST(outcome.error == plain.error);
