@@ -8,94 +8,103 @@
 #include "blocks.h"
 #include "brick_minimum.h"
 #include "distance.h"
+#include "lane_offsets.h"
 
-// A polyhedron at a brick: what its distances take.
-typedef struct AtBrick {
-#ifdef LONG_BRICKS
-    double4 frame;
-#else
-    Steps steps;
-    // Displacements along the frame: of a sub-block's samples from its centre, in Z with what the offset lacks; of the
-    // sub-blocks' centres from the brick's. Each is rounded once.
-    floatL lane_x[SUBBLOCK_VECTORS], lane_y[SUBBLOCK_VECTORS], lane_z[SUBBLOCK_VECTORS];
-    float x[SUBBLOCKS], y[SUBBLOCKS], z[SUBBLOCKS];
-#endif
-} AtBrick;
+// Displacements along the frames' axes, of LANES polyhedra: of the centres of a brick's sub-blocks from its own. Each is
+// rounded once.
+typedef struct Displacements {
+    floatL x[SUBBLOCKS], y[SUBBLOCKS], z[SUBBLOCKS];
+} Displacements;
 
-#ifndef LONG_BRICKS
-// Displacements along an axis of the frame with the gradients (x, y, z): of the first half of a sub-block's samples; of
-// the sub-blocks of the first plane.
-INLINE double8 of_samples(double x, double y, double z) {
-    return FIRST_HALF_I * x + (FIRST_HALF_J * y + FIRST_HALF_K * z);
-}
-INLINE float16 of_subblocks(double x, double y, double z) {
-    return convert_float16(FIRST_PLANE_J * y + (FIRST_PLANE_K * z + FIRST_PLANE_I * x));
-}
-
-// The displacements of all samples of a sub-block, from those of the first half and of their mirror images.
-INLINE void set_samples(float8 first, float8 images, __private floatL* all) {
-#if LANES == 16
-    all[0] = (float16)(first, images.s76543210);
-#else
-    all[0] = first;
-    all[1] = images.s76543210;
-#endif
+// Along the axis-th axis of the frames.
+INLINE void set_displacements(__private const LaneOffsets* o, uint axis, __private floatL* all) {
+    const floatL x = o->gradient[axis], y = o->gradient[3 + axis], z = o->gradient[6 + axis];
+    const floatL x_low = o->gradient_low[axis], y_low = o->gradient_low[3 + axis], z_low = o->gradient_low[6 + axis];
+    // The sub-blocks of the first plane; those of the other are their mirror images.
+    const float i = subblock_i(0);
+#pragma unroll
+    for (uint k = 0; k < 4; ++k)
+#pragma unroll
+        for (uint j = 0; j < 4; ++j) {
+            const float from_j = 2.0f * j - 3.0f, from_k = 2.0f * k - 3.0f;
+            const floatL displacement =
+                (i * x + from_j * y + from_k * z) + (i * x_low + from_j * y_low + from_k * z_low);
+            all[k * 4 + j] = displacement;
+            all[SUBBLOCKS - 1 - (k * 4 + j)] = -displacement;
+        }
 }
 
-// Of all sub-blocks of a brick, from those of its first plane.
-INLINE void set_subblocks(float16 plane, __private float* all) {
-    store_sixteen(plane, 0, all);
-    store_sixteen(-plane.sfedcba9876543210, 1, all);
-}
-#endif
-
-// `centre` is for long bricks, z_low for all others.
-INLINE void set_at_brick(__global const Polyhedron* p, double3 centre, double z_low, __private AtBrick* at) {
-#ifdef LONG_BRICKS
-    at->frame = frame_at(p, centre.x, centre.y, centre.z);
-#else
-    at->steps = steps_of(p);
-    const double3 gx = vload3(0, p->exact_gradient_x), gy = vload3(0, p->exact_gradient_y),
-                  gz = vload3(0, p->exact_gradient_z);
-    const float8 x = convert_float8(of_samples(gx.x, gy.x, gz.x)), y = convert_float8(of_samples(gx.y, gy.y, gz.y));
-    const double8 z = of_samples(gx.z, gy.z, gz.z);
-    set_samples(x, -x, at->lane_x);
-    set_samples(y, -y, at->lane_y);
-    set_samples(convert_float8(z_low + z), convert_float8(z_low - z), at->lane_z);
-    set_subblocks(of_subblocks(gx.x, gy.x, gz.x), at->x);
-    set_subblocks(of_subblocks(gx.y, gy.y, gz.y), at->y);
-    set_subblocks(of_subblocks(gx.z, gy.z, gz.z), at->z);
-#endif
+// Of the samples of a sub-block's vectors from its centre, along the axis-th axis of one polyhedron's frame.
+INLINE void set_sample_displacements(__private const LaneOffsets* o, uint lane, uint axis, float low,
+                                     __private floatL* all) {
+#define OF_LANE(vectors, n) ((__private const float*)(vectors + n))[lane]
+    const float x = OF_LANE(o->gradient, axis), y = OF_LANE(o->gradient, 3 + axis), z = OF_LANE(o->gradient, 6 + axis);
+    const float x_low = OF_LANE(o->gradient_low, axis), y_low = OF_LANE(o->gradient_low, 3 + axis),
+                z_low = OF_LANE(o->gradient_low, 6 + axis);
+#undef OF_LANE
+    floatL sum = LANE_I * x + (LANE_J * y + LANE_K(0) * z);
+    floatL sum_low = LANE_I * x_low + (LANE_J * y_low + (LANE_K(0) * z_low + low));
+    all[0] = sum + sum_low;
+#pragma unroll
+    for (uint v = 1; v < SUBBLOCK_VECTORS; ++v) {
+        sum += z;
+        sum_low += z_low;
+        all[v] = sum + sum_low;
+    }
 }
 
-// Into the minimum.
-static inline void evaluate(__global const Polyhedron* p, Offsets o, __private const AtBrick* at, SubblockMask touched,
-                            __global Minimum* minimum, Layout layout, __private ulong* counters) {
+// Of polyhedron `p`, one of the lanes, into the minimum.
+static inline void evaluate(__global const Polyhedron* p, __private const LaneOffsets* o,
+                            __private const Displacements* displacements, uint lane, SubblockMask touched,
+                            __global Minimum* minimum) {
     const uint triangle = p->triangle;
-#ifndef LONG_BRICKS
-    const Steps s = at->steps;
-#endif
+    const EdgeTable table = table_at(&o->edges, lane);
+    const float x = o->x[lane], y = o->y[lane], z = o->z[lane];
+    floatL samples_x[SUBBLOCK_VECTORS], samples_y[SUBBLOCK_VECTORS], samples_z[SUBBLOCK_VECTORS];
+    set_sample_displacements(o, lane, 0, 0.0f, samples_x);
+    set_sample_displacements(o, lane, 1, 0.0f, samples_y);
+    set_sample_displacements(o, lane, 2, o->z_low[lane], samples_z);
+    __private const float* to_subblock_x = (__private const float*)displacements->x + lane;
+    __private const float* to_subblock_y = (__private const float*)displacements->y + lane;
+    __private const float* to_subblock_z = (__private const float*)displacements->z + lane;
     for (; touched; touched &= touched - 1) {
         const uint b = lowest_bit(touched);
 #pragma unroll
         for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
-#ifdef LONG_BRICKS
-            const floatL squared =
-                squared_distance_long_brick(p, at->frame, samples_i(b), samples_j(b), samples_k(b, v));
-#else
-            const floatL squared = squared_distance_displaced(s, o, at->lane_x[v] + at->x[b], at->lane_y[v] + at->y[b],
-                                                              at->lane_z[v] + at->z[b]);
-#endif
+            const floatL squared = squared_distance_by_table(
+                table, x, y, z, samples_x[v] + to_subblock_x[b * LANES], samples_y[v] + to_subblock_y[b * LANES],
+                samples_z[v] + to_subblock_z[b * LANES]);
             lower_minimum(minimum, b * SUBBLOCK_VECTORS + v, squared, triangle);
+        }
+    }
+}
+
+// The same where bricks are long.
+static inline void evaluate_long_brick(__global const Polyhedron* p, double4 frame, SubblockMask touched,
+                                       __global Minimum* minimum) {
+    const uint triangle = p->triangle;
+    for (; touched; touched &= touched - 1) {
+        const uint b = lowest_bit(touched);
+        for (uint v = 0; v < SUBBLOCK_VECTORS; ++v)
+            lower_minimum(minimum, b * SUBBLOCK_VECTORS + v,
+                          squared_distance_long_brick(p, frame, samples_i(b), samples_j(b), samples_k(b, v)), triangle);
+    }
+}
+
 #ifdef COUNT
-            const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
+static inline void count_covered(__global const Polyhedron* p, Offsets o, SubblockMask touched, Layout layout,
+                                 __private ulong* counters) {
+    const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
+    for (; touched; touched &= touched - 1) {
+        const uint b = lowest_bit(touched);
+        for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
             counters[CLSDF_COUNT_LANES] += LANES;
             counters[CLSDF_COUNT_COVERED] +=
                 popcount(covered_samples(p, o, samples_i(b), samples_j(b), samples_k(b, v), layout.half_width, slack) &
                          LANE_BITS);
-#endif
         }
     }
 }
+#endif
 
 #endif

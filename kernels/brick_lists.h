@@ -100,35 +100,58 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
     return any;
 }
 
+// Which sub-blocks each of the polyhedra touches, bit by bit. `at`: the first one's centre, without reach; x, y, z: the
+// steps to the next ones.
+INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, Bounds at, Bounds x, Bounds y, Bounds z,
+                                     const floatL* slopes, const LaneReach* reach, __private const float* caps) {
+    uintL bits = 0;
+    for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = bounds_sum(at, x)) {
+        Bounds row = at;
+        for (uint k = 0; k < 4; ++k, row = bounds_sum(row, z)) {
+            Bounds block = row;
+#pragma unroll
+            for (uint j = 0; j < 4; ++j, block = bounds_sum(block, y))
+                bits = bits >> 1 | (as_uintL(touches(p, block, slopes, reach, *caps++)) & 0x80000000u);
+        }
+    }
+    return bits;
+}
+
+// The same where the brick lies on one side of all faces.
+INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, __private const float* caps) {
+    uintL bits = 0;
+    for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = one_side_sum(at, x)) {
+        OneSide row = at;
+        for (uint k = 0; k < 4; ++k, row = one_side_sum(row, z)) {
+            OneSide block = row;
+#pragma unroll
+            for (uint j = 0; j < 4; ++j, block = one_side_sum(block, y))
+                bits = bits >> 1 | (as_uintL(touches_one_side(block, *caps++)) & 0x80000000u);
+        }
+    }
+    return bits;
+}
+
 // Which sub-blocks each of the polyhedra touches; returns which of the polyhedra touch any.
 INLINE uint touched_subblocks(const LanePolyhedra* p, __private const float* caps, float slack,
                               __private SubblockMask* masks) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
     const LaneReach reach = reach_of_lanes(p, half_x, 0.5f, 0.5f, slack);
-    const Bounds step_x = bounds_product(p->step_x, SUBBLOCK_X), step_y = bounds_product(p->step_y, 2.0f),
-                 step_z = bounds_product(p->step_z, 2.0f);
-    Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
-                              bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
-    slice = without_reach(slice, &reach);
+    const Bounds x = bounds_product(p->step_x, SUBBLOCK_X), y = bounds_product(p->step_y, 2.0f),
+                 z = bounds_product(p->step_z, 2.0f);
+    Bounds at = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
+                           bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
+    at = without_reach(at, &reach);
     const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
     floatL slopes[3];
     slopes_at(p, p->at.z, extent + slack, slopes);
-    uintL bits = 0;
-    uint b = 0;
-    for (uint x = 0; x < SUBBLOCK_PLANES; ++x) {
-        Bounds row = slice;
-        for (uint z = 0; z < 4; ++z) {
-            Bounds at = row;
-#pragma unroll
-            for (uint y = 0; y < 4; ++y) {
-                const intL touched = touches(p, at, slopes, &reach, caps[b]);
-                bits = bits >> 1 | (as_uintL(touched) & 0x80000000u);
-                ++b;
-                at = bounds_sum(at, step_y);
-            }
-            row = bounds_sum(row, step_z);
-        }
-        slice = bounds_sum(slice, step_x);
+    uintL bits;
+    if (p->all_compact && lanes_to_bits(fabs(p->at.z) <= extent + slack) == 0) {
+        const floatL side = p->at.z < 0.0f ? (floatL)-1.0f : (floatL)1.0f;
+        bits = subblocks_of_one_side(one_side(p, at, side, slopes, &reach), one_side(p, x, side, slopes, 0),
+                                     one_side(p, y, side, slopes, 0), one_side(p, z, side, slopes, 0), caps);
+    } else {
+        bits = subblocks_of_both_sides(p, at, x, y, z, slopes, &reach, caps);
     }
     store_lanes(bits, 0, masks);
     return lanes_to_bits(bits != 0);

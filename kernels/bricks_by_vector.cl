@@ -50,20 +50,29 @@ static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private c
     SubblockMask masks[LANES], lowered = 0;
     const uint touching = lanes & touched_subblocks(&p, caps, slack, masks);
     if (touching == 0) return 0;
+#ifndef LONG_BRICKS
     LaneOffsets offsets;
-    set_offsets(polyhedra, numbers, &p, centre, &offsets);
-    // What takes double numbers is a long chain of operations: one polyhedron's hides behind the next one's.
-    AtBrick at_brick[LANES];
-    for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
+    set_offsets(layout, polyhedra, numbers, &p, centre, &offsets);
+    Displacements displacements;
+    set_displacements(&offsets, 0, displacements.x);
+    set_displacements(&offsets, 1, displacements.y);
+    set_displacements(&offsets, 2, displacements.z);
+#endif
+    for (uint rest = touching; rest; rest &= rest - 1) {
         const uint lane = lowest_bit(rest);
-        set_at_brick(polyhedra + numbers[lane], convert_double3(first) + (double)centre, offsets.z_low[lane],
-                     at_brick + n);
-    }
-    for (uint rest = touching, n = 0; rest; rest &= rest - 1, ++n) {
-        const uint lane = lowest_bit(rest);
+        __global const Polyhedron* polyhedron = polyhedra + numbers[lane];
         if (*turn < ROW_TURNS) request_rows(rows, (*turn)++);
-        evaluate(polyhedra + numbers[lane], offsets_of_lane(&offsets, lane), at_brick + n, masks[lane], minimum, layout,
-                 counters);
+#if defined(LONG_BRICKS) || defined(COUNT)
+        const double3 at = convert_double3(first) + (double)centre;
+#endif
+#ifdef LONG_BRICKS
+        evaluate_long_brick(polyhedron, frame_at(polyhedron, at.x, at.y, at.z), masks[lane], minimum);
+#else
+        evaluate(polyhedron, &offsets, &displacements, lane, masks[lane], minimum);
+#endif
+#ifdef COUNT
+        count_covered(polyhedron, offsets_at(polyhedron, at.x, at.y, at.z), masks[lane], layout, counters);
+#endif
         lowered |= masks[lane];
     }
     return lowered;

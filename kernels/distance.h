@@ -1,27 +1,24 @@
 // The distance from samples to a triangle by its seven sites (face, edges, vertices).
 //
 // The altitude on its longest edge divides a triangle in two right-angled halves; the nearest point of the triangle
-// lies in the half on the sample's side of the altitude. There, with the coordinates of polyhedron.h:
-//   below the base (Y < 0):  distance^2 = max(X - base, 0)^2 + Y^2 + Z^2
-//   else:                    distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
-// where r is the distance outward from the slanted edge and t the position along it. Each value is an offset at a
-// brick's centre, formed in double, plus a displacement by at most 3.5 samples along each axis: it rounds with the size
-// of a brick.
+// lies in the half on the sample's side of the altitude. Of the half's two outer edges, the base counts where Y < 0,
+// else the slanted one: with r the distance outward from that edge and t the position along it, in the coordinates of
+// polyhedron.h,
+//   distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
+// (of the base t is the distance from the altitude; there the edge goes on, in the other half). Each value is an offset
+// at a brick's centre, formed in double, plus a displacement by at most 3.5 samples along each axis: it rounds with the
+// size of a brick.
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 
 #include "frame.h"
 #include "lanes.h"
 
-// The formulas above, from `before` = -t and `past` = t minus the length of the slanted edge: at most one of them is
-// positive. (Each half has its own two bounds of which the greater counts, so that one comparison serves all choices.)
-INLINE floatL squared_from_frame(floatL y, floatL z, floatL beyond, floatL r, floatL before, floatL past) {
-    const intL above = y >= 0.0f;
-    const floatL end = above ? past : beyond, other_end = above ? before : beyond;
-    const floatL farther = GREATER(end, other_end);
-    const floatL along = GREATER(farther, 0.0f);
-    const floatL outward = above ? GREATER(r, 0.0f) : y;
-    return along * along + outward * outward + z * z;
+// The formula above, from r, `before` = -t and `past` = t minus the length: at most one of these two is positive.
+INLINE floatL squared_from_edge(floatL r, floatL before, floatL past, floatL z) {
+    const floatL farther = GREATER(past, before);
+    const floatL along = GREATER(farther, 0.0f), outward = GREATER(r, 0.0f);
+    return along * along + (outward * outward + z * z);  // what is known last is added last
 }
 
 // The numbers of a polyhedron that the distance takes beside the offsets.
@@ -43,30 +40,23 @@ INLINE Steps steps_of(__global const Polyhedron* p) {
     return s;
 }
 
-// Squared distance from the samples displaced by (dx, dy, dz) along X, Y, Z from the point of the offsets, in squared
-// units. dz contains what the offset of z lacks.
-INLINE floatL squared_distance_displaced(Steps s, Offsets o, floatL dx, floatL dy, floatL dz) {
+// Squared distance from the samples (i, j, k) away from the point of the offsets, in squared units.
+INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
+    const floatL dx = i * s.x[0] + (j * s.y[0] + k * s.z[0]);
+    const floatL dy = i * s.x[1] + (j * s.y[1] + k * s.z[1]);
+    const floatL dz = i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low));
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice
-
-    const intL left = dx < -o.x;
+    const intL left = dx < -o.x, below = y < 0.0f;
     const floatL away = left ? -dx : dx;
     const floatL along = left ? (floatL)s.along_left : (floatL)s.along_right;
     const floatL across = left ? (floatL)s.across_left : (floatL)s.across_right;
-    const floatL dr = along * away + across * dy;
-    const floatL dt = along * dy - across * away;
     const floatL beyond = (left ? (floatL)o.beyond_left : (floatL)o.beyond_right) + away;
-    const floatL r = (left ? (floatL)o.outward_left : (floatL)o.outward_right) + dr;
+    const floatL dr = along * away + across * dy, dt = along * dy - across * away;
+    const floatL outward = (left ? (floatL)o.outward_left : (floatL)o.outward_right) + dr;
     const floatL before = (left ? (floatL)o.before_left : (floatL)o.before_right) - dt;
     const floatL past = (left ? (floatL)o.past_left : (floatL)o.past_right) + dt;
-    return squared_from_frame(y, z, beyond, r, before, past);
-}
-
-// The same from the samples (i, j, k) away from the point of the offsets.
-INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k) {
-    return squared_distance_displaced(s, o, i * s.x[0] + (j * s.y[0] + k * s.z[0]),
-                                      i * s.x[1] + (j * s.y[1] + k * s.z[1]),
-                                      i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low)));
+    return squared_from_edge(below ? -y : outward, below ? beyond : before, below ? beyond : past, z);
 }
 
 // The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up
@@ -87,9 +77,11 @@ static inline floatL squared_distance_long_brick(__global const Polyhedron* p, d
     const doubleL across = left ? (doubleL)normals.w : (doubleL)normals.z;
     const doubleL beyond = away - (left ? (doubleL)base.y : (doubleL)base.x);
     const doubleL above_apex = y - p->exact_altitude;
-    return squared_from_frame(convert_floatL(y), convert_floatL(z), convert_floatL(beyond),
-                              convert_floatL(along * beyond + across * y), convert_floatL(across * beyond - along * y),
-                              convert_floatL(along * above_apex - across * away));
+    const longL below = y < 0.0;
+    const doubleL outward = below ? -y : along * beyond + across * y;
+    const doubleL before = below ? beyond : across * beyond - along * y;
+    const doubleL past = below ? beyond : along * above_apex - across * away;
+    return squared_from_edge(convert_floatL(outward), convert_floatL(before), convert_floatL(past), convert_floatL(z));
 }
 
 #endif

@@ -52,24 +52,39 @@ INLINE Bounds bounds_product(Bounds a, float factor) {
 typedef struct LanePolyhedra {
     Bounds at;                                  // the centre of a group of blocks
     Bounds step_x, step_y, step_z;              // of one sample
-    floatL gradient_x, gradient_y, gradient_z;  // of X
+    floatL gradient[9];                         // of X, Y, Z along x; along y; along z
     floatL along_right, along_left, across_right, across_left;
     floatL above[3], below[3], greater[3];  // slopes by edge
     intL first_i, first_j, first_k;         // of sample `first`, from the integer origins
     bool all_compact;
 } LanePolyhedra;
 
+INLINE void load_words(__global const Polyhedron* polyhedra, __private const uint* numbers, __private floatL* words) {
+#define WORDS_OF(lane) ((__global const float*)(polyhedra + numbers[lane]))
+#if LANES == 16
+#pragma unroll
+    for (uint part = 0; part < WORDS; part += 16) {
+#pragma unroll
+        for (uint lane = 0; lane < 16; ++lane) words[part + lane] = vload16(0, WORDS_OF(lane) + part);
+        transpose(words + part);
+    }
+#else
+#pragma unroll
+    for (uint part = 0; part < WORDS; part += 4) {
+#pragma unroll
+        for (uint lane = 0; lane < 4; ++lane)
+            words[part + lane] = (float8)(vload4(0, WORDS_OF(lane) + part), vload4(0, WORDS_OF(lane + 4) + part));
+        transpose_halves(words + part);
+    }
+#endif
+#undef WORDS_OF
+}
+
 // The polyhedra numbers[0, LANES) at the point `centre` samples along each axis from sample `first`.
 INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
                                     float centre) {
     floatL words[WORDS];
-#pragma unroll
-    for (uint part = 0; part < WORDS; part += LANES) {
-#pragma unroll
-        for (uint lane = 0; lane < LANES; ++lane)
-            words[part + lane] = load_lanes(0, (__global const float*)(polyhedra + numbers[lane]) + part);
-        transpose(words + part);
-    }
+    load_words(polyhedra, numbers, words);
     const floatL along_right = words[WORD_NORMAL_ALONG], along_left = words[WORD_NORMAL_ALONG + 1];
     const floatL across_right = words[WORD_NORMAL_ACROSS], across_left = words[WORD_NORMAL_ACROSS + 1];
     LanePolyhedra p;
@@ -121,9 +136,8 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
         p.below[edge] = words[WORD_SLOPE_BELOW + edge];
         p.greater[edge] = GREATER(p.above[edge], p.below[edge]);
     }
-    p.gradient_x = words[WORD_GRADIENT_X];
-    p.gradient_y = words[WORD_GRADIENT_Y];
-    p.gradient_z = words[WORD_GRADIENT_Z];
+#pragma unroll
+    for (uint n = 0; n < 9; ++n) p.gradient[n] = words[WORD_GRADIENT_X + n];
     p.along_right = along_right;
     p.along_left = along_left;
     p.across_right = across_right;
@@ -144,7 +158,7 @@ INLINE LaneReach reach_of_lanes(const LanePolyhedra* p, float half_x, float half
     LaneReach reach;
 #define REACH(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))
 #define REACH_OF(bound) REACH(p->step_x.bound, p->step_y.bound, p->step_z.bound)
-    const floatL x = REACH(p->gradient_x, p->gradient_y, p->gradient_z), y = REACH_OF(base);
+    const floatL x = REACH(p->gradient[0], p->gradient[3], p->gradient[6]), y = REACH_OF(base);
     reach.z = REACH_OF(z) + slack;
     reach.base = y + slack;
     reach.right = REACH_OF(right) + slack;
@@ -201,6 +215,50 @@ INLINE intL touches(const LanePolyhedra* p, Bounds at, const floatL* slopes, con
            as_intL(past_right + (p->across_right * past_base + reach->past_right_end)) &
            as_intL(past_left + (p->across_left * past_base + reach->past_left_end)) &
            as_intL(p->along_left * past_right + (p->along_right * past_left + reach->past_apex));
+}
+
+// Where all blocks of a group lie on one side of all faces, the heights are affine too, and with them all that
+// touches() compares: a step from block to block is seven additions, and nothing else is left to do. Not for polyhedra
+// whose caps bound them at the sides.
+typedef struct OneSide {
+    floatL height, base, right, left;      // without reach
+    floatL right_end, left_end, apex;      // the corners
+} OneSide;
+
+// At a point, or of a step, which has no reach: `reach` null. side: 1 above the face, -1 below it.
+INLINE OneSide one_side(const LanePolyhedra* p, Bounds at, floatL side, const floatL* slopes, const LaneReach* reach) {
+    OneSide one;
+    const floatL height = side * at.z, wide = reach ? height + reach->z : height;
+    one.height = reach ? height - reach->z : height;
+    one.base = at.base - slopes[CLSDF_EDGE_BASE] * wide;
+    one.right = at.right - slopes[CLSDF_EDGE_RIGHT] * wide;
+    one.left = at.left - slopes[CLSDF_EDGE_LEFT] * wide;
+    one.right_end = one.right + p->across_right * one.base;
+    one.left_end = one.left + p->across_left * one.base;
+    one.apex = p->along_left * one.right + p->along_right * one.left;
+    if (reach) {
+        one.right_end += reach->past_right_end;
+        one.left_end += reach->past_left_end;
+        one.apex += reach->past_apex;
+    }
+    return one;
+}
+
+INLINE OneSide one_side_sum(OneSide a, OneSide b) {
+    a.height += b.height;
+    a.base += b.base;
+    a.right += b.right;
+    a.left += b.left;
+    a.right_end += b.right_end;
+    a.left_end += b.left_end;
+    a.apex += b.apex;
+    return a;
+}
+
+// As touches().
+INLINE intL touches_one_side(OneSide at, float cap) {
+    return as_intL(at.height - cap) & as_intL(at.base) & as_intL(at.right) & as_intL(at.left) & as_intL(at.right_end) &
+           as_intL(at.left_end) & as_intL(at.apex);
 }
 
 #endif

@@ -20,6 +20,7 @@ typedef uint16 uintL;
 #define convert_doubleL convert_double16
 #define as_uintL as_uint16
 #define as_intL as_int16
+#define as_floatL as_float16
 #elif LANES == 8
 typedef float8 floatL;
 typedef double8 doubleL;
@@ -33,6 +34,7 @@ typedef uint8 uintL;
 #define convert_doubleL convert_double8
 #define as_uintL as_uint8
 #define as_intL as_int8
+#define as_floatL as_float8
 #elif LANES == 1
 typedef float floatL;
 typedef double doubleL;
