@@ -10,8 +10,8 @@
 #include "distance.h"
 #include "lane_offsets.h"
 
-// Displacements along the frames' axes, of LANES polyhedra: of the centres of a brick's sub-blocks from its own. Each is
-// rounded once.
+// Displacements along the frames' axes, of LANES polyhedra: of the centres of a brick's sub-blocks from its own. Each
+// is rounded once.
 typedef struct Displacements {
     floatL x[SUBBLOCKS], y[SUBBLOCKS], z[SUBBLOCKS];
 } Displacements;
@@ -71,9 +71,9 @@ static inline void evaluate(__global const Polyhedron* p, __private const LaneOf
         const uint b = lowest_bit(touched);
 #pragma unroll
         for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
-            const floatL squared = squared_distance_by_table(
-                table, x, y, z, samples_x[v] + to_subblock_x[b * LANES], samples_y[v] + to_subblock_y[b * LANES],
-                samples_z[v] + to_subblock_z[b * LANES]);
+            const floatL squared = squared_distance_by_table(table, x, y, z, samples_x[v] + to_subblock_x[b * LANES],
+                                                             samples_y[v] + to_subblock_y[b * LANES],
+                                                             samples_z[v] + to_subblock_z[b * LANES]);
             lower_minimum(minimum, b * SUBBLOCK_VECTORS + v, squared, triangle);
         }
     }

@@ -74,28 +74,39 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
     const LaneReach reach = reach_of_lanes(p, half_side, half_side, half_side, slack);
     const Bounds step_x = bounds_product(p->step_x, CLSDF_BRICK), step_y = bounds_product(p->step_y, CLSDF_BRICK),
                  step_z = bounds_product(p->step_z, CLSDF_BRICK);
-    Bounds slice = bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
-                              bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f)));
-    slice = without_reach(slice, &reach);
+    const Bounds first =
+        without_reach(bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
+                                 bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f))),
+                      &reach);
+    const floatL half_row = 1.5f * fabs(step_x.z) + reach.z;
     ulong any = 0;
-    uint b = 0;
-    for (uint z = 0; z < 4; ++z) {
-        Bounds row = slice;
-        for (uint y = 0; y < 4; ++y) {
+    for (uint b = 0; b < 64; b += 4) {
+        const Bounds row =
+            bounds_sum(first, bounds_sum(bounds_product(step_y, b / 4 % 4), bounds_product(step_z, b / 16)));
+        const floatL height = row.z + 1.5f * step_x.z;
+        intL touched[4];
+        floatL slopes[3];
+        if (p->all_compact && lanes_to_bits(fabs(height) <= half_row) == 0) {
+            const floatL side = height < 0.0f ? (floatL)-1.0f : (floatL)1.0f;
+            slopes_at(p, height, half_row, slopes);
+            const OneSide step = one_side(p, step_x, side, slopes, 0);
+            OneSide at = one_side(p, row, side, slopes, &reach);
+#pragma unroll
+            for (uint x = 0; x < 4; ++x, at = one_side_sum(at, step)) touched[x] = touches_one_side(at, caps[b + x]);
+        } else {
             Bounds at = row;
 #pragma unroll
-            for (uint x = 0; x < 4; ++x) {
-                floatL slopes[3];
+            for (uint x = 0; x < 4; ++x, at = bounds_sum(at, step_x)) {
                 slopes_at(p, at.z, reach.z, slopes);
-                const uint touched = lanes & lanes_to_bits(touches(p, at, slopes, &reach, caps[b]));
-                masks[(size_t)b * stride] = (LaneMask)touched;
-                any |= (ulong)(touched != 0) << b;
-                ++b;
-                at = bounds_sum(at, step_x);
+                touched[x] = touches(p, at, slopes, &reach, caps[b + x]);
             }
-            row = bounds_sum(row, step_y);
         }
-        slice = bounds_sum(slice, step_z);
+#pragma unroll
+        for (uint x = 0; x < 4; ++x) {
+            const uint bits = lanes & lanes_to_bits(touched[x]);
+            masks[(size_t)(b + x) * stride] = (LaneMask)bits;
+            any |= (ulong)(bits != 0) << (b + x);
+        }
     }
     return any;
 }
@@ -132,9 +143,8 @@ INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, 
     return bits;
 }
 
-// Which sub-blocks each of the polyhedra touches; returns which of the polyhedra touch any.
-INLINE uint touched_subblocks(const LanePolyhedra* p, __private const float* caps, float slack,
-                              __private SubblockMask* masks) {
+// Which sub-blocks each of the polyhedra touches.
+INLINE uintL touched_subblocks(const LanePolyhedra* p, __private const float* caps, float slack) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
     const LaneReach reach = reach_of_lanes(p, half_x, 0.5f, 0.5f, slack);
     const Bounds x = bounds_product(p->step_x, SUBBLOCK_X), y = bounds_product(p->step_y, 2.0f),
@@ -145,16 +155,12 @@ INLINE uint touched_subblocks(const LanePolyhedra* p, __private const float* cap
     const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
     floatL slopes[3];
     slopes_at(p, p->at.z, extent + slack, slopes);
-    uintL bits;
     if (p->all_compact && lanes_to_bits(fabs(p->at.z) <= extent + slack) == 0) {
         const floatL side = p->at.z < 0.0f ? (floatL)-1.0f : (floatL)1.0f;
-        bits = subblocks_of_one_side(one_side(p, at, side, slopes, &reach), one_side(p, x, side, slopes, 0),
+        return subblocks_of_one_side(one_side(p, at, side, slopes, &reach), one_side(p, x, side, slopes, 0),
                                      one_side(p, y, side, slopes, 0), one_side(p, z, side, slopes, 0), caps);
-    } else {
-        bits = subblocks_of_both_sides(p, at, x, y, z, slopes, &reach, caps);
     }
-    store_lanes(bits, 0, masks);
-    return lanes_to_bits(bits != 0);
+    return subblocks_of_both_sides(p, at, x, y, z, slopes, &reach, caps);
 }
 
 // The entries of a list that masks choose; returns how many. There is room for a vector beyond them.

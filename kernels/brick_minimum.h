@@ -68,17 +68,15 @@ typedef struct BrickRows {
     size_t y_step, z_step;
 } BrickRows;
 
-static inline BrickRows rows_of_brick(Layout layout, int3 brick, Output output) {
+static inline void set_rows(Layout layout, int3 brick, Output output, __private BrickRows* rows) {
     const int3 at = brick * CLSDF_BRICK - vload3(0, layout.first);
-    BrickRows rows;
-    rows.y_step = (size_t)layout.size[0] * sizeof(float);
-    rows.z_step = rows.y_step * layout.size[1];
-    const size_t from_first = (size_t)at.z * rows.z_step + (size_t)at.y * rows.y_step + (size_t)at.x * sizeof(float);
-    rows.distance = (size_t)output.distance + from_first;
+    rows->y_step = (size_t)layout.size[0] * sizeof(float);
+    rows->z_step = rows->y_step * layout.size[1];
+    const size_t from_first = (size_t)at.z * rows->z_step + (size_t)at.y * rows->y_step + (size_t)at.x * sizeof(float);
+    rows->distance = (size_t)output.distance + from_first;
 #ifdef NEAREST
-    rows.triangle = (size_t)output.triangle + from_first;
+    rows->triangle = (size_t)output.triangle + from_first;
 #endif
-    return rows;
 }
 
 // Asks for two of the rows, at each of the turns from 0 to ROW_TURNS - 1. Spread over a brick's computation, the lines
@@ -86,13 +84,13 @@ static inline BrickRows rows_of_brick(Layout layout, int3 brick, Output output) 
 // (Measured: a tenth of the bricks' time, where the field is on huge pages.) Of a row that does not lie in one line of
 // memory only the first is asked for.
 #define ROW_TURNS (CLSDF_BRICK * CLSDF_BRICK / 2)
-INLINE void request_rows(BrickRows rows, uint turn) {
-    const size_t from_first = turn % 4 * 2 * rows.y_step + turn / 4 * rows.z_step;
-    request_line_to_store(rows.distance + from_first);
-    request_line_to_store(rows.distance + from_first + rows.y_step);
+INLINE void request_rows(__private const BrickRows* rows, uint turn) {
+    const size_t from_first = turn % 4 * 2 * rows->y_step + turn / 4 * rows->z_step;
+    request_line_to_store(rows->distance + from_first);
+    request_line_to_store(rows->distance + from_first + rows->y_step);
 #ifdef NEAREST
-    request_line_to_store(rows.triangle + from_first);
-    request_line_to_store(rows.triangle + from_first + rows.y_step);
+    request_line_to_store(rows->triangle + from_first);
+    request_line_to_store(rows->triangle + from_first + rows->y_step);
 #endif
 }
 

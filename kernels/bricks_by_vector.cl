@@ -39,71 +39,82 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
     }
 }
 
-// The polyhedra numbers[0, LANES) into a brick's minima, as far as `lanes` says that they count. Returns which
-// sub-blocks any of them touches. The brick's rows are asked for meanwhile, from the turn-th two on.
-static inline SubblockMask evaluate_lanes(Layout layout, int3 first, __private const uint* numbers, uint lanes,
-                                          __private const float* caps, float slack,
-                                          __global const Polyhedron* polyhedra, __global Minimum* minimum,
-                                          BrickRows rows, __private uint* turn, __private ulong* counters) {
-    const float centre = 0.5f * (CLSDF_BRICK - 1);
-    const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, centre);
-    SubblockMask masks[LANES], lowered = 0;
-    const uint touching = lanes & touched_subblocks(&p, caps, slack, masks);
-    if (touching == 0) return 0;
+// Polyhedra that touch sub-blocks of a brick, until a vector is full.
+typedef struct Queue {
+    uint numbers[2 * LANES];
+    SubblockMask masks[2 * LANES];
+    uint count;
+} Queue;
+
+// The polyhedra numbers[0, LANES) as far as they touch any sub-block and `lanes` says that they count.
+INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __private const float* caps, float slack,
+                    __global const Polyhedron* polyhedra, __private Queue* queue) {
+    const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, 0.5f * (CLSDF_BRICK - 1));
+    const uintL masks = touched_subblocks(&p, caps, slack);
+    const uint touching = lanes & lanes_to_bits(masks != 0);
+    store_lanes(packed(load_lanes(0, numbers), touching), 0, queue->numbers + queue->count);
+    store_lanes(packed(masks, touching), 0, queue->masks + queue->count);
+    queue->count += popcount(touching);
+}
+
+// The first `count` of the queue, LANES at most, into a brick's minima. The brick's rows are asked for meanwhile, from
+// the turn-th two on.
+static inline void evaluate_queue(Layout layout, int3 first, __private Queue* queue,
+                                  __global const Polyhedron* polyhedra, __global Minimum* minimum,
+                                  __private const BrickRows* rows, __private uint* turn, __private ulong* counters) {
+    const uint count = min(queue->count, (uint)LANES);
+    const double centre = 0.5 * (CLSDF_BRICK - 1);
+    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];
 #ifndef LONG_BRICKS
     LaneOffsets offsets;
-    set_offsets(layout, polyhedra, numbers, &p, centre, &offsets);
+    set_offsets(layout, polyhedra, queue->numbers, first, centre, &offsets);
     Displacements displacements;
     set_displacements(&offsets, 0, displacements.x);
     set_displacements(&offsets, 1, displacements.y);
     set_displacements(&offsets, 2, displacements.z);
 #endif
-    for (uint rest = touching; rest; rest &= rest - 1) {
-        const uint lane = lowest_bit(rest);
-        __global const Polyhedron* polyhedron = polyhedra + numbers[lane];
+    for (uint n = 0; n < count; ++n) {
+        __global const Polyhedron* polyhedron = polyhedra + queue->numbers[n];
         if (*turn < ROW_TURNS) request_rows(rows, (*turn)++);
 #if defined(LONG_BRICKS) || defined(COUNT)
-        const double3 at = convert_double3(first) + (double)centre;
+        const double3 at = convert_double3(first) + centre;
 #endif
 #ifdef LONG_BRICKS
-        evaluate_long_brick(polyhedron, frame_at(polyhedron, at.x, at.y, at.z), masks[lane], minimum);
+        evaluate_long_brick(polyhedron, frame_at(polyhedron, at.x, at.y, at.z), queue->masks[n], minimum);
 #else
-        evaluate(polyhedron, &offsets, &displacements, lane, masks[lane], minimum);
+        evaluate(polyhedron, &offsets, &displacements, n, queue->masks[n], minimum);
 #endif
 #ifdef COUNT
-        count_covered(polyhedron, offsets_at(polyhedron, at.x, at.y, at.z), masks[lane], layout, counters);
+        count_covered(polyhedron, offsets_at(polyhedron, at.x, at.y, at.z), queue->masks[n], layout, counters);
 #endif
-        lowered |= masks[lane];
     }
-    return lowered;
+    queue->count -= count;
+    store_lanes(load_lanes(0, queue->numbers + LANES), 0, queue->numbers);
+    store_lanes(load_lanes(0, queue->masks + LANES), 0, queue->masks);
 }
 
 // Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
 // `nearest` is a polyhedron whose foot is near the brick. After the last of its lists it is written.
 static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
                                  bool is_first, bool is_last, __global const Polyhedron* nearest,
-                                 __global const Polyhedron* polyhedra, __global Minimum* minimum, BrickRows rows,
-                                 __private ulong* counters) {
+                                 __global const Polyhedron* polyhedra, __global Minimum* minimum,
+                                 __private const BrickRows* rows, __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
     subblock_caps(layout, first, nearest, cap, caps);
-    SubblockMask lowered = 0;
-    if (is_first)
-        clear_minimum(minimum);
-    else
-        lowered = ~lowered;
+    if (is_first) clear_minimum(minimum);
     const float slack = cap * layout.slack_rate + layout.brick_slack;
     uint turn = is_last ? 0 : ROW_TURNS;
+    Queue queue;
+    queue.count = 0;
     for (uint e = 0; e < count; e += LANES) {
-        if (e % CHUNK == 0)
-            for (; lowered; lowered &= lowered - 1) {
-                const uint b = lowest_bit(lowered);
-                caps[b] = cap_of_subblock(minimum, b, caps[b]);
-            }
+        if (e % CHUNK == 0 && !(is_first && e == 0))
+            for (uint b = 0; b < SUBBLOCKS; ++b) caps[b] = cap_of_subblock(minimum, b, caps[b]);
         uint numbers[LANES];
         load_numbers(list, e, count, numbers);
-        lowered |= evaluate_lanes(layout, first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, minimum,
-                                  rows, &turn, counters);
+        enqueue(first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, &queue);
+        const uint wanted = e + LANES < count ? LANES : 1;  // at the end all of them
+        while (queue.count >= wanted) evaluate_queue(layout, first, &queue, polyhedra, minimum, rows, &turn, counters);
     }
 #ifdef COUNT
     counters[CLSDF_COUNT_BRICK_PAIRS] += count;
@@ -225,9 +236,10 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
             next_chosen = choose_for_first(rest, length, entries + begin, scratch->masks, scratch->lists[(n + 1) % 2]);
             const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
             __global Minimum* minimum = minima + (is_short ? 0 : b);
+            BrickRows rows;
+            set_rows(layout, brick, output, &rows);
             evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps.cap[b], !(begun >> b & 1), is_short,
-                          polyhedra + caps.nearest[b], polyhedra, minimum, rows_of_brick(layout, brick, output),
-                          counters);
+                          polyhedra + caps.nearest[b], polyhedra, minimum, &rows, counters);
             begun |= 1ul << b;
             if (is_short)
                 write_brick(layout, brick, minimum, sign_bits, computed, output, counters);

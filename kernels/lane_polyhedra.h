@@ -11,21 +11,8 @@
 #define CLSDF_LANE_POLYHEDRA_H
 
 #include "frame.h"
+#include "record_numbers.h"
 #include "transpose.h"
-
-// Words of a polyhedron.
-#define WORD_GRADIENT_X 0
-#define WORD_GRADIENT_Y 3
-#define WORD_GRADIENT_Z 6
-#define WORD_CONSTANT 9
-#define WORD_BASE 12
-#define WORD_NORMAL_ALONG 14
-#define WORD_NORMAL_ACROSS 16
-#define WORD_SLOPE_ABOVE 18
-#define WORD_SLOPE_BELOW 21
-#define WORD_ORIGIN 27
-#define WORD_FLAGS 30
-#define WORDS 32
 
 // What bounds the polyhedra, at one point: Z and the distances outward of the base (-Y) and of the slanted edges. All
 // are affine in the sample: the same struct holds a step.
@@ -52,10 +39,9 @@ INLINE Bounds bounds_product(Bounds a, float factor) {
 typedef struct LanePolyhedra {
     Bounds at;                                  // the centre of a group of blocks
     Bounds step_x, step_y, step_z;              // of one sample
-    floatL gradient[9];                         // of X, Y, Z along x; along y; along z
+    floatL gradient_x, gradient_y, gradient_z;  // of X
     floatL along_right, along_left, across_right, across_left;
     floatL above[3], below[3], greater[3];  // slopes by edge
-    intL first_i, first_j, first_k;         // of sample `first`, from the integer origins
     bool all_compact;
 } LanePolyhedra;
 
@@ -85,8 +71,8 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
                                     float centre) {
     floatL words[WORDS];
     load_words(polyhedra, numbers, words);
-    const floatL along_right = words[WORD_NORMAL_ALONG], along_left = words[WORD_NORMAL_ALONG + 1];
-    const floatL across_right = words[WORD_NORMAL_ACROSS], across_left = words[WORD_NORMAL_ACROSS + 1];
+    const floatL along_right = words[NUMBER_NORMAL_ALONG], along_left = words[NUMBER_NORMAL_ALONG + 1];
+    const floatL across_right = words[NUMBER_NORMAL_ACROSS], across_left = words[NUMBER_NORMAL_ACROSS + 1];
     LanePolyhedra p;
 #define SET_STEP(step, gradient)                                   \
     {                                                              \
@@ -96,25 +82,23 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
         p.step.right = along_right * x + across_right * y;         \
         p.step.left = across_left * y - along_left * x;            \
     }
-    SET_STEP(step_x, WORD_GRADIENT_X)
-    SET_STEP(step_y, WORD_GRADIENT_Y)
-    SET_STEP(step_z, WORD_GRADIENT_Z)
+    SET_STEP(step_x, NUMBER_GRADIENT_X)
+    SET_STEP(step_y, NUMBER_GRADIENT_Y)
+    SET_STEP(step_z, NUMBER_GRADIENT_Z)
 #undef SET_STEP
 
-    p.first_i = first.x - as_intL(words[WORD_ORIGIN]);
-    p.first_j = first.y - as_intL(words[WORD_ORIGIN + 1]);
-    p.first_k = first.z - as_intL(words[WORD_ORIGIN + 2]);
-    const floatL i = convert_floatL(p.first_i) + centre, j = convert_floatL(p.first_j) + centre,
-                 k = convert_floatL(p.first_k) + centre;
-#define FRAME(n)                      \
-    (words[WORD_GRADIENT_X + n] * i + \
-     (words[WORD_GRADIENT_Y + n] * j + (words[WORD_GRADIENT_Z + n] * k + words[WORD_CONSTANT + n])))
+    const floatL i = convert_floatL(first.x - as_intL(words[WORD_ORIGIN])) + centre,
+                 j = convert_floatL(first.y - as_intL(words[WORD_ORIGIN + 1])) + centre,
+                 k = convert_floatL(first.z - as_intL(words[WORD_ORIGIN + 2])) + centre;
+#define FRAME(n)                        \
+    (words[NUMBER_GRADIENT_X + n] * i + \
+     (words[NUMBER_GRADIENT_Y + n] * j + (words[NUMBER_GRADIENT_Z + n] * k + words[NUMBER_CONSTANT + n])))
     const floatL x = FRAME(0), y = FRAME(1);
     p.at.z = FRAME(2);
 #undef FRAME
     p.at.base = -y;
-    p.at.right = along_right * (x - words[WORD_BASE]) + across_right * y;
-    p.at.left = along_left * (-x - words[WORD_BASE + 1]) + across_left * y;
+    p.at.right = along_right * (x - words[NUMBER_BASE]) + across_right * y;
+    p.at.left = along_left * (-x - words[NUMBER_BASE + 1]) + across_left * y;
     const intL flags = as_intL(words[WORD_FLAGS]);
     if (lanes_to_bits((flags & (int)CLSDF_POLYHEDRON_NEAR) == 0)) {  // where sums in float round too coarsely
         float values[4][LANES];
@@ -136,8 +120,9 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
         p.below[edge] = words[WORD_SLOPE_BELOW + edge];
         p.greater[edge] = GREATER(p.above[edge], p.below[edge]);
     }
-#pragma unroll
-    for (uint n = 0; n < 9; ++n) p.gradient[n] = words[WORD_GRADIENT_X + n];
+    p.gradient_x = words[NUMBER_GRADIENT_X];
+    p.gradient_y = words[NUMBER_GRADIENT_Y];
+    p.gradient_z = words[NUMBER_GRADIENT_Z];
     p.along_right = along_right;
     p.along_left = along_left;
     p.across_right = across_right;
@@ -158,7 +143,7 @@ INLINE LaneReach reach_of_lanes(const LanePolyhedra* p, float half_x, float half
     LaneReach reach;
 #define REACH(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))
 #define REACH_OF(bound) REACH(p->step_x.bound, p->step_y.bound, p->step_z.bound)
-    const floatL x = REACH(p->gradient[0], p->gradient[3], p->gradient[6]), y = REACH_OF(base);
+    const floatL x = REACH(p->gradient_x, p->gradient_y, p->gradient_z), y = REACH_OF(base);
     reach.z = REACH_OF(z) + slack;
     reach.base = y + slack;
     reach.right = REACH_OF(right) + slack;
@@ -221,8 +206,8 @@ INLINE intL touches(const LanePolyhedra* p, Bounds at, const floatL* slopes, con
 // touches() compares: a step from block to block is seven additions, and nothing else is left to do. Not for polyhedra
 // whose caps bound them at the sides.
 typedef struct OneSide {
-    floatL height, base, right, left;      // without reach
-    floatL right_end, left_end, apex;      // the corners
+    floatL height, base, right, left;  // without reach
+    floatL right_end, left_end, apex;  // the corners
 } OneSide;
 
 // At a point, or of a step, which has no reach: `reach` null. side: 1 above the face, -1 below it.

@@ -6,7 +6,8 @@
 #include "distance.h"
 #include "piece.h"
 
-// `beyond`, `r` and `past` are those of the half in which the site lies (squared_from_frame in distance.h).
+// Of the half in which the site lies: how far beyond the base's end, distance from the slanted edge's line, and how far
+// past its end at the apex.
 INLINE floatL squared_at_site(uint site, floatL y, floatL z, floatL beyond, floatL r, floatL past) {
     const floatL zz = z * z;
     if (site == CLSDF_SITE_FACE) return zz;

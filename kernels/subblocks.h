@@ -26,15 +26,6 @@ typedef uint SubblockMask;
 #define LANE_J (convert_floatL(LANE_NUMBERS / SUBBLOCK_X % 2) - 0.5f)
 #define LANE_K(v) (convert_floatL((LANE_NUMBERS + (v)*LANES) / (2 * SUBBLOCK_X)) - 0.5f)
 
-// The same in double, of the first half of a sub-block; the other half is its mirror image.
-#define FIRST_HALF_I (double8)(-1.5, -0.5, 0.5, 1.5, -1.5, -0.5, 0.5, 1.5)
-#define FIRST_HALF_J (double8)(-0.5, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, 0.5)
-#define FIRST_HALF_K (-0.5)
-// The centres of the first plane's sub-blocks from the brick's; the other plane is its mirror image.
-#define FIRST_PLANE_I (-0.5 * (CLSDF_BRICK - SUBBLOCK_X))
-#define FIRST_PLANE_J (double16)(-3.0, -1.0, 1.0, 3.0, -3.0, -1.0, 1.0, 3.0, -3.0, -1.0, 1.0, 3.0, -3.0, -1.0, 1.0, 3.0)
-#define FIRST_PLANE_K (double16)(-3.0, -3.0, -3.0, -3.0, -1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 3.0, 3.0, 3.0)
-
 // Where the sub-blocks' centres lie from the brick's: x of those of a plane; y and z of the v-th vector of a plane.
 static inline float subblock_i(uint plane) {
     return (float)(plane * SUBBLOCK_X) - 0.5f * (CLSDF_BRICK - SUBBLOCK_X);

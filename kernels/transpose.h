@@ -4,8 +4,8 @@
 
 #include "lanes.h"
 
-// Rows and columns of 4 x 4 numbers exchanged, in each half of four vectors by itself: halves need no exchange where each
-// is loaded from its own place.
+// Rows and columns of 4 x 4 numbers exchanged, in each half of four vectors by itself: halves need no exchange where
+// each is loaded from its own place.
 INLINE void transpose_halves(__private float8* rows) {
     const float8 a = rows[0], b = rows[1], c = rows[2], d = rows[3];
     const float8 ab_low = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);

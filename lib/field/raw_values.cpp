@@ -1,15 +1,13 @@
 #include "field/raw_values.hpp"
 
-#include "core/parallel.hpp"
+#include "core/parallel_read.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
 #include <fcntl.h>
-#include <unistd.h>
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -21,8 +19,7 @@ namespace {
 
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
 
-constexpr std::size_t chunk = std::size_t{1} << 16;    // values converted at a time
-constexpr std::size_t stretch = std::size_t{4} << 20;  // bytes read by one core
+constexpr std::size_t chunk = std::size_t{1} << 16;  // values converted at a time
 
 void swap_bytes(std::span<std::byte> bytes, std::size_t width) {
     for (std::size_t begin = 0; begin < bytes.size(); begin += width)
@@ -46,23 +43,10 @@ InputFile::InputFile(std::string path) : path_(std::move(path)) {
 }
 
 void InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) {
-    std::atomic<bool> is_read = true;
-    for_each_stretch(bytes.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
-        if (!read_all(offset + begin, bytes.subspan(begin, end - begin))) is_read = false;
-    });
-    if (!is_read)
+    const ReadResult result = read_in_parallel(*file_, offset, bytes);
+    if (result.error != 0) fail(std::generic_category().message(result.error));
+    if (result.bytes != bytes.size())
         fail(fmt::format("{} bytes from byte {} on cannot be read; the file has {}", bytes.size(), offset, size_));
-}
-
-bool InputFile::read_all(std::uint64_t offset, std::span<std::byte> bytes) const {
-    while (!bytes.empty()) {
-        const ssize_t count = ::pread(file_->number(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
-        if (count < 0 && errno == EINTR) continue;
-        if (count <= 0) return false;
-        offset += static_cast<std::uint64_t>(count);
-        bytes = bytes.subspan(static_cast<std::size_t>(count));
-    }
-    return true;
 }
 
 std::string InputFile::beginning(std::size_t limit) {

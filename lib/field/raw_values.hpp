@@ -30,8 +30,6 @@ public:
     [[noreturn]] void fail(const std::string& what) const;
 
 private:
-    bool read_all(std::uint64_t offset, std::span<std::byte> bytes) const;
-
     std::string path_;
     std::unique_ptr<Descriptor> file_;
     std::uint64_t size_ = 0;

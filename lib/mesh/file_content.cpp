@@ -1,7 +1,7 @@
 #include "mesh/file_content.hpp"
 
 #include "core/descriptor.hpp"
-#include "core/parallel.hpp"
+#include "core/parallel_read.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -9,9 +9,8 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
-#include <atomic>
 #include <cerrno>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -40,23 +39,12 @@ FileContent::FileContent(std::string path) : path_(std::move(path)) {
 
     // Read, not mapped: a mapped file that another process cuts short ends the program with a signal. On all cores,
     // into memory on huge pages: most of the time goes into fresh memory and into copying.
-    constexpr std::size_t stretch = std::size_t{4} << 20;
     bytes_.resize(static_cast<std::size_t>(status.st_size));
-    std::atomic<int> error = 0;
-    std::atomic<std::size_t> size = 0;
-    for_each_stretch(bytes_.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
-        while (begin < end) {
-            const ssize_t count = ::pread(file.number(), bytes_.data() + begin, end - begin, static_cast<off_t>(begin));
-            if (count < 0 && errno == EINTR) continue;
-            if (count < 0) error = errno;
-            if (count <= 0) return;
-            begin += static_cast<std::size_t>(count);
-            size += static_cast<std::size_t>(count);
-        }
-    });
-    if (error != 0) fail(path_, error);
-    if (size != bytes_.size())
-        fail(path_, fmt::format("it became shorter, {} instead of {} bytes", size.load(), bytes_.size()));
+    const ReadResult result =
+        read_in_parallel(file, 0, std::as_writable_bytes(std::span(bytes_.data(), bytes_.size())));
+    if (result.error != 0) fail(path_, result.error);
+    if (result.bytes != bytes_.size())
+        fail(path_, fmt::format("it became shorter, {} instead of {} bytes", result.bytes, bytes_.size()));
 }
 
 }  // namespace clsdf
