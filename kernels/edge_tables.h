@@ -55,30 +55,43 @@ INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
     return table;
 }
 
-// The number of each lane's region. Bits of `region` above the lowest two do not matter.
-INLINE floatL of_region(floatL table, uintL region) {
+// Of each four lanes' table the numbers at `places`, of which the lowest two bits matter.
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps512)
-    return __builtin_ia32_vpermilvarps512(table, as_int16(region));
+#define SHUFFLED(table, places) __builtin_ia32_vpermilvarps512(table, as_int16(places))
 #elif LANES == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps256)
-    return __builtin_ia32_vpermilvarps256(table, as_int8(region));
-#else
-    const intL left = (region & 2u) != 0, odd = (region & 1u) != 0;
-    const floatL of_right = odd ? (floatL)table.s1 : (floatL)table.s0;
-    const floatL of_left = odd ? (floatL)table.s3 : (floatL)table.s2;
-    return left ? of_left : of_right;
+#define SHUFFLED(table, places) __builtin_ia32_vpermilvarps256(table, as_int8(places))
 #endif
-}
 
-// Squared distance from the samples displaced by (dx, dy, dz) along X, Y, Z from the point (x, y, z) of the offsets, in
-// squared units. dz contains what z lacks.
+// As squared_distance_displaced in distance.h, from the point (x, y, z).
 INLINE floatL squared_distance_by_table(EdgeTable table, float x, float y, float z, floatL dx, floatL dy, floatL dz) {
+#ifdef SHUFFLED
     const floatL to_altitude = x + dx, to_base = y + dy;
     const uintL region = as_uintL(as_intL(to_altitude) >> 31) ^ (as_uintL(to_base) >> 31);
     const floatL away = as_floatL(as_uintL(dx) ^ (as_uintL(to_altitude) & 0x80000000u));
-    const floatL along = of_region(table.along, region), across = of_region(table.across, region);
+    const floatL along = SHUFFLED(table.along, region), across = SHUFFLED(table.across, region);
     const floatL dr = along * away + across * dy, dt = along * dy - across * away;
-    return squared_from_edge(of_region(table.outward, region) + dr, of_region(table.before, region) - dt,
-                             of_region(table.past, region) + dt, z + dz);
+    return squared_from_edge(SHUFFLED(table.outward, region) + dr, SHUFFLED(table.before, region) - dt,
+                             SHUFFLED(table.past, region) + dt, z + dz);
+#else
+    Steps s;
+    s.along_right = table.along.s0;
+    s.along_left = table.along.s3;
+    s.across_right = table.across.s0;
+    s.across_left = table.across.s3;
+    Offsets o;
+    o.x = x;
+    o.y = y;
+    o.z = z;
+    o.beyond_right = table.past.s1;
+    o.beyond_left = table.past.s2;
+    o.outward_right = table.outward.s0;
+    o.outward_left = table.outward.s3;
+    o.before_right = table.before.s0;
+    o.before_left = table.before.s3;
+    o.past_right = table.past.s0;
+    o.past_left = table.past.s3;
+    return squared_distance_displaced(s, o, dx, dy, dz);
+#endif
 }
 
 #endif

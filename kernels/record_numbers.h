@@ -1,4 +1,5 @@
-// Where the numbers of a polyhedron stand (polyhedron.h): in its words and, as far as the normals, in its exact numbers.
+// Where the numbers of a polyhedron stand (polyhedron.h): in its words and, as far as the normals, in its exact
+// numbers.
 #ifndef CLSDF_RECORD_NUMBERS_H
 #define CLSDF_RECORD_NUMBERS_H
 
