@@ -21,17 +21,13 @@ INLINE void set_displacements(__private const LaneOffsets* o, uint axis, __priva
     const floatL x = o->gradient[axis], y = o->gradient[3 + axis], z = o->gradient[6 + axis];
     const floatL x_low = o->gradient_low[axis], y_low = o->gradient_low[3 + axis], z_low = o->gradient_low[6 + axis];
     // The sub-blocks of the first plane; those of the other are their mirror images.
-    const float i = subblock_i(0);
 #pragma unroll
-    for (uint k = 0; k < 4; ++k)
-#pragma unroll
-        for (uint j = 0; j < 4; ++j) {
-            const float from_j = 2.0f * j - 3.0f, from_k = 2.0f * k - 3.0f;
-            const floatL displacement =
-                (i * x + from_j * y + from_k * z) + (i * x_low + from_j * y_low + from_k * z_low);
-            all[k * 4 + j] = displacement;
-            all[SUBBLOCKS - 1 - (k * 4 + j)] = -displacement;
-        }
+    for (uint b = 0; b < SUBBLOCK_PLANE; ++b) {
+        const float i = subblock_i(0), j = subblock_j(b), k = subblock_k(b);
+        const floatL displacement = (i * x + j * y + k * z) + (i * x_low + j * y_low + k * z_low);
+        all[b] = displacement;
+        all[SUBBLOCKS - 1 - b] = -displacement;
+    }
 }
 
 // Of the samples of a sub-block's vectors from its centre, along the axis-th axis of one polyhedron's frame.
@@ -53,11 +49,9 @@ INLINE void set_sample_displacements(__private const LaneOffsets* o, uint lane, 
     }
 }
 
-// Of polyhedron `p`, one of the lanes, into the minimum.
-static inline void evaluate(__global const Polyhedron* p, __private const LaneOffsets* o,
-                            __private const Displacements* displacements, uint lane, SubblockMask touched,
-                            __global Minimum* minimum) {
-    const uint triangle = p->triangle;
+// Of one lane's polyhedron, with its triangle, into the minimum.
+static inline void evaluate(__private const LaneOffsets* o, __private const Displacements* displacements, uint lane,
+                            SubblockMask touched, uint triangle, __global Minimum* minimum) {
     const EdgeTable table = table_at(&o->edges, lane);
     const float x = o->x[lane], y = o->y[lane], z = o->z[lane];
     floatL samples_x[SUBBLOCK_VECTORS], samples_y[SUBBLOCK_VECTORS], samples_z[SUBBLOCK_VECTORS];

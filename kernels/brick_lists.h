@@ -111,8 +111,8 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
     return any;
 }
 
-// Which sub-blocks each of the polyhedra touches, bit by bit. `at`: the first one's centre, without reach; x, y, z: the
-// steps to the next ones.
+// Each lane's SubblockMask. `at`: the first sub-block's centre, without reach; x, y, z: the steps to the next ones;
+// caps: in the order of the sub-blocks.
 INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, Bounds at, Bounds x, Bounds y, Bounds z,
                                      const floatL* slopes, const LaneReach* reach, __private const float* caps) {
     uintL bits = 0;
@@ -143,7 +143,7 @@ INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, 
     return bits;
 }
 
-// Which sub-blocks each of the polyhedra touches.
+// Which sub-blocks each of the polyhedra touches: a SubblockMask a lane.
 INLINE uintL touched_subblocks(const LanePolyhedra* p, __private const float* caps, float slack) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
     const LaneReach reach = reach_of_lanes(p, half_x, 0.5f, 0.5f, slack);

@@ -39,7 +39,9 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
     }
 }
 
-// Polyhedra that touch sub-blocks of a brick, until a vector is full.
+// Polyhedra that touch sub-blocks of a brick, until a vector is full: what evaluating them takes is prepared for LANES
+// at once. (Of a brick's list a third to two fifths touch none.) Fewer than LANES wait when enqueue() is called, which
+// stores a whole vector behind them.
 typedef struct Queue {
     uint numbers[2 * LANES];
     SubblockMask masks[2 * LANES];
@@ -57,15 +59,15 @@ INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __pri
     queue->count += popcount(touching);
 }
 
-// The first `count` of the queue, LANES at most, into a brick's minima. The brick's rows are asked for meanwhile, from
-// the turn-th two on.
+// Takes the first LANES polyhedra of the queue, or all where there are fewer, into a brick's minima. The brick's rows
+// are asked for meanwhile, from the turn-th two on.
 static inline void evaluate_queue(Layout layout, int3 first, __private Queue* queue,
                                   __global const Polyhedron* polyhedra, __global Minimum* minimum,
                                   __private const BrickRows* rows, __private uint* turn, __private ulong* counters) {
     const uint count = min(queue->count, (uint)LANES);
     const double centre = 0.5 * (CLSDF_BRICK - 1);
-    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];
 #ifndef LONG_BRICKS
+    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];  // lanes that nothing is made of
     LaneOffsets offsets;
     set_offsets(layout, polyhedra, queue->numbers, first, centre, &offsets);
     Displacements displacements;
@@ -82,7 +84,7 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
 #ifdef LONG_BRICKS
         evaluate_long_brick(polyhedron, frame_at(polyhedron, at.x, at.y, at.z), queue->masks[n], minimum);
 #else
-        evaluate(polyhedron, &offsets, &displacements, n, queue->masks[n], minimum);
+        evaluate(&offsets, &displacements, n, queue->masks[n], polyhedron->triangle, minimum);
 #endif
 #ifdef COUNT
         count_covered(polyhedron, offsets_at(polyhedron, at.x, at.y, at.z), queue->masks[n], layout, counters);

@@ -14,7 +14,8 @@
 #include "frame.h"
 #include "lanes.h"
 
-// The formula above, from r, `before` = -t and `past` = t minus the length: at most one of these two is positive.
+// The formula above, from r, `before` = -t and `past` = t minus the length, of which the greater counts. (Of the base,
+// which goes on, `before` may be anything that is not above `past`.)
 INLINE floatL squared_from_edge(floatL r, floatL before, floatL past, floatL z) {
     const floatL farther = GREATER(past, before);
     const floatL along = GREATER(farther, 0.0f), outward = GREATER(r, 0.0f);

@@ -19,6 +19,7 @@ typedef struct LaneOffsets {
 
 // The exact numbers of eight polyhedra, one a lane.
 INLINE void load_exact(__global const Polyhedron* polyhedra, __private const uint* numbers, __private double8* exact) {
+    // The last pair overlaps the one before it: it ends with the record.
 #pragma unroll
     for (uint pair = 0; pair < EXACT_NUMBERS; pair += 2) {
         const uint n = min(pair, (uint)EXACT_NUMBERS - 2);
@@ -59,25 +60,27 @@ INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private co
     const double8 above_apex = y - exact[EXACT_ALTITUDE];
     float8 normal_along[2], normal_across[2], beyond_base[2], outward[2], before[2], past[2];
 #pragma unroll
-    for (uint half_number = 0; half_number < 2; ++half_number) {
-        const double8 along = exact[NUMBER_NORMAL_ALONG + half_number],
-                      across = exact[NUMBER_NORMAL_ACROSS + half_number];
-        const double8 away = half_number == CLSDF_HALF_RIGHT ? x : -x;
-        const double8 beyond = away - exact[NUMBER_BASE + half_number];
-        normal_along[half_number] = convert_float8(along);
-        normal_across[half_number] = convert_float8(across);
-        beyond_base[half_number] = convert_float8(beyond);
-        outward[half_number] = convert_float8(along * beyond + across * y);
-        before[half_number] = convert_float8(across * beyond - along * y);
-        past[half_number] = convert_float8(along * above_apex - across * away);
+    for (uint side = 0; side < 2; ++side) {
+        const double8 along = exact[NUMBER_NORMAL_ALONG + side], across = exact[NUMBER_NORMAL_ACROSS + side];
+        const double8 away = side == CLSDF_HALF_RIGHT ? x : -x;
+        const double8 beyond = away - exact[NUMBER_BASE + side];
+        normal_along[side] = convert_float8(along);
+        normal_across[side] = convert_float8(across);
+        beyond_base[side] = convert_float8(beyond);
+        outward[side] = convert_float8(along * beyond + across * y);
+        before[side] = convert_float8(across * beyond - along * y);
+        past[side] = convert_float8(along * above_apex - across * away);
     }
     // The base's outward normal is (0, -1); beyond the altitude the base goes on.
-    const float8 none = 0.0f;
-    store_tables(normal_along[0], none, none, normal_along[1], group, o->edges.along);
-    store_tables(normal_across[0], none - 1.0f, none - 1.0f, normal_across[1], group, o->edges.across);
-    store_tables(outward[0], -rounded_y, -rounded_y, outward[1], group, o->edges.outward);
-    store_tables(before[0], none - INFINITY, none - INFINITY, before[1], group, o->edges.before);
-    store_tables(past[0], beyond_base[0], beyond_base[1], past[1], group, o->edges.past);
+    const float8 base_along = 0.0f, base_across = -1.0f, endless = -INFINITY;
+    store_tables(normal_along[CLSDF_HALF_RIGHT], base_along, base_along, normal_along[CLSDF_HALF_LEFT], group,
+                 o->edges.along);
+    store_tables(normal_across[CLSDF_HALF_RIGHT], base_across, base_across, normal_across[CLSDF_HALF_LEFT], group,
+                 o->edges.across);
+    store_tables(outward[CLSDF_HALF_RIGHT], -rounded_y, -rounded_y, outward[CLSDF_HALF_LEFT], group, o->edges.outward);
+    store_tables(before[CLSDF_HALF_RIGHT], endless, endless, before[CLSDF_HALF_LEFT], group, o->edges.before);
+    store_tables(past[CLSDF_HALF_RIGHT], beyond_base[CLSDF_HALF_RIGHT], beyond_base[CLSDF_HALF_LEFT],
+                 past[CLSDF_HALF_LEFT], group, o->edges.past);
 
 #pragma unroll
     for (uint n = 0; n < 9; ++n) {
@@ -92,7 +95,8 @@ INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private co
 // Of the polyhedra numbers[0, LANES) at the point `centre` samples along each axis from sample `first`.
 INLINE void set_offsets(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
                         double centre, __private LaneOffsets* o) {
-    // Added to a number and taken away again, this leaves 20 binary places of it, counted from the greatest spacing.
+    // Added to a number and taken away again, this leaves a multiple of 2^-20 of the power of two below the greatest
+    // spacing: of a gradient 2^21 of them at most, of a sub-block's displacement 2^24.
     const float spacing = GREATER(GREATER(layout.spacing[0], layout.spacing[1]), layout.spacing[2]);
     const float rounder = 12.0f * as_float(as_uint(spacing) & 0x7F800000u);
 #pragma unroll

@@ -1,7 +1,7 @@
 // LANES polyhedra of a list at once, one a lane: which of a group of blocks each of them touches.
 //
 // The records are read as vectors and transposed. The blocks of a group are passed one after the other; a polyhedron's
-// numbers then stay in registers, the step from block to block is one addition for each plane, and the answer is a mask
+// numbers then stay in registers, the step from block to block is one addition for each bound, and the answer is a mask
 // of lanes, which picks the block's list out of a vector of numbers. Taking one polyhedron and LANES blocks at once
 // instead broadcasts all numbers of the polyhedron for one or a few vectors of blocks: measured, over twice the work.
 //
@@ -203,14 +203,15 @@ INLINE intL touches(const LanePolyhedra* p, Bounds at, const floatL* slopes, con
 }
 
 // Where all blocks of a group lie on one side of all faces, the heights are affine too, and with them all that
-// touches() compares: a step from block to block is seven additions, and nothing else is left to do. Not for polyhedra
-// whose caps bound them at the sides.
+// touches() compares: a step from block to block is seven additions, and only the cap remains to be subtracted. Not for
+// polyhedra whose caps bound them at the sides.
 typedef struct OneSide {
     floatL height, base, right, left;  // without reach
     floatL right_end, left_end, apex;  // the corners
 } OneSide;
 
-// At a point, or of a step, which has no reach: `reach` null. side: 1 above the face, -1 below it.
+// At a point, `at` being without reach but for z, whose reach is taken off here; or of a step, which has no reach:
+// `reach` null. side: 1 above the face, -1 below it.
 INLINE OneSide one_side(const LanePolyhedra* p, Bounds at, floatL side, const floatL* slopes, const LaneReach* reach) {
     OneSide one;
     const floatL height = side * at.z, wide = reach ? height + reach->z : height;

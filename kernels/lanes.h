@@ -63,22 +63,16 @@ DEFINE_STORE(store_lanes, floatL, float, LANES, global)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, private)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, global)
 DEFINE_STORE(store_eight, uint8, uint, 8, global)
-DEFINE_STORE(store_sixteen, float16, float, 16, private)
 DEFINE_STORE(store_eight_floats, float8, float, 8, private)
-DEFINE_STORE(store_eight_doubles, double8, double, 8, private)
 #undef DEFINE_STORE
 #elif LANES == 16
 #define store_lanes vstore16
 #define store_eight vstore8
-#define store_sixteen vstore16
 #define store_eight_floats vstore8
-#define store_eight_doubles vstore8
 #else
 #define store_lanes vstore8
 #define store_eight vstore8
-#define store_sixteen vstore16
 #define store_eight_floats vstore8
-#define store_eight_doubles vstore8
 #endif
 
 // Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the

@@ -12,7 +12,8 @@
 // X, Y and Z are affine in the sample's index: with the integer offset (i, j, k) = sample - origin,
 //   (X, Y, Z) = i gradient_x + j gradient_y + k gradient_z + constant
 // where the gradients contain the axis' spacing in units. The numbers are there in double ("exact"), from which offsets
-// are formed, and rounded to float, for steps within a brick and for tests that have slack.
+// are formed, and rounded to float, for tests that have slack and, but in the scan by vectors, for steps within a
+// brick.
 //
 // The polyhedron, both sides of the face at once, with slack eta and height cap (docs/method.md, 'Rounding and slack'):
 //   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,
@@ -82,9 +83,15 @@ typedef struct Polyhedron {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(Polyhedron) == 280);
+static_assert(offsetof(Polyhedron, base) == 48);
+static_assert(offsetof(Polyhedron, normal_along) == 56);
 static_assert(offsetof(Polyhedron, slope_above) == 72);
+static_assert(offsetof(Polyhedron, origin_x) == 108);
 static_assert(offsetof(Polyhedron, flags) == 120);
 static_assert(offsetof(Polyhedron, exact_gradient_x) == 128);
+static_assert(offsetof(Polyhedron, exact_base) == 224);
+static_assert(offsetof(Polyhedron, exact_normal_along) == 240);
+static_assert(offsetof(Polyhedron, exact_altitude) == 272);
 }  // namespace clsdf
 #endif
 

@@ -6,8 +6,8 @@
 #include "distance.h"
 #include "piece.h"
 
-// Of the half in which the site lies: how far beyond the base's end, distance from the slanted edge's line, and how far
-// past its end at the apex.
+// Of the half in which the site lies: how far `beyond` the end of the base, the distance r outward from the slanted
+// edge's line, and how far `past` its end at the apex.
 INLINE floatL squared_at_site(uint site, floatL y, floatL z, floatL beyond, floatL r, floatL past) {
     const floatL zz = z * z;
     if (site == CLSDF_SITE_FACE) return zz;

@@ -3,8 +3,8 @@
 // stays.
 //
 // A group takes BATCH entries of the active list, and its work-items their rows, so that a large polygon is shared
-// among them. Offsets are those of the sample's brick: a sample and a triangle have the same distance, to the last bit,
-// as in the scan by bricks.
+// among them. Offsets are those of the sample's brick: a sample and a triangle have the same distance as in the scan by
+// bricks, within the accuracy; as in bricks_by_group.cl, to the last bit.
 //
 // Compile-time options: GROUP, BATCH; LANES, 8 or 1 (lanes.h): samples of a row at a time; NEAREST and KEY_64
 // (slices_key.h); LONG_BRICKS (distance.h); COUNT counts work.
@@ -12,7 +12,7 @@
 #include "site_distance.h"
 #include "slices_key.h"
 
-// Beside the distances, which are to be those of the bricks.
+// Of all but the distances.
 #pragma OPENCL FP_CONTRACT OFF
 
 // A convex polygon gets one corner more with each half-plane; a few are left for those that rounding makes.

@@ -26,9 +26,16 @@ typedef uint SubblockMask;
 #define LANE_J (convert_floatL(LANE_NUMBERS / SUBBLOCK_X % 2) - 0.5f)
 #define LANE_K(v) (convert_floatL((LANE_NUMBERS + (v)*LANES) / (2 * SUBBLOCK_X)) - 0.5f)
 
-// Where the sub-blocks' centres lie from the brick's: x of those of a plane; y and z of the v-th vector of a plane.
+// Where the sub-blocks' centres lie from the brick's: x of those of a plane; y and z of sub-block b, and of the v-th
+// vector of a plane.
 static inline float subblock_i(uint plane) {
     return (float)(plane * SUBBLOCK_X) - 0.5f * (CLSDF_BRICK - SUBBLOCK_X);
+}
+static inline float subblock_j(uint b) {
+    return (float)(b % 4 * 2) - 0.5f * (CLSDF_BRICK - 2);
+}
+static inline float subblock_k(uint b) {
+    return (float)(b % SUBBLOCK_PLANE / 4 * 2) - 0.5f * (CLSDF_BRICK - 2);
 }
 static inline floatL subblocks_j(uint v) {
     return convert_floatL((LANE_NUMBERS + v * LANES) % 4 * 2) - 0.5f * (CLSDF_BRICK - 2);
@@ -42,10 +49,10 @@ static inline floatL samples_i(uint b) {
     return LANE_I + subblock_i(b / SUBBLOCK_PLANE);
 }
 static inline floatL samples_j(uint b) {
-    return LANE_J + ((float)(b % 4 * 2) - 0.5f * (CLSDF_BRICK - 2));
+    return LANE_J + subblock_j(b);
 }
 static inline floatL samples_k(uint b, uint v) {
-    return LANE_K(v) + ((float)(b % SUBBLOCK_PLANE / 4 * 2) - 0.5f * (CLSDF_BRICK - 2));
+    return LANE_K(v) + subblock_k(b);
 }
 
 #endif

@@ -1,4 +1,4 @@
-// Records into lanes: number n of eight or sixteen records becomes lane by lane one vector.
+// Records into lanes: 4 x 4 numbers in each half of a vector, or 16 x 16.
 #ifndef CLSDF_TRANSPOSE_H
 #define CLSDF_TRANSPOSE_H
 

@@ -7,7 +7,7 @@
 using namespace clsdf;
 using namespace clsdf::test;
 
-// They evaluate a triangle at a sample alike, and differ in which triangles they look at.
+// They look at other triangles, and round the same triangle's distance a little otherwise.
 BOOST_AUTO_TEST_CASE(bricks_and_slices_agree_within_the_accuracy) {
     std::size_t equal = 0, samples = 0;
     for (const char* name : {"sphere3", "knot", "stairs", "nested"}) {
