@@ -50,8 +50,8 @@ INLINE uintL packed(uintL values, uint bits) {
 #endif
 
 // Brick b of a coarse brick.
-INLINE int3 brick_in_coarse(uint b) {
-    return (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
+INLINE int3 brick_of_coarse(int3 coarse, uint b) {
+    return coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
 }
 
 // The numbers list[e, e + LANES); beyond the list's end, its last.

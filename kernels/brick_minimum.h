@@ -51,6 +51,13 @@ static inline float cap_of_brick(__global const Minimum* minimum, float cap) {
     return LESSER(reached, cap);
 }
 
+// Whether any of a brick's samples has a distance.
+static inline bool has_distances(__global const Minimum* minimum) {
+    floatL least = minimum->squared[0];
+    for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) least = LESSER(least, minimum->squared[n]);
+    return -greatest_lane(-least) < INFINITY;
+}
+
 // What is written.
 typedef struct Output {
     __global float* distance;

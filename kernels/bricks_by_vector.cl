@@ -1,7 +1,9 @@
 // The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
-// * coarse brick: an upper bound of the distance for each of its bricks (cap); masks of the polyhedra that touch each;
+// * coarse brick: the distances of slender polyhedra (slender_polyhedra.h), which no finer level sees; of the others,
+// an
+//   upper bound of the distance for each brick (cap) and masks of the polyhedra that touch each;
 // * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they touch;
 // * sub-block: the distance to the triangle of each polyhedron that touches it, into the minimum.
 //
@@ -15,6 +17,7 @@
 #include "brick_lists.h"
 #include "lane_offsets.h"
 #include "request.h"
+#include "slender_scan.h"
 
 // After how many polyhedra of a brick's list the bounds of its distances are taken anew.
 #define CHUNK 64
@@ -98,19 +101,18 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
 // Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
 // `nearest` is a polyhedron whose foot is near the brick. After the last of its lists it is written.
 static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
-                                 bool is_first, bool is_last, __global const Polyhedron* nearest,
-                                 __global const Polyhedron* polyhedra, __global Minimum* minimum,
-                                 __private const BrickRows* rows, __private ulong* counters) {
+                                 bool is_last, __global const Polyhedron* nearest, __global const Polyhedron* polyhedra,
+                                 __global Minimum* minimum, __private const BrickRows* rows,
+                                 __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
     subblock_caps(layout, first, nearest, cap, caps);
-    if (is_first) clear_minimum(minimum);
     const float slack = cap * layout.slack_rate + layout.brick_slack;
     uint turn = is_last ? 0 : ROW_TURNS;
     Queue queue;
     queue.count = 0;
     for (uint e = 0; e < count; e += LANES) {
-        if (e % CHUNK == 0 && !(is_first && e == 0))
+        if (e % CHUNK == 0)
             for (uint b = 0; b < SUBBLOCKS; ++b) caps[b] = cap_of_subblock(minimum, b, caps[b]);
         uint numbers[LANES];
         load_numbers(list, e, count, numbers);
@@ -175,6 +177,7 @@ static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __glo
 typedef struct Scratch {
     LaneMask
         masks[64 * CLSDF_LIST_PART / LANES];  // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
+    uint others[CLSDF_LIST_PART + LANES];     // that are not slender
     uint lists[2][CLSDF_LIST_PART + LANES];   // of a brick and the next
 } Scratch;
 
@@ -186,7 +189,7 @@ static inline ulong bricks_of_part(Layout layout, int3 coarse) {
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     ulong in_part = 0;
     for (uint b = 0; b < 64; ++b) {
-        const int3 relative = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b) - brick_first;
+        const int3 relative = brick_of_coarse(coarse, b) - brick_first;
         in_part |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
     }
     return in_part;
@@ -214,6 +217,42 @@ static inline uint choose_for_first(ulong bricks, uint count, __global const uin
     return choose(count, entries, masks + lowest_bit_of_long(bricks) * (CLSDF_LIST_PART / LANES), chosen);
 }
 
+// Polyhedra of a coarse brick's list into the minima of its bricks `in_part`. Where they are the last, the bricks that
+// any of them touches are written; returns which these are.
+static inline ulong evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
+                                    bool is_last, float slack, __private BrickCaps* caps,
+                                    __global const Polyhedron* polyhedra, __global const uint* sign_bits,
+                                    __global uchar* computed, __global Scratch* scratch, __global Minimum* minima,
+                                    Output output, __private ulong* counters) {
+    for (uint b = 0; b < 64; ++b) caps->cap[b] = cap_of_brick(minima + b, caps->cap[b]);
+    const ulong touched =
+        in_part & list_bricks(layout, coarse, count, entries, caps->cap, slack, polyhedra, scratch->masks);
+    ulong rest = touched;
+    // Each brick's list is made before the brick before it is computed. Read right after it is written, it would have
+    // to wait until all stores before it, that brick's rows, have reached the caches.
+    uint next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[0]);
+    for (uint n = 0; rest; ++n) {
+        const uint b = lowest_bit_of_long(rest), chosen = next_chosen;
+        rest &= rest - 1;
+        next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[(n + 1) % 2]);
+        const int3 brick = brick_of_coarse(coarse, b);
+        BrickRows rows;
+        set_rows(layout, brick, output, &rows);
+        evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps->cap[b], is_last, polyhedra + caps->nearest[b],
+                      polyhedra, minima + b, &rows, counters);
+        if (is_last) write_brick(layout, brick, minima + b, sign_bits, computed, output, counters);
+    }
+    return is_last ? touched : 0;
+}
+
+// Asks for the rows of brick b of a coarse brick.
+static inline void request_brick(Layout layout, int3 coarse, uint b, Output output) {
+    BrickRows rows;
+    set_rows(layout, brick_of_coarse(coarse, b), output, &rows);
+    for (uint turn = 0; turn < ROW_TURNS; ++turn) request_rows(&rows, turn);
+}
+
+// The minima are clear before and after.
 static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                         float coarse_cap, __global const Polyhedron* polyhedra,
                                         __global const uint* sign_bits, __global uchar* computed,
@@ -222,38 +261,32 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     const ulong in_part = bricks_of_part(layout, coarse);
     const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
     BrickCaps caps;
-    find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
-    const bool is_short = count <= CLSDF_LIST_PART;
-    ulong begun = 0;
+    bool has_caps = false;
+    ulong written = 0;
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
-        const uint length = min(count - begin, (uint)CLSDF_LIST_PART);
-        ulong rest =
-            in_part & list_bricks(layout, coarse, length, entries + begin, caps.cap, slack, polyhedra, scratch->masks);
-        // Each brick's list is made before the brick before it is computed. Read right after it is written, it would
-        // have to wait until all stores before it, that brick's rows, have reached the caches.
-        uint next_chosen = choose_for_first(rest, length, entries + begin, scratch->masks, scratch->lists[0]);
-        for (uint n = 0; rest; ++n) {
-            const uint b = lowest_bit_of_long(rest), chosen = next_chosen;
-            rest &= rest - 1;
-            next_chosen = choose_for_first(rest, length, entries + begin, scratch->masks, scratch->lists[(n + 1) % 2]);
-            const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b);
-            __global Minimum* minimum = minima + (is_short ? 0 : b);
-            BrickRows rows;
-            set_rows(layout, brick, output, &rows);
-            evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps.cap[b], !(begun >> b & 1), is_short,
-                          polyhedra + caps.nearest[b], polyhedra, minimum, &rows, counters);
-            begun |= 1ul << b;
-            if (is_short)
-                write_brick(layout, brick, minimum, sign_bits, computed, output, counters);
-            else
-                caps.cap[b] = cap_of_brick(minimum, caps.cap[b]);
-        }
+        __global const uint* some = entries + begin;
+        uint length = min(count - begin, (uint)CLSDF_LIST_PART);
+        const bool is_last = begin + length == count;
+#ifndef LONG_BRICKS
+        length = scan_slender_polyhedra(layout, coarse, length, some, coarse_cap, slack, polyhedra, minima,
+                                        scratch->others, counters);
+        some = scratch->others;
+#endif
+        if (length == 0) continue;
+        if (!has_caps) find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
+        has_caps = true;
+        written = evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, sign_bits,
+                                  computed, scratch, minima, output, counters);
     }
-    for (ulong rest = is_short ? 0 : begun; rest; rest &= rest - 1) {
+    ulong used = 0;
+    for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
+    for (ulong rest = used & in_part & ~written; rest; rest &= rest - 1) {
+        const ulong later = rest & (rest - 1);
+        if (later) request_brick(layout, coarse, lowest_bit_of_long(later), output);
         const uint b = lowest_bit_of_long(rest);
-        write_brick(layout, coarse * CLSDF_BRICKS_PER_COARSE + brick_in_coarse(b), minima + b, sign_bits, computed,
-                    output, counters);
+        write_brick(layout, brick_of_coarse(coarse, b), minima + b, sign_bits, computed, output, counters);
     }
+    for (; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
 // Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's
@@ -262,7 +295,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
                                __global const uint* starts, uint parts, __global const uint* entries,
                                __global const float* coarse_caps, __global const Polyhedron* polyhedra,
                                __global const uint* sign_bits, __global uchar* computed, __global Scratch* all_scratch,
-                               __global Minimum* all_minima, uint minima_per_item, __global float* distance
+                               __global Minimum* all_minima, __global float* distance
 #ifdef NEAREST
                                ,
                                __global uint* triangle
@@ -274,7 +307,8 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
 ) {
     const size_t item = get_global_id(0);
     __global Scratch* scratch = all_scratch + item;
-    __global Minimum* minima = all_minima + item * minima_per_item;  // 64 where a list is long, else 1
+    __global Minimum* minima = all_minima + item * 64;
+    for (uint b = 0; b < 64; ++b) clear_minimum(minima + b);
     ulong counters[CLSDF_COUNTERS] = {0};
     Output output;
     output.distance = distance;

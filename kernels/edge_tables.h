@@ -62,36 +62,32 @@ INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
 #define SHUFFLED(table, places) __builtin_ia32_vpermilvarps256(table, as_int8(places))
 #endif
 
-// As squared_distance_displaced in distance.h, from the point (x, y, z).
-INLINE floatL squared_distance_by_table(EdgeTable table, float x, float y, float z, floatL dx, floatL dy, floatL dz) {
+// Of samples at (x, y) along X and Y, displaced by (dx, dy) from the point of the table's offsets, and at z along Z.
+INLINE floatL squared_distance_in_region(EdgeTable table, floatL x, floatL y, floatL dx, floatL dy, floatL z) {
 #ifdef SHUFFLED
-    const floatL to_altitude = x + dx, to_base = y + dy;
-    const uintL region = as_uintL(as_intL(to_altitude) >> 31) ^ (as_uintL(to_base) >> 31);
-    const floatL away = as_floatL(as_uintL(dx) ^ (as_uintL(to_altitude) & 0x80000000u));
+    const uintL region = as_uintL(as_intL(x) >> 31) ^ (as_uintL(y) >> 31);
+    const floatL away = as_floatL(as_uintL(dx) ^ (as_uintL(x) & 0x80000000u));
     const floatL along = SHUFFLED(table.along, region), across = SHUFFLED(table.across, region);
     const floatL dr = along * away + across * dy, dt = along * dy - across * away;
     return squared_from_edge(SHUFFLED(table.outward, region) + dr, SHUFFLED(table.before, region) - dt,
-                             SHUFFLED(table.past, region) + dt, z + dz);
+                             SHUFFLED(table.past, region) + dt, z);
 #else
-    Steps s;
-    s.along_right = table.along.s0;
-    s.along_left = table.along.s3;
-    s.across_right = table.across.s0;
-    s.across_left = table.across.s3;
-    Offsets o;
-    o.x = x;
-    o.y = y;
-    o.z = z;
-    o.beyond_right = table.past.s1;
-    o.beyond_left = table.past.s2;
-    o.outward_right = table.outward.s0;
-    o.outward_left = table.outward.s3;
-    o.before_right = table.before.s0;
-    o.before_left = table.before.s3;
-    o.past_right = table.past.s0;
-    o.past_left = table.past.s3;
-    return squared_distance_displaced(s, o, dx, dy, dz);
+    const intL left = x < 0.0f, below = y < 0.0f;
+    const floatL away = left ? -dx : dx;
+#define OF_SLANTED_EDGE(numbers) (left ? (floatL)(numbers).s3 : (floatL)(numbers).s0)
+    const floatL along = OF_SLANTED_EDGE(table.along), across = OF_SLANTED_EDGE(table.across);
+    const floatL dr = along * away + across * dy, dt = along * dy - across * away;
+    const floatL beyond = (left ? (floatL)table.past.s2 : (floatL)table.past.s1) + away;
+    return squared_from_edge(below ? -y : OF_SLANTED_EDGE(table.outward) + dr,
+                             below ? beyond : OF_SLANTED_EDGE(table.before) - dt,
+                             below ? beyond : OF_SLANTED_EDGE(table.past) + dt, z);
+#undef OF_SLANTED_EDGE
 #endif
+}
+
+// From the point (x, y, z), that of the table's offsets.
+INLINE floatL squared_distance_by_table(EdgeTable table, float x, float y, float z, floatL dx, floatL dy, floatL dz) {
+    return squared_distance_in_region(table, x + dx, y + dy, dx, dy, z + dz);
 }
 
 #endif

@@ -83,6 +83,16 @@ INLINE Place place_at(__global const Polyhedron* p, int x, int y, int z, float c
     return place;
 }
 
+INLINE float longest_spacing(Layout layout) {
+    const float two = GREATER(layout.spacing[0], layout.spacing[1]);
+    return GREATER(two, layout.spacing[2]);
+}
+
+// The greatest power of two not above a positive number.
+INLINE float power_of_two_below(float number) {
+    return as_float(as_uint(number) & 0x7F800000u);
+}
+
 // From the foot of the polyhedron's altitude, a point of the surface, to the point `centre` samples along each axis
 // from sample (x, y, z): along the lattice's axes, in units.
 INLINE float3 from_foot_to(Layout layout, __global const Polyhedron* p, int x, int y, int z, float centre) {

@@ -46,11 +46,7 @@ INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private co
                   k = convert_double8(first.z - as_int8(origin[2])) + centre;
     double8 exact[EXACT_NUMBERS];
     load_exact(polyhedra, numbers, exact);
-#define FRAME(n)                        \
-    (exact[NUMBER_GRADIENT_X + n] * i + \
-     (exact[NUMBER_GRADIENT_Y + n] * j + (exact[NUMBER_GRADIENT_Z + n] * k + exact[NUMBER_CONSTANT + n])))
-    const double8 x = FRAME(0), y = FRAME(1), z = FRAME(2);
-#undef FRAME
+    const double8 x = FRAME_AT(exact, 0, i, j, k), y = FRAME_AT(exact, 1, i, j, k), z = FRAME_AT(exact, 2, i, j, k);
     const float8 rounded_y = convert_float8(y), rounded_z = convert_float8(z);
     store_eight_floats(convert_float8(x), group, o->x);
     store_eight_floats(rounded_y, group, o->y);
@@ -97,8 +93,7 @@ INLINE void set_offsets(Layout layout, __global const Polyhedron* polyhedra, __p
                         double centre, __private LaneOffsets* o) {
     // Added to a number and taken away again, this leaves a multiple of 2^-20 of the power of two below the greatest
     // spacing: of a gradient 2^21 of them at most, of a sub-block's displacement 2^24.
-    const float spacing = GREATER(GREATER(layout.spacing[0], layout.spacing[1]), layout.spacing[2]);
-    const float rounder = 12.0f * as_float(as_uint(spacing) & 0x7F800000u);
+    const float rounder = 12.0f * power_of_two_below(longest_spacing(layout));
 #pragma unroll
     for (uint group = 0; group < LANES / 8; ++group)
         set_eight_offsets(polyhedra, numbers + 8 * group, first, centre, rounder, group, o);

@@ -90,12 +90,8 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     const floatL i = convert_floatL(first.x - as_intL(words[WORD_ORIGIN])) + centre,
                  j = convert_floatL(first.y - as_intL(words[WORD_ORIGIN + 1])) + centre,
                  k = convert_floatL(first.z - as_intL(words[WORD_ORIGIN + 2])) + centre;
-#define FRAME(n)                        \
-    (words[NUMBER_GRADIENT_X + n] * i + \
-     (words[NUMBER_GRADIENT_Y + n] * j + (words[NUMBER_GRADIENT_Z + n] * k + words[NUMBER_CONSTANT + n])))
-    const floatL x = FRAME(0), y = FRAME(1);
-    p.at.z = FRAME(2);
-#undef FRAME
+    const floatL x = FRAME_AT(words, 0, i, j, k), y = FRAME_AT(words, 1, i, j, k);
+    p.at.z = FRAME_AT(words, 2, i, j, k);
     p.at.base = -y;
     p.at.right = along_right * (x - words[NUMBER_BASE]) + across_right * y;
     p.at.left = along_left * (-x - words[NUMBER_BASE + 1]) + across_left * y;

@@ -17,6 +17,7 @@ typedef uint16 uintL;
 #define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define load_lanes vload16
 #define convert_floatL convert_float16
+#define convert_intL convert_int16
 #define convert_doubleL convert_double16
 #define as_uintL as_uint16
 #define as_intL as_int16
@@ -31,6 +32,7 @@ typedef uint8 uintL;
 #define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define load_lanes vload8
 #define convert_floatL convert_float8
+#define convert_intL convert_int8
 #define convert_doubleL convert_double8
 #define as_uintL as_uint8
 #define as_intL as_int8

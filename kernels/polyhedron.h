@@ -51,6 +51,8 @@ using clsdf_uint32 = std::uint32_t;
 // their rounding, at most 2^-24 (10 R + 15 L) for side lengths L and blocks at distances R, is below half of it.
 #define CLSDF_POLYHEDRON_NEAR 2u
 #define CLSDF_NEAR_LENGTH 500
+// At one of its edges three faces or more meet: another face may lie upon it.
+#define CLSDF_POLYHEDRON_NON_MANIFOLD 4u
 
 typedef struct Polyhedron {
     // What tests read, 32 words, so that several polyhedra can be transposed into lanes (lane_polyhedra.h).

@@ -51,6 +51,10 @@ MarkedVertices marked_vertices(std::span<const std::uint8_t> marks) {
     return all;
 }
 
+bool has_non_manifold_edge(const FaceEdges& edges) {
+    return ((edges.marks[0] | edges.marks[1] | edges.marks[2]) & edge_non_manifold) != 0;
+}
+
 }  // namespace
 
 LeanedFrusta leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double half_width, double slack,
@@ -93,6 +97,7 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
             if (frame.is_box) ++boxes;
             // Constructed in its place rather than copied there.
             new (&records[face]) Polyhedron(pack(frame, stretch.slopes(face), order[face], lattice));
+            if (has_non_manifold_edge(edges.faces[face])) records[face].flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
         }
         screens.local().look_at(stretch);
     });

@@ -25,17 +25,16 @@ public:
                    const BrickInputs& inputs, const BrickVariant& variant)
         : BrickKernel(context, pool, inputs.lists, pairs_per_core_and_launch * context.capabilities().compute_units,
                       variant.count ? context.capabilities().compute_units : 0),
-          work_items_(context.capabilities().compute_units),
+          work_items_(std::clamp<std::size_t>(
+              context.capabilities().largest_allocation / (bricks_per_coarse * minimum_bytes(variant)), 1,
+              context.capabilities().compute_units)),
           with_triangle_(variant.triangle),
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
-        const bool has_long_list = std::any_of(lists.lengths.begin(), lists.lengths.end(),
-                                               [](std::size_t length) { return length > CLSDF_LIST_PART; });
-        const std::size_t minima_per_item = has_long_list ? bricks_per_coarse : 1;
         scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");
-        minima_ = pool->lease(work_items_ * minima_per_item * minimum_bytes(variant), "minima of the bricks");
+        minima_ = pool->lease(work_items_ * bricks_per_coarse * minimum_bytes(variant), "minima of the bricks");
         std::vector<cl_uint> first_turns;
         for (const Launch& launch : launches_) first_turns.push_back(launch.begin);
         if (!first_turns.empty())
@@ -54,7 +53,6 @@ public:
         kernel_.setArg(arg_computed, inputs.computed);
         kernel_.setArg(arg_scratch, *scratch_);
         kernel_.setArg(arg_minima, *minima_);
-        kernel_.setArg(arg_minima_per_item, static_cast<cl_uint>(minima_per_item));
         if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
         warm_up(context.queue(), inputs.computed);
     }
@@ -97,7 +95,6 @@ private:
         arg_computed,
         arg_scratch,
         arg_minima,
-        arg_minima_per_item,
         arg_distance,
         arg_optional  // the triangles, then the counters, where asked for
     };

@@ -5,7 +5,8 @@ function(clsdf_transform_test name)
 endfunction()
 
 foreach(name counterexamples shapes bands grids accuracy topology ties extremes determinism plans calls
-             bodies slabs streams launches hostile_callers coarse_lists)
+             bodies slabs streams launches hostile_callers coarse_lists
+             slender_polyhedra)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
 

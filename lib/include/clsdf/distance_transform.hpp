@@ -59,7 +59,7 @@ struct TransformStatistics {
     std::size_t host_bytes = 0;
 
     // Counted on the device with TransformOptions::count.
-    std::size_t brick_pairs = 0;          ///< (polyhedron, brick)
+    std::size_t brick_pairs = 0;          ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
     std::size_t slice_intersections = 0;  ///< intersections of a piece and a slice that were visited
     std::size_t empty_intersections = 0;  ///< of these, empty ones: none
     std::size_t lanes_evaluated = 0;      ///< distances computed, of a triangle or a site

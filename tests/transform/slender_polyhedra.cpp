@@ -1,0 +1,214 @@
+#include "device/context.hpp"
+#include "device/kernel_text.hpp"
+#include "polyhedra/pack.hpp"
+#include "support/random_meshes.hpp"
+#include "transform/layout_of.hpp"
+
+#include <clsdf/device.hpp>
+
+#include <fmt/format.h>
+#include <boost/test/unit_test.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+// The scan of slender polyhedra alone, with polyhedra that no mesh need have: whether every sample within one of them
+// gets the distance to its triangle, and whether none far outside of all gets any.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+constexpr const char* scan_alone = R"(
+__kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __global const uint* entries, float cap,
+                         __global const Polyhedron* polyhedra, __global Minimum* minima, __global uint* others,
+                         __global uint* other_count, __global float* squared) {
+    for (uint b = 0; b < 64; ++b) clear_minimum(minima + b);
+    const float slack = cap * layout.slack_rate + layout.brick_slack;
+    *other_count =
+        scan_slender_polyhedra(layout, (int3)(x, y, z), count, entries, cap, slack, polyhedra, minima, others, 0);
+    for (uint b = 0; b < 64; ++b) {
+        const int3 brick = brick_of_coarse((int3)(0, 0, 0), b) * CLSDF_BRICK;
+        for (uint row = 0; row < 64; ++row) {
+            const size_t at = ((size_t)(brick.z + row / 8) * 32 + brick.y + row % 8) * 32 + brick.x;
+            vstore8(as_float8(row_of((__global const uint*)minima[b].squared, row % 8, row / 8)), 0, squared + at);
+        }
+    }
+}
+)";
+
+/// What a sample's place in a polyhedron's frame says, in double.
+struct Place {
+    double squared_distance;
+    double outside;  ///< how far it must be widened, at least, to hold the sample; 0 within
+};
+
+Place place_in(const Polyhedron& p, double i, double j, double k, double cap) {
+    const auto coordinate = [&](int n) {
+        return p.exact_gradient_x[n] * (i - p.origin_x) + p.exact_gradient_y[n] * (j - p.origin_y) +
+               p.exact_gradient_z[n] * (k - p.origin_z) + p.exact_constant_at_origin[n];
+    };
+    const double x = coordinate(0), y = coordinate(1), z = coordinate(2);
+    const std::size_t half = x < 0 ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT;
+    const double away = std::abs(x);
+    const auto outward = [&](std::size_t side, double from_altitude) {
+        return p.exact_normal_along[side] * (from_altitude - p.exact_base[side]) + p.exact_normal_across[side] * y;
+    };
+    const double along = p.exact_normal_along[half], across = p.exact_normal_across[half];
+    const double beyond = away - p.exact_base[half];
+    const double r = y < 0 ? -y : outward(half, away);
+    const double t = y < 0 ? beyond
+                           : std::max(across * beyond - along * y, along * (y - p.exact_altitude) - across * away);
+    const float* slopes = z < 0 ? p.slope_below : p.slope_above;
+    const double height = std::abs(z);
+    const double past = std::max({-y - static_cast<double>(slopes[CLSDF_EDGE_BASE]) * height,
+                                  outward(CLSDF_HALF_RIGHT, x) - static_cast<double>(slopes[CLSDF_EDGE_RIGHT]) * height,
+                                  outward(CLSDF_HALF_LEFT, -x) - static_cast<double>(slopes[CLSDF_EDGE_LEFT]) * height,
+                                  height - cap, 0.0});
+    return {std::pow(std::max(r, 0.0), 2) + std::pow(std::max(t, 0.0), 2) + z * z, past};
+}
+
+/// Triangles of `size` units near the coarse brick, of which those of a band of `cap` units may reach it.
+std::vector<Polyhedron> random_polyhedra(Random& random, const polyhedra::LatticeView& lattice, const Vec3& first,
+                                         double size, double cap, std::size_t count) {
+    std::vector<Polyhedron> result;
+    while (result.size() < count) {
+        Vec3 centre = first;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            centre[axis] += lattice.spacing_in_units[axis] * random.uniform(-0.6, 1.6) * CLSDF_COARSE;
+        std::array<Vec3, 3> corners;
+        for (Vec3& corner : corners) corner = along(centre, size * random.uniform(0.3, 1), random.direction());
+        const polyhedra::TriangleFrame frame = polyhedra::triangle_frame(corners, lattice);
+        polyhedra::FaceSlopes slopes{};
+        const double steepest = std::min(1.0, size / cap);
+        for (std::size_t edge = 0; edge < 3; ++edge) {
+            slopes.above[edge] = static_cast<float>(random.uniform(0, steepest));
+            slopes.below[edge] = static_cast<float>(random.uniform(0, steepest));
+        }
+        result.push_back(polyhedra::pack(frame, slopes, static_cast<std::uint32_t>(result.size()), lattice));
+    }
+    return result;
+}
+
+struct Scanned {
+    std::vector<float> squared;      ///< of the coarse brick's samples, x running fastest
+    std::vector<cl_uint> others;     ///< the polyhedra that are not slender
+};
+
+Scanned scan(const device::Context& context, unsigned lanes, const char* options, const Layout& layout, const Index3& coarse,
+             const std::vector<Polyhedron>& polyhedra, float cap) {
+    Scanned result;
+    result.squared.resize(std::size_t{CLSDF_COARSE} * CLSDF_COARSE * CLSDF_COARSE);
+    result.others.resize(polyhedra.size() + lanes);
+    std::vector<cl_uint> entries(polyhedra.size());
+    for (std::size_t n = 0; n < entries.size(); ++n) entries[n] = static_cast<cl_uint>(n);
+    device::guarded([&] {
+        cl::Program program(context.context(), device::kernel_text("slender_scan.h") + scan_alone);
+        program.build(context.device(), fmt::format("-cl-std=CL1.2 -w -DLANES={} {}", lanes, options).c_str());
+        const auto room = [&](std::size_t bytes) { return cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes); };
+        const cl::Buffer of_entries = room(entries.size() * sizeof(cl_uint));
+        const cl::Buffer of_polyhedra = room(polyhedra.size() * sizeof(Polyhedron));
+        const cl::Buffer minima = room(result.squared.size() * sizeof(float));
+        const cl::Buffer others = room(result.others.size() * sizeof(cl_uint)), other_count = room(sizeof(cl_uint));
+        const cl::Buffer squared = room(result.squared.size() * sizeof(float));
+        const cl::CommandQueue& queue = context.queue();
+        queue.enqueueWriteBuffer(of_entries, CL_TRUE, 0, entries.size() * sizeof(cl_uint), entries.data());
+        queue.enqueueWriteBuffer(of_polyhedra, CL_TRUE, 0, polyhedra.size() * sizeof(Polyhedron), polyhedra.data());
+        cl::Kernel kernel(program, "scan_alone");
+        cl_uint n = 0;
+        kernel.setArg(n++, layout);
+        for (const std::int64_t index : coarse) kernel.setArg(n++, static_cast<cl_int>(index));
+        kernel.setArg(n++, static_cast<cl_uint>(entries.size()));
+        kernel.setArg(n++, of_entries);
+        kernel.setArg(n++, cap);
+        for (const cl::Buffer* buffer : {&of_polyhedra, &minima, &others, &other_count, &squared})
+            kernel.setArg(n++, *buffer);
+        queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1));
+        cl_uint count = 0;
+        queue.enqueueReadBuffer(other_count, CL_TRUE, 0, sizeof(count), &count);
+        queue.enqueueReadBuffer(others, CL_TRUE, 0, result.others.size() * sizeof(cl_uint), result.others.data());
+        queue.enqueueReadBuffer(squared, CL_TRUE, 0, result.squared.size() * sizeof(float), result.squared.data());
+        result.others.resize(count);
+    });
+    return result;
+}
+
+struct Case {
+    Index3 coarse;
+    Vec3 spacing;
+    double size, half_width;
+};
+
+/// Returns how many of the samples lie in a slender polyhedron.
+std::size_t check_scan(const device::Context& context, unsigned lanes, const Case& c, std::uint64_t seed) {
+    Random random(seed);
+    Grid grid;
+    grid.spacing = c.spacing;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        grid.first[axis] = c.coarse[axis] * CLSDF_COARSE;
+        grid.size[axis] = CLSDF_COARSE;
+    }
+    const Layout layout = transform::layout_of(grid, Band::symmetric(c.half_width), SignRule::automatic);
+    const polyhedra::LatticeView lattice = transform::lattice_of(grid);
+    Vec3 first{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        first[axis] = static_cast<double>(grid.first[axis]) * lattice.spacing_in_units[axis];
+    const auto cap = static_cast<double>(layout.half_width);
+    const std::vector<Polyhedron> polyhedra = random_polyhedra(random, lattice, first, c.size, cap, 61);
+    const char* options = seed % 2 == 0 ? "" : "-DMOST_SAMPLES=8";  // lists that one polyhedron fills several times
+    const Scanned scanned = scan(context, lanes, options, layout, c.coarse, polyhedra, layout.half_width);
+
+    std::vector<bool> is_scanned(polyhedra.size(), true);
+    for (const cl_uint other : scanned.others) is_scanned[other] = false;
+    const double margin = 20 * (static_cast<double>(layout.brick_slack) + cap * static_cast<double>(layout.slack_rate));
+    std::size_t within = 0, missed = 0, astray = 0, n = 0;
+    double largest = 0;
+    for (int k = 0; k < CLSDF_COARSE; ++k)
+        for (int j = 0; j < CLSDF_COARSE; ++j)
+            for (int i = 0; i < CLSDF_COARSE; ++i, ++n) {
+                double least = infinite, least_within = infinite;
+                bool may_have = false;
+                for (std::size_t p = 0; p < polyhedra.size(); ++p) {
+                    if (!is_scanned[p]) continue;
+                    const Place place =
+                        place_in(polyhedra[p], static_cast<double>(grid.first[0] + i),
+                                 static_cast<double>(grid.first[1] + j), static_cast<double>(grid.first[2] + k), cap);
+                    least = std::min(least, place.squared_distance);
+                    if (place.outside <= 0) least_within = std::min(least_within, place.squared_distance);
+                    may_have |= place.outside <= margin;
+                }
+                const double found = std::sqrt(static_cast<double>(scanned.squared[n]));
+                const double tolerance = 1e-5;
+                within += least_within < infinite;
+                missed += least_within < infinite && !(found <= std::sqrt(least_within) + tolerance);
+                astray += found < infinite && !may_have;
+                if (found < infinite) largest = std::max(largest, std::sqrt(least) - found);
+            }
+    BOOST_TEST(missed == 0U);
+    BOOST_TEST(astray == 0U);
+    BOOST_TEST(largest < 1e-5);
+    return within;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_sample_of_a_slender_polyhedron_has_its_distance_and_no_other_has_one) {
+    const Device device = Device::best();
+    constexpr std::uint64_t seed = 20261121;
+    const std::vector<Case> cases{
+        {{0, 0, 0}, {1, 1, 1}, 1.5, 25},   {{-3, 2, 7}, {1, 1, 1}, 0.4, 25}, {{5, -1, 0}, {1.3, 1.3, 1.3}, 2, 4},
+        {{1, 1, 1}, {1.4, 1, 1.2}, 2, 20}, {{0, -2, 0}, {1, 1, 1}, 3, 12},   {{4000, 9, -70000}, {1, 1, 1}, 1, 30},
+    };
+    for (const Case& c : cases)
+        for (const unsigned lanes : {8U, 16U})
+            for (std::uint64_t n = 0; n < 4; ++n)
+                BOOST_TEST_CONTEXT("size " << c.size << ", half width " << c.half_width << ", " << lanes
+                                           << " lanes, seed " << seed + n)
+                BOOST_TEST(check_scan(device.internal(), lanes, c, seed + n) > 30U);
+}
