@@ -62,7 +62,8 @@ INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
 #define SHUFFLED(table, places) __builtin_ia32_vpermilvarps256(table, as_int8(places))
 #endif
 
-// Of samples at (x, y) along X and Y, displaced by (dx, dy) from the point of the table's offsets, and at z along Z.
+// As squared_distance_displaced in distance.h, of samples at (x, y) along X and Y, displaced by (dx, dy) from the point
+// of the table's offsets, and at z along Z.
 INLINE floatL squared_distance_in_region(EdgeTable table, floatL x, floatL y, floatL dx, floatL dy, floatL z) {
 #ifdef SHUFFLED
     const uintL region = as_uintL(as_intL(x) >> 31) ^ (as_uintL(y) >> 31);

@@ -1,14 +1,15 @@
 // Slender polyhedra: which of a coarse brick's list are, and what bounds them layer by layer.
 //
-// Where triangles are small, few samples of the sub-blocks that a polyhedron touches lie in it: of sphere6's, in a narrow
-// band at 256^3, one in five. Polyhedra with small sections are therefore intersected with the layers of samples across
-// one axis of the lattice, the one nearest to the face's normal, and the samples within are listed one by one
-// (slender_scan.h). (Measured, with AVX2: sphere6's and the bunny's bricks take a quarter and a fifth less time.)
+// Where triangles are small, few samples of the sub-blocks that a polyhedron touches lie in it: of sphere6's, in a
+// narrow band at 256^3, one in five. Polyhedra with small sections are therefore intersected with the layers of samples
+// across one axis of the lattice, that along which the height over the face changes most, and the samples within are
+// listed one by one (slender_scan.h). (Measured, with AVX2: sphere6's and the bunny's bricks take a quarter and a fifth
+// less time.)
 //
-// Each side of the face, as far as it reaches within the coarse brick, is the frustum between two sections. In the plane
-// of the layers' axis and of another one, what bounds their six corners on one side is a line: it gives each layer's
-// first or last sample along the other axis. In these boxes the lateral planes decide. All is computed for LANES
-// polyhedra at once, in samples from the coarse brick's first.
+// Each side of the face, as far as it reaches within the coarse brick, is the frustum between two sections. In the
+// plane of the layers' axis and of another one, what bounds their six corners on one side is a line: it gives each
+// layer's first or last sample along the other axis. In these boxes the lateral planes decide. All is computed for
+// LANES polyhedra at once, in samples from the coarse brick's first.
 #ifndef CLSDF_SLENDER_POLYHEDRA_H
 #define CLSDF_SLENDER_POLYHEDRA_H
 
@@ -21,6 +22,9 @@
 #define SLENDER_SAMPLES_NEAR 30.0f
 #define SLENDER_SAMPLES_FAR 6.0f
 
+// Nor are they longer than this, in samples: rounding grows with it (slender_scan.h), and is to stay that of a brick.
+#define SLENDER_LENGTH 12.0f
+
 // Along each axis, how far the integer origin of a slender polyhedron is from a coarse brick's centre, at most, in
 // samples: sums that slender_scan.h takes for exact are.
 #define SLENDER_REACH 200.0f
@@ -30,7 +34,7 @@ typedef struct Line {
     floatL at, step;
 } Line;
 
-// at + step_a m + step_u u + step_v v <= 0: sample u, v of layer m lies on the polyhedron's side.
+// at + step_a m + step_u u + step_v v, of sample u, v of layer m: its distance beyond a plane.
 typedef struct Plane {
     floatL at, step_a, step_u, step_v;
 } Plane;
@@ -38,12 +42,13 @@ typedef struct Plane {
 typedef struct Frustum {
     floatL first, last;  // layers; none where the last comes before the first
     Line low_u, high_u, low_v, high_v;
-    Plane planes[4];  // the lateral ones, by edge; the one half way between the ends
+    Plane lateral[3];  // by edge; the samples within are not beyond
+    Plane middle;      // half way between the ends; those within are not farther than half the height
 } Frustum;
 
 typedef struct SlenderPolyhedra {
     Frustum sides[2];  // above, below
-    intL axis;  // of the layers; of the other two, u is the first and v the last
+    intL axis;         // of the layers; of the other two, u is the first and v the last
 } SlenderPolyhedra;
 
 INLINE floatL least_of_three(const floatL* a) {
@@ -73,19 +78,19 @@ INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const
     load_words(polyhedra, numbers, t->words);
     const floatL* words = t->words;
     const int firsts[3] = {first.x, first.y, first.z};
-    floatL across = 0.0f, reach = 0.0f;
+    floatL rise = 0.0f, reach = 0.0f;
 #pragma unroll
     for (uint axis = 0; axis < 3; ++axis) {
         const floatL gradient = words[NUMBER_GRADIENT_X + 3 * axis + 2];
         t->to_origin[axis] = convert_floatL(as_intL(words[WORD_ORIGIN + axis]) - firsts[axis]);
-        across += gradient;
+        rise += gradient;
         reach += fabs(gradient);
     }
     const floatL i = -t->to_origin[0], j = -t->to_origin[1], k = -t->to_origin[2];
     t->x = FRAME_AT(words, 0, i, j, k);
     t->y = FRAME_AT(words, 1, i, j, k);
     t->z = FRAME_AT(words, 2, i, j, k);
-    t->height = t->z + across * (0.5f * (CLSDF_COARSE - 1));
+    t->height = t->z + rise * (0.5f * (CLSDF_COARSE - 1));
     t->reach = reach * (0.5f * (CLSDF_COARSE - 1));
     // From the longer half of the base: the other may be nothing.
     const intL right = words[NUMBER_BASE] >= words[NUMBER_BASE + 1];
@@ -102,7 +107,7 @@ INLINE float margin_of(float slack) {
     return 4.0f * slack;
 }
 
-// Half the height of a side
+// Half of how far a side reaches from its margin beneath the face to that above the cap.
 INLINE float half_height(float cap, float margin) {
     return 0.5f * cap + margin;
 }
@@ -136,7 +141,7 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
     const float margin = margin_of(slack);
     const float spacing = longest_spacing(layout);
     const float samples = cap <= 1.5f * layout.coarse_radius ? SLENDER_SAMPLES_NEAR : SLENDER_SAMPLES_FAR;
-    const float most_area = samples * spacing * spacing;
+    const float most_area = samples * spacing * spacing, longest = SLENDER_LENGTH * spacing;
     const floatL base = t.words[NUMBER_BASE] + t.words[NUMBER_BASE + 1], twice_area = base * t.altitude;
     intL present = 0, wide = 0;
 #pragma unroll
@@ -147,12 +152,15 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
         widths_at(&t, side == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW, heights.last, margin, widths);
         // A section is similar to the triangle: of any point, the distances outward from the edges times their lengths
         // add up to minus twice the area.
-        const floatL section = twice_area + (base * widths[CLSDF_EDGE_BASE] + t.length_right * widths[CLSDF_EDGE_RIGHT] +
-                                             t.length_left * widths[CLSDF_EDGE_LEFT]);
+        const floatL section =
+            twice_area + (base * widths[CLSDF_EDGE_BASE] + t.length_right * widths[CLSDF_EDGE_RIGHT] +
+                          t.length_left * widths[CLSDF_EDGE_LEFT]);
         present |= some;
-        wide |= some & ~(section * section <= twice_area * (2.0f * most_area));
+        // Nothing is slender whose triangle has no area: a point site.
+        wide |=
+            some & ~((section * section < twice_area * (2.0f * most_area)) & (section * base < twice_area * longest));
     }
-    // Of two faces upon each other the first of the caller's is named: both take the same way, rounding alike.
+    // Of two faces upon each other the one with the lower index is named, so neither is slender: they round alike.
     const int needed = (int)(CLSDF_POLYHEDRON_COMPACT | CLSDF_POLYHEDRON_NEAR);
     intL regular = (as_intL(t.words[WORD_FLAGS]) & (int)(needed | CLSDF_POLYHEDRON_NON_MANIFOLD)) == needed;
     *absent = lanes_to_bits(regular & ~present);
@@ -162,8 +170,8 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
     return lanes_to_bits(regular & present & ~wide);
 }
 
-// The lines below and above six points (a, u), of which three are a section. Any step will do; tight is that of the least,
-// or greatest, from section to section. per_layer: one by how many layers they lie apart.
+// The lines below and above six points (a, u), of which three are a section. Any step will do; tight is that of the
+// least, or greatest, from section to section. per_layer: one by how many layers they lie apart.
 INLINE void set_lines(const floatL* a, const floatL* u, floatL per_layer, Line* low, Line* high) {
     const floatL step = (sum_of_three(u + 3) - sum_of_three(u)) * (per_layer * (1.0f / 3.0f));
     floatL shift[6];
@@ -188,39 +196,33 @@ INLINE void clip_layers(const Line* line, float limit, float sense, floatL* firs
     *last = (step > 1.0e-4f) & (where < *last) ? where : *last;
 }
 
-// What bounds slender polyhedra. Returns which of them may have samples.
-INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
-                          float cap, float slack, __private SlenderPolyhedra* slender) {
-    LaneTriangles t;
-    load_triangles(polyhedra, numbers, first, &t);
-    const float margin = margin_of(slack);
-    const floatL* words = t.words;
-    const floatL right = words[NUMBER_BASE], left = words[NUMBER_BASE + 1];
-    const floatL along_right = words[NUMBER_NORMAL_ALONG], along_left = words[NUMBER_NORMAL_ALONG + 1];
-    const floatL across_right = words[NUMBER_NORMAL_ACROSS], across_left = words[NUMBER_NORMAL_ACROSS + 1];
-    const floatL per_along_right = 1.0f / along_right, per_along_left = 1.0f / along_left;
-    const floatL per_apex = 1.0f / (along_right * across_left + along_left * across_right);
+// Along the axes a, u and v: the gradients, and the frame's axes in samples; and where its origin, the altitude's foot,
+// lies, in samples.
+typedef struct LayerAxes {
+    intL axis;  // of the layers
+    floatL gradients[3][3], axes[3][3], foot[3];
+} LayerAxes;
 
-    // Along a, u and v: the gradients; the frame's axes, and its origin, the altitude's foot, in samples.
+INLINE void set_axes(Layout layout, const LaneTriangles* t, LayerAxes* axes) {
+    const floatL* gx = t->words + NUMBER_GRADIENT_X;
+    const floatL* gy = t->words + NUMBER_GRADIENT_Y;
+    const floatL* gz = t->words + NUMBER_GRADIENT_Z;
+    const floatL* to_foot = t->words + WORD_FOOT;
     const float3 per_spacing = 1.0f / vload3(0, layout.spacing);
-    const floatL* gx = words + NUMBER_GRADIENT_X;
-    const floatL* gy = words + NUMBER_GRADIENT_Y;
-    const floatL* gz = words + NUMBER_GRADIENT_Z;
-    const floatL normal_x = fabs(gx[2]), normal_y = fabs(gy[2]), normal_z = fabs(gz[2]);
-    const intL is_x = (normal_x >= normal_y) & (normal_x >= normal_z), is_z = ~is_x & (normal_z >= normal_y);
-    slender->axis = is_x ? (intL)0 : is_z ? (intL)2 : (intL)1;
+    const floatL rise_x = fabs(gx[2]), rise_y = fabs(gy[2]), rise_z = fabs(gz[2]);
+    const intL is_x = (rise_x >= rise_y) & (rise_x >= rise_z), is_z = ~is_x & (rise_z >= rise_y);
+    axes->axis = is_x ? (intL)0 : is_z ? (intL)2 : (intL)1;
 #define ALONG_A(x, y, z) (is_x ? (x) : is_z ? (z) : (y))
 #define ALONG_U(x, y, z) (is_x ? (y) : (x))
 #define ALONG_V(x, y, z) (is_z ? (y) : (z))
-    floatL gradients[3][3], axes[3][3], foot[3];
-#define SET_AXIS(axis, ALONG)                                                                            \
+#define SET_AXIS(n, ALONG)                                                                               \
     {                                                                                                    \
         const floatL scale = ALONG((floatL)per_spacing.x, (floatL)per_spacing.y, (floatL)per_spacing.z); \
-        foot[axis] = ALONG(t.to_origin[0], t.to_origin[1], t.to_origin[2]) +                             \
-                     ALONG(words[WORD_FOOT], words[WORD_FOOT + 1], words[WORD_FOOT + 2]) * scale;        \
-        _Pragma("unroll") for (uint n = 0; n < 3; ++n) {                                                 \
-            gradients[axis][n] = ALONG(gx[n], gy[n], gz[n]);                                             \
-            axes[axis][n] = gradients[axis][n] * (scale * scale);                                        \
+        axes->foot[n] = ALONG(t->to_origin[0], t->to_origin[1], t->to_origin[2]) +                       \
+                        ALONG(to_foot[0], to_foot[1], to_foot[2]) * scale;                               \
+        _Pragma("unroll") for (uint along = 0; along < 3; ++along) {                                     \
+            axes->gradients[n][along] = ALONG(gx[along], gy[along], gz[along]);                          \
+            axes->axes[n][along] = axes->gradients[n][along] * (scale * scale);                          \
         }                                                                                                \
     }
     SET_AXIS(0, ALONG_A)
@@ -230,7 +232,93 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
 #undef ALONG_A
 #undef ALONG_U
 #undef ALONG_V
+}
 
+// The corners of two sections, three and three, along a, u and v, in samples.
+typedef struct Corners {
+    floatL a[6], u[6], v[6];
+} Corners;
+
+// The n-th section's corners, at a height of a side.
+INLINE void set_corners(const LaneTriangles* t, const LayerAxes* axes, float side, uint slopes, floatL height,
+                        float margin, uint n, Corners* corners) {
+    const floatL along_right = t->words[NUMBER_NORMAL_ALONG], along_left = t->words[NUMBER_NORMAL_ALONG + 1];
+    const floatL across_right = t->words[NUMBER_NORMAL_ACROSS], across_left = t->words[NUMBER_NORMAL_ACROSS + 1];
+    floatL widths[3];
+    widths_at(t, slopes, height, margin, widths);
+    const floatL below = widths[CLSDF_EDGE_BASE], right = widths[CLSDF_EDGE_RIGHT], left = widths[CLSDF_EDGE_LEFT];
+    const floatL per_apex = 1.0f / (along_right * across_left + along_left * across_right);
+    const floatL x[3] = {t->words[NUMBER_BASE] + (right + across_right * below) / along_right,
+                         -t->words[NUMBER_BASE + 1] - (left + across_left * below) / along_left,
+                         (across_left * right - across_right * left) * per_apex};
+    const floatL y[3] = {-below, -below, t->altitude + (along_left * right + along_right * left) * per_apex};
+    const floatL z = side * (height - margin);
+#define PLACE(n) (axes->foot[n] + (x[k] * axes->axes[n][0] + (y[k] * axes->axes[n][1] + z * axes->axes[n][2])))
+#pragma unroll
+    for (uint k = 0; k < 3; ++k) {
+        corners->a[3 * n + k] = PLACE(0);
+        corners->u[3 * n + k] = PLACE(1);
+        corners->v[3 * n + k] = PLACE(2);
+    }
+#undef PLACE
+}
+
+// The boxes of the layers, and which layers have one within the coarse brick.
+INLINE void set_boxes(const Corners* corners, intL present, __private Frustum* frustum) {
+    const floatL* a = corners->a;
+    const floatL apart = (sum_of_three(a + 3) - sum_of_three(a)) * (1.0f / 3.0f);
+    const floatL per_layer = fabs(apart) < 0.5f ? (floatL)0.0f : 1.0f / apart;
+    set_lines(a, corners->u, per_layer, &frustum->low_u, &frustum->high_u);
+    set_lines(a, corners->v, per_layer, &frustum->low_v, &frustum->high_v);
+    const floatL least[2] = {least_of_three(a), least_of_three(a + 3)};
+    const floatL greatest[2] = {greatest_of_three(a), greatest_of_three(a + 3)};
+    floatL first = LESSER(least[0], least[1]), last = GREATER(greatest[0], greatest[1]);
+    first = GREATER(first, 0.0f);
+    last = LESSER(last, (float)(CLSDF_COARSE - 1));
+    clip_layers(&frustum->low_u, CLSDF_COARSE - 1, 1.0f, &first, &last);
+    clip_layers(&frustum->low_v, CLSDF_COARSE - 1, 1.0f, &first, &last);
+    clip_layers(&frustum->high_u, 0.0f, -1.0f, &first, &last);
+    clip_layers(&frustum->high_v, 0.0f, -1.0f, &first, &last);
+    frustum->first = ceil(first);
+    frustum->last = present ? floor(last) : (floatL)-1.0f;
+}
+
+// The plane along X + across Y + high (height + margin) = beyond.
+INLINE void set_plane(const LaneTriangles* t, const LayerAxes* axes, float side, float margin, floatL along,
+                      floatL across, floatL high, floatL beyond, __private Plane* plane) {
+#define SUM(x, y, z) (along * (x) + (across * (y) + high * (z)))
+#define STEP(n) SUM(axes->gradients[n][0], axes->gradients[n][1], side * axes->gradients[n][2])
+    plane->at = SUM(t->x, t->y, side * t->z + margin) - beyond;
+    plane->step_a = STEP(0);
+    plane->step_u = STEP(1);
+    plane->step_v = STEP(2);
+#undef STEP
+#undef SUM
+}
+
+INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side, uint slopes, float cap, float margin,
+                       __private Frustum* frustum) {
+    const floatL* words = t->words;
+    const floatL along[3] = {0.0f, words[NUMBER_NORMAL_ALONG], -words[NUMBER_NORMAL_ALONG + 1]};
+    const floatL across[3] = {-1.0f, words[NUMBER_NORMAL_ACROSS], words[NUMBER_NORMAL_ACROSS + 1]};
+    const floatL edges[3] = {0.0f, along[1] * words[NUMBER_BASE], -along[2] * words[NUMBER_BASE + 1]};
+#pragma unroll
+    for (uint edge = 0; edge < 3; ++edge)
+        set_plane(t, axes, side, margin, along[edge], across[edge], -words[slopes + edge], edges[edge] + margin,
+                  frustum->lateral + edge);
+    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(cap, margin), &frustum->middle);
+}
+
+// What bounds slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more: those
+// that are slender have been packed since.)
+INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
+                          int3 first, float cap, float slack, __private SlenderPolyhedra* slender) {
+    LaneTriangles t;
+    load_triangles(polyhedra, numbers, first, &t);
+    LayerAxes axes;
+    set_axes(layout, &t, &axes);
+    slender->axis = axes.axis;
+    const float margin = margin_of(slack);
     intL present = 0;
 #pragma unroll
     for (uint n = 0; n < 2; ++n) {
@@ -238,71 +326,16 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
         const uint slopes = n == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW;
         __private Frustum* frustum = slender->sides + n;
         const Heights heights = heights_in_brick(&t, side, cap, margin);
-        if (!lanes_to_bits(heights.first <= heights.last)) {
-            frustum->first = 0.0f;
-            frustum->last = -1.0f;
-            continue;
-        }
-
-        floatL a[6], u[6], v[6];  // the corners
-#pragma unroll
-        for (uint end = 0; end < 2; ++end) {
-            const floatL height = end == 0 ? heights.first : heights.last;
-            floatL widths[3];
-            widths_at(&t, slopes, height, margin, widths);
-            const floatL base = widths[CLSDF_EDGE_BASE], to_right = widths[CLSDF_EDGE_RIGHT],
-                         to_left = widths[CLSDF_EDGE_LEFT];
-            const floatL x[3] = {right + (to_right + across_right * base) * per_along_right,
-                                 -left - (to_left + across_left * base) * per_along_left,
-                                 (across_left * to_right - across_right * to_left) * per_apex};
-            const floatL y[3] = {-base, -base,
-                                 t.altitude + (along_left * to_right + along_right * to_left) * per_apex};
-            const floatL z = side * (height - margin);
-#pragma unroll
-            for (uint corner = 0; corner < 3; ++corner) {
-#define PLACE(axis) \
-    (foot[axis] + (x[corner] * axes[axis][0] + (y[corner] * axes[axis][1] + z * axes[axis][2])))
-                a[3 * end + corner] = PLACE(0);
-                u[3 * end + corner] = PLACE(1);
-                v[3 * end + corner] = PLACE(2);
-#undef PLACE
-            }
-        }
-        const floatL apart = (sum_of_three(a + 3) - sum_of_three(a)) * (1.0f / 3.0f);
-        const floatL per_layer = fabs(apart) < 0.5f ? (floatL)0.0f : 1.0f / apart;
-        set_lines(a, u, per_layer, &frustum->low_u, &frustum->high_u);
-        set_lines(a, v, per_layer, &frustum->low_v, &frustum->high_v);
-
-        const floatL least_below = least_of_three(a), least_above = least_of_three(a + 3);
-        const floatL greatest_below = greatest_of_three(a), greatest_above = greatest_of_three(a + 3);
-        floatL begin = LESSER(least_below, least_above), end = GREATER(greatest_below, greatest_above);
-        begin = GREATER(begin, 0.0f);
-        end = LESSER(end, (float)(CLSDF_COARSE - 1));
-        clip_layers(&frustum->low_u, CLSDF_COARSE - 1, 1.0f, &begin, &end);
-        clip_layers(&frustum->low_v, CLSDF_COARSE - 1, 1.0f, &begin, &end);
-        clip_layers(&frustum->high_u, 0.0f, -1.0f, &begin, &end);
-        clip_layers(&frustum->high_v, 0.0f, -1.0f, &begin, &end);
         const intL some = heights.first <= heights.last;
-        frustum->first = ceil(begin);
-        frustum->last = some ? floor(end) : (floatL)-1.0f;
+        frustum->first = 0.0f;
+        frustum->last = -1.0f;
+        if (!lanes_to_bits(some)) continue;
+        Corners corners;
+        set_corners(&t, &axes, side, slopes, heights.first, margin, 0, &corners);
+        set_corners(&t, &axes, side, slopes, heights.last, margin, 1, &corners);
+        set_boxes(&corners, some, frustum);
+        set_planes(&t, &axes, side, slopes, cap, margin, frustum);
         present |= frustum->first <= frustum->last;
-
-        // along X + across Y - slope (height + margin) <= beyond + margin
-        const floatL along[4] = {0.0f, along_right, -along_left, 0.0f}, across[4] = {-1.0f, across_right, across_left, 0.0f};
-        const floatL beyond[4] = {0.0f, along_right * right, along_left * left, half_height(cap, margin) - margin};
-#pragma unroll
-        for (uint edge = 0; edge < 4; ++edge) {
-            const floatL slope = edge == 3 ? (floatL)-1.0f : words[slopes + edge];
-#define LATERAL(x, y, z) (along[edge] * (x) + (across[edge] * (y)-slope * (z)))
-#define STEP(axis) LATERAL(gradients[axis][0], gradients[axis][1], side* gradients[axis][2])
-            __private Plane* plane = frustum->planes + edge;
-            plane->at = LATERAL(t.x, t.y, side * t.z + margin) - beyond[edge] - margin;
-            plane->step_a = STEP(0);
-            plane->step_u = STEP(1);
-            plane->step_v = STEP(2);
-#undef STEP
-#undef LATERAL
-        }
     }
     return lanes_to_bits(present);
 }

@@ -14,8 +14,8 @@
 #include "blocks.h"
 #endif
 
-// Samples of a coarse brick: x + 32 y + 1024 z. They are evaluated before there are more than MOST_SAMPLES; beyond that
-// there is room for what the rows of LANES layers add.
+// Samples of a coarse brick: x + 32 y + 1024 z. With MOST_SAMPLES of them they are evaluated, before the next row;
+// beyond those there is room for what a row of LANES layers adds, and for a vector.
 #ifndef MOST_SAMPLES
 #define MOST_SAMPLES 1024
 #endif
@@ -57,8 +57,8 @@ INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared
     }
 }
 
-// Numbers in two parts: multiples of 2^-14 of the power of two below the spacing, and what they lack. Of the first, sums
-// of products with integers are exact, as far as SLENDER_REACH.
+// Numbers in two parts: multiples of 2^-14 of the power of two below the spacing, and what they lack. Of the first,
+// sums of products with integers are exact, as far as SLENDER_REACH.
 typedef struct Split {
     float4 high, low;
 } Split;
@@ -90,16 +90,16 @@ INLINE EdgeTable table_of(__global const Polyhedron* p) {
 }
 
 static inline void evaluate_samples(__global const Polyhedron* p, int3 first, double rounder, __private Samples* list,
-                             __global Minimum* minima) {
+                                    __global Minimum* minima) {
     const double4 gradient_x = vload4(0, p->exact_gradient_x), gradient_y = vload4(0, p->exact_gradient_y),
                   gradient_z = vload4(0, p->exact_gradient_z);
     const Split along_x = split(gradient_x, rounder), along_y = split(gradient_y, rounder),
                 along_z = split(gradient_z, rounder);
-    const Split at_first = split(gradient_x * (double)(first.x - p->origin_x) +
-                                     (gradient_y * (double)(first.y - p->origin_y) +
-                                      (gradient_z * (double)(first.z - p->origin_z) +
-                                       vload4(0, p->exact_constant_at_origin))),
-                                 rounder);
+    const Split at_first =
+        split(gradient_x * (double)(first.x - p->origin_x) +
+                  (gradient_y * (double)(first.y - p->origin_y) +
+                   (gradient_z * (double)(first.z - p->origin_z) + vload4(0, p->exact_constant_at_origin))),
+              rounder);
     const EdgeTable table = table_of(p);
     const uint triangle = p->triangle;
     store_lanes((uintL)list->samples[0], 0, list->samples + list->count);  // the last vector is filled with the first
@@ -107,7 +107,7 @@ static inline void evaluate_samples(__global const Polyhedron* p, int3 first, do
         const uintL samples = load_lanes(0, list->samples + n);
         const floatL i = convert_floatL(as_intL(samples & 31u)), j = convert_floatL(as_intL(samples >> 5 & 31u)),
                      k = convert_floatL(as_intL(samples >> 10));
-#define SUM(part, n) (i * along_x.part.n + (j * along_y.part.n + (k * along_z.part.n + at_first.part.n)))
+#define SUM(part, axis) (i * along_x.part.axis + (j * along_y.part.axis + (k * along_z.part.axis + at_first.part.axis)))
         const floatL x = SUM(high, x) + SUM(low, x), y = SUM(high, y) + SUM(low, y), z = SUM(high, z) + SUM(low, z);
 #undef SUM
         lower_minima(minima, samples, squared_distance_in_region(table, x, y, x, y, z), triangle);
@@ -115,22 +115,23 @@ static inline void evaluate_samples(__global const Polyhedron* p, int3 first, do
 }
 
 #ifdef COUNT
+// (Those within the slack of the face are listed for either side.)
 static inline void count_samples(Layout layout, __global const Polyhedron* p, int3 first, __private const Samples* list,
                                  __private ulong* counters) {
     const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
     const Offsets offsets = offsets_at(p, first.x, first.y, first.z);
     for (uint n = 0; n < list->count; n += LANES) {
         const uintL samples = load_lanes(0, list->samples + n);
-        const uint in_polyhedron = covered_samples(
-            p, offsets, convert_floatL(as_intL(samples & 31u)), convert_floatL(as_intL(samples >> 5 & 31u)),
-            convert_floatL(as_intL(samples >> 10)), layout.half_width, slack);
+        const uint in_polyhedron = covered_samples(p, offsets, convert_floatL(as_intL(samples & 31u)),
+                                                   convert_floatL(as_intL(samples >> 5 & 31u)),
+                                                   convert_floatL(as_intL(samples >> 10)), layout.half_width, slack);
         counters[CLSDF_COUNT_LANES] += LANES;
         counters[CLSDF_COUNT_COVERED] += popcount(in_polyhedron & lanes_in_list(n, list->count));
     }
 }
 #endif
 
-// Where to and from where.
+// What all polyhedra of a coarse brick have in common.
 typedef struct SlenderScan {
     Layout layout;
     int3 first;  // the coarse brick's first sample
@@ -140,8 +141,8 @@ typedef struct SlenderScan {
 } SlenderScan;
 
 // Evaluates and empties the list.
-INLINE void evaluate_list_of(const SlenderScan* scan, __global const Polyhedron* p, __private Samples* list,
-                             __private ulong* counters) {
+INLINE void evaluate_and_empty(const SlenderScan* scan, __global const Polyhedron* p, __private Samples* list,
+                               __private ulong* counters) {
     if (list->count == 0) return;
 #ifdef COUNT
     count_samples(scan->layout, p, scan->first, list, counters);
@@ -155,8 +156,8 @@ typedef struct Shifts {
     uint a, u, v;
 } Shifts;
 
-// Lists the samples of one lane's frustum in LANES layers, from `layer` on. In each layer's box, all layers step along u
-// and v at once.
+// Lists the samples of one lane's frustum in LANES layers, from `layer` on. In each layer's box, all layers step along
+// u and v at once.
 INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p, __private const Frustum* frustum,
                         uint lane, Shifts shifts, float layer, __private Samples* list, __private ulong* counters) {
     const floatL m = layer + convert_floatL(LANE_NUMBERS);
@@ -172,40 +173,40 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p, _
     more_v = more_u >= 0.0f ? more_v : (floatL)-1.0f;
     const int most_u = (int)greatest_lane(more_u), most_v = (int)greatest_lane(more_v);
 
-    // Along the lateral planes' normals: negative within.
+    // Distances beyond the lateral planes, and from the middle one.
     floatL at_row[4];
     float step_u[4], step_v[4];
 #pragma unroll
-    for (uint edge = 0; edge < 4; ++edge) {
-        __private const Plane* plane = frustum->planes + edge;
-        step_u[edge] = LANE_OF(plane->step_u, lane);
-        step_v[edge] = LANE_OF(plane->step_v, lane);
-        at_row[edge] =
-            LANE_OF(plane->at, lane) + (LANE_OF(plane->step_a, lane) * m + (step_u[edge] * u + step_v[edge] * v));
+    for (uint n = 0; n < 4; ++n) {
+        __private const Plane* plane = n == 3 ? &frustum->middle : frustum->lateral + n;
+        step_u[n] = LANE_OF(plane->step_u, lane);
+        step_v[n] = LANE_OF(plane->step_v, lane);
+        at_row[n] = LANE_OF(plane->at, lane) + (LANE_OF(plane->step_a, lane) * m + (step_u[n] * u + step_v[n] * v));
     }
     uintL row = as_uintL(convert_intL(m)) << shifts.a | as_uintL(convert_intL(u)) << shifts.u |
                 as_uintL(convert_intL(v)) << shifts.v;
     floatL past_v = -0.5f - more_v;
     for (int n_v = 0; n_v <= most_v; ++n_v) {
-        if (list->count >= MOST_SAMPLES) evaluate_list_of(scan, p, list, counters);
+        if (list->count >= MOST_SAMPLES) evaluate_and_empty(scan, p, list, counters);
         uintL samples = row;
         floatL at[4], past_u = past_v < 0.0f ? -0.5f - more_u : (floatL)1.0f;
 #pragma unroll
-        for (uint edge = 0; edge < 4; ++edge) at[edge] = at_row[edge];
+        for (uint n = 0; n < 4; ++n) at[n] = at_row[n];
         for (int n_u = 0; n_u <= most_u; ++n_u) {
             const uint within =
-                lanes_to_bits(as_intL(at[0]) & as_intL(at[1]) & as_intL(at[2]) & as_intL(fabs(at[3]) - scan->half_height) & as_intL(past_u));  // the sign bits
+                lanes_to_bits(as_intL(at[0]) & as_intL(at[1]) & as_intL(at[2]) &
+                              as_intL(fabs(at[3]) - scan->half_height) & as_intL(past_u));  // the sign bits
             store_lanes(packed(samples, within), 0, list->samples + list->count);
             list->count += popcount(within);
             samples += 1u << shifts.u;
             past_u += 1.0f;
 #pragma unroll
-            for (uint edge = 0; edge < 4; ++edge) at[edge] += step_u[edge];
+            for (uint n = 0; n < 4; ++n) at[n] += step_u[n];
         }
         row += 1u << shifts.v;
         past_v += 1.0f;
 #pragma unroll
-        for (uint edge = 0; edge < 4; ++edge) at_row[edge] += step_v[edge];
+        for (uint n = 0; n < 4; ++n) at_row[n] += step_v[n];
     }
 }
 
@@ -222,7 +223,7 @@ INLINE void scan_slender(const SlenderScan* scan, __global const Polyhedron* p,
         for (float layer = LANE_OF(frustum->first, lane); layer <= last; layer += LANES)
             list_layers(scan, p, frustum, lane, shifts, layer, &list, counters);
     }
-    evaluate_list_of(scan, p, &list, counters);
+    evaluate_and_empty(scan, p, &list, counters);
 }
 
 // Polyhedra of a list until a vector is full.
@@ -254,9 +255,9 @@ static inline void scan_queue(const SlenderScan* scan, float cap, float slack, _
 // where there is room for a vector beyond them. Returns how many others there are.
 static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                           float cap, float slack, __global const Polyhedron* polyhedra,
-                                          __global Minimum* minima, __global uint* others,
-                                          __private ulong* counters) {
-    const SlenderScan scan = {layout, coarse * CLSDF_COARSE, splitting_rounder(longest_spacing(layout)), half_height(cap, margin_of(slack)), minima};
+                                          __global Minimum* minima, __global uint* others, __private ulong* counters) {
+    const SlenderScan scan = {layout, coarse * CLSDF_COARSE, splitting_rounder(longest_spacing(layout)),
+                              half_height(cap, margin_of(slack)), minima};
     SlenderQueue queue;
     queue.count = 0;
     uint other_count = 0;

@@ -19,15 +19,21 @@ std::size_t minimum_bytes(const BrickVariant& variant) {
     return samples_per_brick * (variant.triangle ? sizeof(cl_float) + sizeof(cl_uint) : sizeof(cl_float));
 }
 
+/// One a core, as far as their minima fit into one allocation.
+std::size_t work_items(const device::Context& context, const BrickVariant& variant) {
+    const device::Context::Capabilities& capabilities = context.capabilities();
+    return std::clamp<std::size_t>(capabilities.largest_allocation / (bricks_per_coarse * minimum_bytes(variant)), 1,
+                                   capabilities.compute_units);
+}
+
 class BricksByVector final : public BrickKernel {
 public:
     BricksByVector(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                    const BrickInputs& inputs, const BrickVariant& variant)
-        : BrickKernel(context, pool, inputs.lists, pairs_per_core_and_launch * context.capabilities().compute_units,
-                      variant.count ? context.capabilities().compute_units : 0),
-          work_items_(std::clamp<std::size_t>(
-              context.capabilities().largest_allocation / (bricks_per_coarse * minimum_bytes(variant)), 1,
-              context.capabilities().compute_units)),
+        : BrickKernel(context, pool, inputs.lists,
+                      pairs_per_core_and_launch * static_cast<double>(work_items(context, variant)),
+                      variant.count ? work_items(context, variant) : 0),
+          work_items_(work_items(context, variant)),
           with_triangle_(variant.triangle),
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
