@@ -23,6 +23,14 @@ void forget(std::span<float> distance) {
                       });
 }
 
+/// The largest whose bricks have at least half of their share of the samples: of a small job, bricks with hardly any
+/// would stand for all.
+std::size_t largest_fair_stride(const SampleList& list) {
+    std::size_t stride = largest_stride;
+    while (stride > 1 && 2 * stride * list.count(stride) < list.samples.size()) stride /= 2;
+    return stride;
+}
+
 /// One method's calls on a workload.
 class Course {
 public:
@@ -39,9 +47,9 @@ public:
     void warm_up(const MeasureOptions& options) {
         method_.prepare(workload_);
         if (method_.takes_list()) {
-            const double whole = call(largest_stride).wall;
-            while (result_.stride < largest_stride &&
-                   whole / static_cast<double>(result_.stride) > options.seconds_per_call)
+            const std::size_t largest = largest_fair_stride(workload_.list);
+            const double whole = call(largest).wall;
+            while (result_.stride < largest && whole / static_cast<double>(result_.stride) > options.seconds_per_call)
                 result_.stride *= 2;
         }
         PeakMemory memory;

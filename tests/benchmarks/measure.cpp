@@ -61,8 +61,7 @@ BOOST_AUTO_TEST_CASE(methods_are_timed_in_turns_after_they_were_warmed_up) {
 }
 
 BOOST_AUTO_TEST_CASE(a_part_of_the_bricks_is_scaled_to_all_of_them_and_the_set_up_is_not) {
-    // Of a band that ends at no sample of the sphere's axes: a brick with one sample stands badly for the others.
-    const Workload workload = small_workload(Length::of_extent(0.11));
+    const Workload workload = small_workload();
     const auto bricks = static_cast<double>(workload.list.bricks());
     const double whole = 0.2;
     std::string calls;

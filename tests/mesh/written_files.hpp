@@ -38,7 +38,7 @@ inline void check_is_square(const std::string& name, const std::string& text) {
 
 /// Checks that reading fails with the code, and that the message has the file's name and the fragments.
 inline void check_is_refused(const std::string& name, const std::string& content, ErrorCode code,
-                      std::vector<std::string> fragments) {
+                             std::vector<std::string> fragments) {
     BOOST_TEST_CONTEXT(name << ":\n" << content.substr(0, 1000)) {
         const TemporaryFolder folder;
         fragments.push_back(name);
