@@ -1,9 +1,9 @@
 // The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
-// * coarse brick: the distances of slender polyhedra (slender_polyhedra.h), which no finer level sees; of the others,
-// masks
-//   of those that touch each of its bricks, and of each brick an upper bound of the distance (cap);
+// * coarse brick: the distances of slender polyhedra (slender_scan.h), which no finer level sees; of the others, masks
+// of
+//   those that touch each of its bricks, and of each brick an upper bound of the distance (cap);
 // * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they touch;
 // * sub-block: the distance to the triangle of each polyhedron that touches it, into the minimum.
 //
@@ -11,7 +11,8 @@
 // minima wait in memory until the last of them.
 //
 // Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal
-// that distances take double (distance.h), and nothing is slender; COUNT counts work.
+// that distances take double (distance.h), and nothing is slender; SCATTERED_ACCESS where instructions that gather and
+// scatter are fast; COUNT counts work.
 
 #include "brick_distance.h"
 #include "brick_lists.h"

@@ -99,6 +99,15 @@ static inline uint lanes_to_bits(intL mask) {
 #endif
 }
 
+// The compiler's own take one instruction each, OpenCL C's eight. (Measured: a twentieth of all bricks' time.)
+#if HAS_BUILTIN(__builtin_elementwise_floor) && HAS_BUILTIN(__builtin_elementwise_ceil)
+#define FLOOR __builtin_elementwise_floor
+#define CEIL __builtin_elementwise_ceil
+#else
+#define FLOOR floor
+#define CEIL ceil
+#endif
+
 static inline float greatest_lane(floatL values) {
 #if LANES == 1
     return values;

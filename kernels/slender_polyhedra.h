@@ -42,8 +42,9 @@ typedef struct Plane {
 typedef struct Frustum {
     floatL first, last;  // layers; none where the last comes before the first
     Line low_u, high_u, low_v, high_v;
-    Plane lateral[3];  // by edge; the samples within are not beyond
-    Plane middle;      // half way between the ends; those within are not farther than half the height
+    // The lateral planes by edge, beyond which the samples within are not; and one half way between the ends, from
+    // which they are not farther than half the height.
+    Plane planes[4];
 } Frustum;
 
 typedef struct SlenderPolyhedra {
@@ -279,8 +280,8 @@ INLINE void set_boxes(const Corners* corners, intL present, __private Frustum* f
     clip_layers(&frustum->low_v, CLSDF_COARSE - 1, 1.0f, &first, &last);
     clip_layers(&frustum->high_u, 0.0f, -1.0f, &first, &last);
     clip_layers(&frustum->high_v, 0.0f, -1.0f, &first, &last);
-    frustum->first = ceil(first);
-    frustum->last = present ? floor(last) : (floatL)-1.0f;
+    frustum->first = CEIL(first);
+    frustum->last = present ? FLOOR(last) : (floatL)-1.0f;
 }
 
 // The plane along X + across Y + high (height + margin) = beyond.
@@ -305,8 +306,8 @@ INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side
 #pragma unroll
     for (uint edge = 0; edge < 3; ++edge)
         set_plane(t, axes, side, margin, along[edge], across[edge], -words[slopes + edge], edges[edge] + margin,
-                  frustum->lateral + edge);
-    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(cap, margin), &frustum->middle);
+                  frustum->planes + edge);
+    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(cap, margin), frustum->planes + 3);
 }
 
 // What bounds slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more: those

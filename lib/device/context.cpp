@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
 
 namespace clsdf::device {
 
@@ -18,6 +21,19 @@ void limit_by_environment(const char* name, Number& number) {
     if (const char* limit = std::getenv(name))
         if (const std::size_t most = std::strtoull(limit, nullptr, 10); most > 0)
             number = static_cast<Number>(std::min<std::size_t>(number, most));
+}
+
+/// Whether this processor gathers and scatters fast. Intel's do that have half-precision arithmetic (AVX512-FP16: from
+/// Sapphire Rapids on): those before gather slowly since their microcode keeps gathered data from leaking, and AMD's
+/// scatter in more operations than single stores take. To be asked for anew when others come to have it.
+bool gathers_and_scatters_fast() {
+#ifdef __x86_64__
+    constexpr unsigned features_leaf = 7, has_fp16 = 1U << 23;
+    unsigned eax = 0, ebx = 0, ecx = 0, edx = 0;
+    return __get_cpuid_count(features_leaf, 0, &eax, &ebx, &ecx, &edx) != 0 && (edx & has_fp16) != 0;
+#else
+    return false;
+#endif
 }
 
 /// All that the compiled program depends on.
@@ -68,6 +84,7 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
     capabilities.float_width = device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>();
     capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+    capabilities.scattered_access = capabilities.is_processor && gathers_and_scatters_fast();
     capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();

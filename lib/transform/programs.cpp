@@ -55,7 +55,8 @@ Programs::Programs(device::Context& context, KernelBody asked)
 
 cl::Program Programs::bricks_by_vector(device::Context& context, const BrickVariant& variant) const {
     return context.program("bricks_by_vector.cl",
-                           build_options(context, lanes_of(context, body)) + options_of(variant));
+                           build_options(context, lanes_of(context, body)) + options_of(variant) +
+                               (context.capabilities().scattered_access ? " -DSCATTERED_ACCESS" : ""));
 }
 
 cl::Program Programs::bricks_by_group(device::Context& context, const BrickVariant& variant) const {
