@@ -30,8 +30,8 @@ INLINE uintL places_of(uintL samples) {
 
 // SCATTERED_ACCESS: the device is one where instructions that gather and scatter are fast. (Measured, on an Intel Xeon:
 // with them the bunny's bricks take a ninth less time.) A sample that is listed twice gets the same distance twice.
-#if LANES == 16 && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && \
-    HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
+#if LANES == 16 && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && \
+    HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
 #define ALL_LANES ((ushort)LANE_BITS)
 #define GATHER(p, places) __builtin_ia32_gathersiv16sf((float16)(0.0f), p, places, ALL_LANES, sizeof(float))
 #define SCATTER(values, p, places) __builtin_ia32_scattersiv16sf(p, ALL_LANES, places, values, sizeof(float))
