@@ -24,8 +24,13 @@ typedef struct Samples {
 // sub-blocks (subblocks.h).
 INLINE uintL places_of(uintL samples) {
     const uintL of_sample = (samples & 3u) | (samples >> 3 & 4u) | (samples >> 7 & 8u);
-    const uintL of_subblock = (samples >> 2 & 0x30u) | (samples >> 5 & 0xC0u);
-    return (samples & 0x6000u) | (samples << 3 & 0x1800u) | (samples << 6 & 0x700u) | of_subblock | of_sample;
+    const uintL of_subblock = (samples >> 2 & 0x30u) | (samples >> 5 & 0xC0u) | (samples << 6 & 0x100u);
+    const uintL of_brick = (samples & 0x6000u) | (samples << 3 & 0x1800u) | (samples << 6 & 0x600u);
+#ifdef NEAREST
+    return of_brick << 1 | of_subblock | of_sample;  // each brick's triangles lie behind its distances
+#else
+    return of_brick | of_subblock | of_sample;
+#endif
 }
 
 // SCATTERED_ACCESS: the device is one where instructions that gather and scatter are fast. (Measured, on an Intel Xeon:
@@ -36,18 +41,16 @@ INLINE uintL places_of(uintL samples) {
 #define GATHER(p, places) __builtin_ia32_gathersiv16sf((float16)(0.0f), p, places, ALL_LANES, sizeof(float))
 #define SCATTER(values, p, places) __builtin_ia32_scattersiv16sf(p, ALL_LANES, places, values, sizeof(float))
 INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared, uint triangle) {
-    __private void* least_of = (__private void*)(size_t)minima;
-#ifdef NEAREST
-    const int16 of_brick = as_intL(places_of(samples)), places = of_brick + (of_brick & ~0x1FF);
-    __private void* nearest_of = (__private void*)((size_t)minima->triangle);
+    const int16 places = as_intL(places_of(samples));
+    __private void* least_of = (__private void*)(size_t)minima->squared;
     const float16 least = GATHER(least_of, places);
+#ifdef NEAREST
+    __private void* nearest_of = (__private void*)(size_t)minima->triangle;
     const uint16 nearest = as_uint16(GATHER(nearest_of, places));
     const int16 better = (squared < least) | ((squared == least) & (triangle < nearest));
     SCATTER(better ? squared : least, least_of, places);
     SCATTER(as_float16(better ? (uint16)triangle : nearest), nearest_of, places);
 #else
-    const int16 places = as_intL(places_of(samples));
-    const float16 least = GATHER(least_of, places);
     SCATTER(LESSER(squared, least), least_of, places);
 #endif
 }
@@ -56,13 +59,9 @@ INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared
 #undef SCATTER
 #else
 INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared, uint triangle) {
-    uintL all_places = places_of(samples);
-#ifdef NEAREST
-    all_places += all_places & ~0x1FFu;  // each brick's triangles lie behind its distances
-#endif
     uint places[LANES];
     float values[LANES];
-    store_lanes(all_places, 0, places);
+    store_lanes(places_of(samples), 0, places);
     store_lanes(squared, 0, values);
 #pragma unroll
     for (uint lane = 0; lane < LANES; ++lane) {
