@@ -34,7 +34,8 @@ INLINE uintL places_of(uintL samples) {
 }
 
 // SCATTERED_ACCESS: the device is one where instructions that gather and scatter are fast. (Measured, on an Intel Xeon:
-// with them the bunny's bricks take a ninth less time.) A sample that is listed twice gets the same distance twice.
+// with them the bunny's bricks take a ninth less time.) A sample that is listed twice, as the last
+// vector's first is, gets the same distance twice: a scatter writes equal values to equal places.
 #if LANES == 16 && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && \
     HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
 #define ALL_LANES ((ushort)LANE_BITS)

@@ -31,8 +31,8 @@ INLINE void evaluate_and_empty(const SlenderScan* scan, __global const Polyhedro
 
 #define LANE_OF(vectors, lane) (((__private const float*)&(vectors))[lane])
 
-// How far the boxes of a lane's layers reach beyond their first sample, at most, in samples. Known before the boxes, it
-// spares what follows the wait for them.
+// How far the boxes of a lane's layers reach beyond their first sample, in samples: a bound, which may be one too many.
+// Taken from the lines' ends it is known before the boxes are, so that loops need not wait for their greatest lane.
 INLINE int widest(__private const Line* low, __private const Line* high, uint lane, float first, float last) {
     const float at = LANE_OF(high->at, lane) - LANE_OF(low->at, lane);
     const float step = LANE_OF(high->step, lane) - LANE_OF(low->step, lane);
@@ -48,7 +48,7 @@ typedef struct LayerRange {
 } LayerRange;
 
 // Lists the samples of one lane's polyhedron in some layers. In each layer's box, all layers step along u and v at
-// once. (Inlined where it is known which sides there are.)
+// once. (Which sides there are is a constant in each call: where one is absent, OF_SIDE chooses nothing.)
 INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
                         __private const SlenderPolyhedra* slender, uint lane, LayerRange range, __private Samples* list,
                         __private ulong* counters) {

@@ -29,7 +29,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr const char* scan_alone = R"(
 __kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __global const uint* entries, float cap,
                          __global const Polyhedron* polyhedra, __global Minimum* minima, __global uint* others,
-                         __global uint* other_count, __global float* squared) {
+                         __global uint* other_count, __global float* squared, __global uint* nearest) {
     for (uint b = 0; b < 64; ++b) clear_minimum(minima + b);
     const float slack = cap * layout.slack_rate + layout.brick_slack;
     *other_count =
@@ -39,6 +39,9 @@ __kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __globa
         for (uint row = 0; row < 64; ++row) {
             const size_t at = ((size_t)(brick.z + row / 8) * 32 + brick.y + row % 8) * 32 + brick.x;
             vstore8(as_float8(row_of((__global const uint*)minima[b].squared, row % 8, row / 8)), 0, squared + at);
+#ifdef NEAREST
+            vstore8(row_of((__global const uint*)minima[b].triangle, row % 8, row / 8), 0, nearest + at);
+#endif
         }
     }
 }
@@ -105,14 +108,16 @@ std::vector<Polyhedron> random_polyhedra(Random& random, const polyhedra::Lattic
 }
 
 struct Scanned {
-    std::vector<float> squared;   ///< of the coarse brick's samples, x running fastest
-    std::vector<cl_uint> others;  ///< the polyhedra that are not slender
+    std::vector<float> squared;    ///< of the coarse brick's samples, x running fastest
+    std::vector<cl_uint> nearest;  ///< their polyhedra, with -DNEAREST
+    std::vector<cl_uint> others;   ///< the polyhedra that are not slender
 };
 
 Scanned scan(const device::Context& context, unsigned lanes, const std::string& options, const Layout& layout,
              const Index3& coarse, const std::vector<Polyhedron>& polyhedra, float cap) {
     Scanned result;
     result.squared.resize(std::size_t{CLSDF_COARSE} * CLSDF_COARSE * CLSDF_COARSE);
+    result.nearest.resize(result.squared.size());
     result.others.resize(polyhedra.size() + lanes);
     std::vector<cl_uint> entries(polyhedra.size());
     for (std::size_t n = 0; n < entries.size(); ++n) entries[n] = static_cast<cl_uint>(n);
@@ -122,9 +127,10 @@ Scanned scan(const device::Context& context, unsigned lanes, const std::string& 
         const auto room = [&](std::size_t bytes) { return cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes); };
         const cl::Buffer of_entries = room(entries.size() * sizeof(cl_uint));
         const cl::Buffer of_polyhedra = room(polyhedra.size() * sizeof(Polyhedron));
-        const cl::Buffer minima = room(result.squared.size() * sizeof(float));
+        const cl::Buffer minima = room(2 * result.squared.size() * sizeof(float));
         const cl::Buffer others = room(result.others.size() * sizeof(cl_uint)), other_count = room(sizeof(cl_uint));
         const cl::Buffer squared = room(result.squared.size() * sizeof(float));
+        const cl::Buffer nearest = room(result.nearest.size() * sizeof(cl_uint));
         const cl::CommandQueue& queue = context.queue();
         queue.enqueueWriteBuffer(of_entries, CL_TRUE, 0, entries.size() * sizeof(cl_uint), entries.data());
         queue.enqueueWriteBuffer(of_polyhedra, CL_TRUE, 0, polyhedra.size() * sizeof(Polyhedron), polyhedra.data());
@@ -135,13 +141,14 @@ Scanned scan(const device::Context& context, unsigned lanes, const std::string& 
         kernel.setArg(n++, static_cast<cl_uint>(entries.size()));
         kernel.setArg(n++, of_entries);
         kernel.setArg(n++, cap);
-        for (const cl::Buffer* buffer : {&of_polyhedra, &minima, &others, &other_count, &squared})
+        for (const cl::Buffer* buffer : {&of_polyhedra, &minima, &others, &other_count, &squared, &nearest})
             kernel.setArg(n++, *buffer);
         queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1));
         cl_uint count = 0;
         queue.enqueueReadBuffer(other_count, CL_TRUE, 0, sizeof(count), &count);
         queue.enqueueReadBuffer(others, CL_TRUE, 0, result.others.size() * sizeof(cl_uint), result.others.data());
         queue.enqueueReadBuffer(squared, CL_TRUE, 0, result.squared.size() * sizeof(float), result.squared.data());
+        queue.enqueueReadBuffer(nearest, CL_TRUE, 0, result.nearest.size() * sizeof(cl_uint), result.nearest.data());
         result.others.resize(count);
     });
     return result;
@@ -151,7 +158,7 @@ struct Case {
     Index3 coarse;
     Vec3 spacing;
     double size, half_width, steepest;
-    std::size_t count = 61;  ///< few: each has samples that are nearest to it
+    std::size_t count = 61;  ///< few, and each has samples that are nearest to it
 };
 
 /// Returns how many of the samples lie in a slender polyhedron.
@@ -178,17 +185,19 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
                                         polyhedra::FaceSlopes{{1, 1, 1}, {1, 1, 1}}, site, lattice));
     std::string options = seed % 2 == 0 ? "" : "-DMOST_SAMPLES=8";  // lists that one polyhedron fills several times
     if (seed / 2 % 2 == 0) options += " -DSCATTERED_ACCESS";        // matters where the processor has AVX-512
+    const bool has_nearest = seed % 3 == 0;
+    if (has_nearest) options += " -DNEAREST";
     const Scanned scanned = scan(context, lanes, options, layout, c.coarse, polyhedra, layout.half_width);
 
     std::vector<bool> is_scanned(polyhedra.size(), true);
     for (const cl_uint other : scanned.others) is_scanned[other] = false;
     const double slack = static_cast<double>(layout.brick_slack) + cap * static_cast<double>(layout.slack_rate);
-    std::size_t within = 0, missed = 0, astray = 0, n = 0;
+    std::size_t within = 0, missed = 0, astray = 0, misnamed = 0, n = 0;
     double largest = 0;
     for (int k = 0; k < CLSDF_COARSE; ++k)
         for (int j = 0; j < CLSDF_COARSE; ++j)
             for (int i = 0; i < CLSDF_COARSE; ++i, ++n) {
-                double least = infinite, least_within = infinite;
+                double least = infinite, least_within = infinite, of_named = infinite;
                 bool may_have = false;
                 for (std::size_t p = 0; p < polyhedra.size(); ++p) {
                     if (!is_scanned[p]) continue;
@@ -196,6 +205,7 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
                                                  static_cast<double>(grid.first[1] + j),
                                                  static_cast<double>(grid.first[2] + k), cap, slack);
                     least = std::min(least, place.squared_distance);
+                    if (p == scanned.nearest[n]) of_named = place.squared_distance;
                     if (place.is_within) least_within = std::min(least_within, place.squared_distance);
                     may_have |= place.outside <= 20 * slack;
                 }
@@ -204,11 +214,14 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
                 within += least_within < infinite;
                 missed += least_within < infinite && !(found <= std::sqrt(least_within) + tolerance);
                 astray += found < infinite && !may_have;
+                misnamed += has_nearest && !(found < infinite ? std::abs(std::sqrt(of_named) - found) <= tolerance
+                                                              : scanned.nearest[n] == CLSDF_NO_TRIANGLE);
                 if (found < infinite) largest = std::max(largest, (std::sqrt(least) - found) / tolerance);
             }
     BOOST_TEST(!is_scanned[site]);
     BOOST_TEST(missed == 0U);
     BOOST_TEST(astray == 0U);
+    BOOST_TEST(misnamed == 0U);
     BOOST_TEST(largest <= 1);
     return within;
 }
