@@ -6,6 +6,10 @@
 #include "request.h"
 #include "subblocks.h"
 
+#if defined(__x86_64__) && HAS_BUILTIN(__builtin_nontemporal_store) && HAS_BUILTIN(__builtin_ia32_sfence)
+#define STORES_PAST_CACHES
+#endif
+
 // The state of a brick's samples, sub-block by sub-block.
 typedef struct Minimum {
     floatL squared[SUBBLOCKS * SUBBLOCK_VECTORS];
@@ -118,8 +122,31 @@ static inline void store_row(uint8 values, int begin, int end, __global uint* ro
     for (int x = begin; x < end; ++x) row[x - begin] = each[x];
 }
 
-// Writes the samples of a brick that belong to the part: the distance with its sign where it lies in the band, else the
-// fill.
+// The values of a row's samples: the distance with its sign where it lies in the band, else the fill. inside: a bit a
+// sample.
+INLINE float8 signed_distances(Layout layout, uint inside, float8 square, int8* in_band) {
+    const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
+    const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
+    const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
+    *in_band = square <= limit;
+    const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
+    return *in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
+}
+
+// Where a brick is marked as computed.
+INLINE __global uchar* mark_of(Layout layout, int3 brick, __global uchar* computed) {
+    const int3 at = brick - vload3(0, layout.brick_first);
+    return computed + ((size_t)at.z * layout.bricks[1] + at.y) * layout.bricks[0] + at.x;
+}
+
+// The sign bits from a brick's row (y, z) on. The rows of sign bits cover whole bricks.
+INLINE uint sign_bits_of(Layout layout, int3 brick, int y, int z, __global const uint* sign_bits) {
+    const int3 at = brick - vload3(0, layout.brick_first);
+    const size_t row = (size_t)(z + at.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) + (y + at.y * CLSDF_BRICK);
+    return sign_bits[row * layout.sign_words + at.x / 4] >> (at.x % 4 * 8);
+}
+
+// Writes the samples of a brick that belong to the part.
 static inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum,
                                __global const uint* sign_bits, __global uchar* computed, Output output,
                                __private ulong* counters) {
@@ -127,25 +154,14 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
     const int3 begin = max(brick * CLSDF_BRICK, first) - first,
                end = min((brick + 1) * CLSDF_BRICK, first + size) - first;
     const int3 relative = brick * CLSDF_BRICK - first;  // of the brick's first sample; may be negative
-    const int3 relative_brick = brick - vload3(0, layout.brick_first);
-    computed[((size_t)relative_brick.z * layout.bricks[1] + relative_brick.y) * layout.bricks[0] + relative_brick.x] =
-        1;
+    *mark_of(layout, brick, computed) = 1;
     for (int z = begin.z; z < end.z; ++z)
         for (int y = begin.y; y < end.y; ++y) {
-            // The rows of sign bits cover whole bricks.
-            const size_t bit_row =
-                (size_t)(z - relative.z + relative_brick.z * CLSDF_BRICK) * (layout.bricks[1] * CLSDF_BRICK) +
-                (y - relative.y + relative_brick.y * CLSDF_BRICK);
-            const uint inside =
-                (sign_bits[bit_row * layout.sign_words + relative_brick.x / 4] >> (relative_brick.x % 4 * 8)) & 0xFFu;
+            const uint inside = sign_bits_of(layout, brick, y - relative.y, z - relative.z, sign_bits);
             const float8 square =
                 as_float8(row_of((__global const uint*)minimum->squared, y - relative.y, z - relative.z));
-            const int8 negative = (((int8)inside >> (int8)(0, 1, 2, 3, 4, 5, 6, 7)) & 1) != 0;
-            const float8 fill = negative ? (float8)layout.inside_fill : (float8)layout.outside_fill;
-            const float8 limit = negative ? (float8)layout.inside_squared : (float8)layout.outside_squared;
-            const int8 in_band = square <= limit;
-            const float8 length = LESSER(sqrt(square) * layout.unit, fabs(fill));
-            const float8 value = in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
+            int8 in_band;
+            const float8 value = signed_distances(layout, inside, square, &in_band);
             const size_t at = ((size_t)z * size.y + y) * size.x;
             const int x0 = begin.x - relative.x, x1 = end.x - relative.x;
             store_row(as_uint8(value), x0, x1, (__global uint*)output.distance + at + begin.x);
@@ -160,5 +176,59 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
 #endif
         }
 }
+
+#ifdef STORES_PAST_CACHES
+// Whether two bricks' rows, of which the first brick's are given, are lines of memory, all in the part. Their sign bits
+// are to stand in one word.
+INLINE bool are_lines(Layout layout, int3 brick, const BrickRows* rows) {
+    const int3 at = brick * CLSDF_BRICK - vload3(0, layout.first), size = vload3(0, layout.size);
+    const size_t row = 2 * CLSDF_BRICK * sizeof(float);
+    size_t addresses = rows->distance | rows->y_step | rows->z_step;
+#ifdef NEAREST
+    addresses |= rows->triangle;
+#endif
+    return addresses % row == 0 && (brick.x - layout.brick_first[0]) % 2 == 0 && all(at >= 0) &&
+           all(at + (int3)(2, 1, 1) * CLSDF_BRICK <= size);
+}
+
+// Writes a brick and the next one along x, whose rows are lines of memory: not read before they are written to, as
+// lines are that a store to the caches meets. (Measured, on an Intel Xeon: of sphere6 in a band of 10% the bricks take
+// a fifth less time, in one of 3 voxels at 512^3 a sixth; of the bunny 7 and 10%.)
+static inline void write_pair(Layout layout, int3 brick, __global const Minimum* minima, __global const uint* sign_bits,
+                              __global uchar* computed, Output output, const BrickRows* rows,
+                              __private ulong* counters) {
+    __global uchar* marks = mark_of(layout, brick, computed);
+    marks[0] = marks[1] = 1;
+    for (int z = 0; z < CLSDF_BRICK; ++z)
+        for (int y = 0; y < CLSDF_BRICK; ++y) {
+            const uint inside = sign_bits_of(layout, brick, y, z, sign_bits);
+            float8 values[2];
+            int8 in_band[2];
+#pragma unroll
+            for (uint n = 0; n < 2; ++n) {
+                const float8 square = as_float8(row_of((__global const uint*)minima[n].squared, y, z));
+                values[n] = signed_distances(layout, inside >> n * CLSDF_BRICK, square, in_band + n);
+            }
+            const size_t from_first = y * rows->y_step + z * rows->z_step;
+            __builtin_nontemporal_store((float16)(values[0], values[1]),
+                                        (__global float16*)(rows->distance + from_first));
+#ifdef NEAREST
+            uint8 nearest[2];
+#pragma unroll
+            for (uint n = 0; n < 2; ++n) {
+                const uint8 of_row = row_of((__global const uint*)minima[n].triangle, y, z);
+                nearest[n] = in_band[n] ? of_row : (uint8)CLSDF_NO_TRIANGLE;
+            }
+            __builtin_nontemporal_store((uint16)(nearest[0], nearest[1]),
+                                        (__global uint16*)(rows->triangle + from_first));
+#endif
+#ifdef COUNT
+            int in[16];
+            vstore16((int16)(in_band[0], in_band[1]), 0, in);
+            for (int x = 0; x < 16; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
+#endif
+        }
+}
+#endif
 
 #endif

@@ -246,11 +246,24 @@ static inline ulong evaluate_bricks(Layout layout, int3 coarse, ulong in_part, u
     return is_last ? touched : 0;
 }
 
-// Asks for the rows of brick b of a coarse brick.
-static inline void request_brick(Layout layout, int3 coarse, uint b, Output output) {
-    BrickRows rows;
-    set_rows(layout, brick_of_coarse(coarse, b), output, &rows);
-    for (uint turn = 0; turn < ROW_TURNS; ++turn) request_rows(&rows, turn);
+// Writes some bricks of a coarse brick: those that are neighbours along x, where they can, without their being read.
+static inline void write_bricks(Layout layout, int3 coarse, ulong bricks, __global const Minimum* minima,
+                                __global const uint* sign_bits, __global uchar* computed, Output output,
+                                __private ulong* counters) {
+    for (; bricks; bricks &= bricks - 1) {
+        const uint b = lowest_bit_of_long(bricks);
+        const int3 brick = brick_of_coarse(coarse, b);
+#ifdef STORES_PAST_CACHES
+        BrickRows rows;
+        set_rows(layout, brick, output, &rows);
+        if (b % 2 == 0 && (bricks >> b & 3u) == 3u && are_lines(layout, brick, &rows)) {
+            write_pair(layout, brick, minima + b, sign_bits, computed, output, &rows, counters);
+            bricks &= bricks - 1;
+            continue;
+        }
+#endif
+        write_brick(layout, brick, minima + b, sign_bits, computed, output, counters);
+    }
 }
 
 // The minima are clear before and after.
@@ -281,12 +294,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     }
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
-    for (ulong rest = used & in_part & ~written; rest; rest &= rest - 1) {
-        const ulong later = rest & (rest - 1);
-        if (later) request_brick(layout, coarse, lowest_bit_of_long(later), output);
-        const uint b = lowest_bit_of_long(rest);
-        write_brick(layout, brick_of_coarse(coarse, b), minima + b, sign_bits, computed, output, counters);
-    }
+    write_bricks(layout, coarse, used & in_part & ~written, minima, sign_bits, computed, output, counters);
     for (; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
@@ -327,6 +335,9 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
                              coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, sign_bits,
                              computed, scratch, minima, output, counters);
     }
+#ifdef STORES_PAST_CACHES
+    __builtin_ia32_sfence();  // whoever is told that the kernel has ended sees what it stored
+#endif
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) all_counters[item * CLSDF_COUNTERS + c] += counters[c];
 #endif

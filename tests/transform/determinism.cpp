@@ -121,6 +121,24 @@ BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole) {
         check_parts(noisy(), grid, band, KernelBody::by_vector, parts);
 }
 
+// Of small triangles' bricks, two at a time are stored where their rows are lines of memory: in the whole from an even
+// brick, in parts from an odd one, or nowhere.
+BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole_wherever_its_lines_begin) {
+    const Mesh ball = tilted(make_shape("sphere5"));
+    Grid grid = whole_grid(ball, 64);
+    const std::vector<std::pair<Index3, Index3>> parts{
+        {{8, 0, 0}, {48, 64, 64}}, {{16, 8, 3}, {48, 40, 33}}, {{3, 0, 0}, {61, 64, 64}}, {{24, 5, 0}, {32, 59, 64}}};
+    for (const std::int64_t first : {0, -32, 8}) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t to = axis == 0 ? first : 0;
+            grid.origin[axis] += grid.spacing[axis] * static_cast<double>(grid.first[axis] - to);
+            grid.first[axis] = to;
+            grid.size[axis] = 64;
+        }
+        check_parts(ball, grid, Band::symmetric(5 * grid.voxel()), KernelBody::by_vector, parts);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_part_with_unequal_spacing_has_the_bytes_of_the_whole) {
     const Grid grid = whole_grid(noisy(), 48, {1, 0.4, 2.2});
     for (const Band& band : {Band::symmetric(3 * grid.voxel()), Band::full()})
