@@ -146,6 +146,15 @@ INLINE uint sign_bits_of(Layout layout, int3 brick, int y, int z, __global const
     return sign_bits[row * layout.sign_words + at.x / 4] >> (at.x % 4 * 8);
 }
 
+#ifdef COUNT
+// Samples [begin, end) of a row.
+INLINE void count_band(int8 in_band, int begin, int end, __private ulong* counters) {
+    int in[8];
+    vstore8(in_band, 0, in);
+    for (int x = begin; x < end; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
+}
+#endif
+
 // Writes the samples of a brick that belong to the part.
 static inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum,
                                __global const uint* sign_bits, __global uchar* computed, Output output,
@@ -170,16 +179,14 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
             store_row(in_band ? nearest : (uint8)CLSDF_NO_TRIANGLE, x0, x1, output.triangle + at + begin.x);
 #endif
 #ifdef COUNT
-            int in[8];
-            vstore8(in_band, 0, in);
-            for (int x = x0; x < x1; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
+            count_band(in_band, x0, x1, counters);
 #endif
         }
 }
 
 #ifdef STORES_PAST_CACHES
-// Whether two bricks' rows, of which the first brick's are given, are lines of memory, all in the part. Their sign bits
-// are to stand in one word.
+// Whether the rows of a brick (`rows`) and of the next one along x are together lines of memory, all in the part; and
+// their sign bits in one word, as write_pair() reads them.
 INLINE bool are_lines(Layout layout, int3 brick, const BrickRows* rows) {
     const int3 at = brick * CLSDF_BRICK - vload3(0, layout.first), size = vload3(0, layout.size);
     const size_t row = 2 * CLSDF_BRICK * sizeof(float);
@@ -223,9 +230,7 @@ static inline void write_pair(Layout layout, int3 brick, __global const Minimum*
                                         (__global uint16*)(rows->triangle + from_first));
 #endif
 #ifdef COUNT
-            int in[16];
-            vstore16((int16)(in_band[0], in_band[1]), 0, in);
-            for (int x = 0; x < 16; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
+            for (uint n = 0; n < 2; ++n) count_band(in_band[n], 0, CLSDF_BRICK, counters);
 #endif
         }
 }

@@ -1,9 +1,8 @@
 // The seven-site distance of every sample near the mesh: one work-item takes coarse bricks from a queue, the costliest
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
-// * coarse brick: the distances of slender polyhedra (slender_scan.h), which no finer level sees; of each of its
-// bricks,
-//   an upper bound of the distance (cap) and a mask of the other polyhedra that touch it;
+// * coarse brick: the distances of slender polyhedra (slender_scan.h), which no finer level sees; for each
+//   brick an upper bound of the distance (cap), and masks of the other polyhedra that touch it;
 // * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they touch;
 // * sub-block: the distance to the triangle of each polyhedron that touches it, into the minimum.
 //

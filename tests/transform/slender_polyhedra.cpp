@@ -158,7 +158,7 @@ struct Case {
     Index3 coarse;
     Vec3 spacing;
     double size, half_width, steepest;
-    std::size_t count = 61;  ///< few, and each has samples that are nearest to it
+    std::size_t count = 61;  ///< of polyhedra; where they are few, most of them have samples nearest to them alone
 };
 
 /// Returns how many of the samples lie in a slender polyhedron.
