@@ -16,8 +16,8 @@
 #include "brick_distance.h"
 #include "brick_lists.h"
 #include "lane_offsets.h"
-#include "request.h"
 #include "slender_scan.h"
+#include "write_bricks.h"
 
 // After how many polyhedra of a brick's list the bounds of its distances are taken anew.
 #define CHUNK 64
@@ -221,9 +221,8 @@ static inline uint choose_for_first(ulong bricks, uint count, __global const uin
 // any of them touches are written; returns which these are.
 static inline ulong evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
                                     bool is_last, float slack, __private BrickCaps* caps,
-                                    __global const Polyhedron* polyhedra, __global const uint* sign_bits,
-                                    __global uchar* computed, __global Scratch* scratch, __global Minimum* minima,
-                                    Output output, __private ulong* counters) {
+                                    __global const Polyhedron* polyhedra, __global Scratch* scratch,
+                                    __global Minimum* minima, Output output, __private ulong* counters) {
     for (uint b = 0; b < 64; ++b) caps->cap[b] = cap_of_brick(minima + b, caps->cap[b]);
     const ulong touched =
         in_part & list_bricks(layout, coarse, count, entries, caps->cap, slack, polyhedra, scratch->masks);
@@ -236,39 +235,17 @@ static inline ulong evaluate_bricks(Layout layout, int3 coarse, ulong in_part, u
         rest &= rest - 1;
         next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[(n + 1) % 2]);
         const int3 brick = brick_of_coarse(coarse, b);
-        BrickRows rows;
-        set_rows(layout, brick, output, &rows);
+        const BrickRows rows = rows_of(layout, brick, output);
         evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps->cap[b], is_last, polyhedra + caps->nearest[b],
                       polyhedra, minima + b, &rows, counters);
-        if (is_last) write_brick(layout, brick, minima + b, sign_bits, computed, output, counters);
+        if (is_last) write_brick(layout, brick, minima + b, output, counters);
     }
     return is_last ? touched : 0;
-}
-
-// Writes some bricks of a coarse brick: those that are neighbours along x, where they can, without their being read.
-static inline void write_bricks(Layout layout, int3 coarse, ulong bricks, __global const Minimum* minima,
-                                __global const uint* sign_bits, __global uchar* computed, Output output,
-                                __private ulong* counters) {
-    for (; bricks; bricks &= bricks - 1) {
-        const uint b = lowest_bit_of_long(bricks);
-        const int3 brick = brick_of_coarse(coarse, b);
-#ifdef STORES_PAST_CACHES
-        BrickRows rows;
-        set_rows(layout, brick, output, &rows);
-        if (b % 2 == 0 && (bricks >> b & 3u) == 3u && are_lines(layout, brick, &rows)) {
-            write_pair(layout, brick, minima + b, sign_bits, computed, output, &rows, counters);
-            bricks &= bricks - 1;
-            continue;
-        }
-#endif
-        write_brick(layout, brick, minima + b, sign_bits, computed, output, counters);
-    }
 }
 
 // The minima are clear before and after.
 static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                         float coarse_cap, __global const Polyhedron* polyhedra,
-                                        __global const uint* sign_bits, __global uchar* computed,
                                         __global Scratch* scratch, __global Minimum* minima, Output output,
                                         __private ulong* counters) {
     const ulong in_part = bricks_of_part(layout, coarse);
@@ -288,12 +265,12 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         if (length == 0) continue;
         if (!has_caps) find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
         has_caps = true;
-        written = evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, sign_bits,
-                                  computed, scratch, minima, output, counters);
+        written = evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, scratch,
+                                  minima, output, counters);
     }
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
-    write_bricks(layout, coarse, used & in_part & ~written, minima, sign_bits, computed, output, counters);
+    write_runs(layout, coarse, used & in_part & ~written, minima, output, counters);
     for (; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
@@ -323,6 +300,8 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
 #ifdef NEAREST
     output.triangle = triangle;
 #endif
+    output.computed = computed;
+    output.sign_bits = sign_bits;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     for (;;) {
         const uint turn = atomic_inc(turns + launch);
@@ -331,12 +310,10 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
         const uint begin = starts[number * parts], count = starts[(number + 1) * parts] - begin;
         const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
         compute_coarse_brick(layout, coarse, count, entries + begin,
-                             coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, sign_bits,
-                             computed, scratch, minima, output, counters);
+                             coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, scratch,
+                             minima, output, counters);
     }
-#ifdef STORES_PAST_CACHES
-    __builtin_ia32_sfence();  // whoever is told that the kernel has ended sees what it stored
-#endif
+    finish_lines();
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) all_counters[item * CLSDF_COUNTERS + c] += counters[c];
 #endif

@@ -1,38 +1,9 @@
 // Bricks that no polyhedron touches: the band's limit with the sample's sign.
 
+#include "field_lines.h"
 #include "frame.h"
 #include "lanes.h"
 #include "request.h"
-
-// Numbers of a line of memory. (Half a line, one vector of eight, costs as much past the caches as a whole one.)
-#define LINE 16
-
-// Whether a whole line of samples may be stored past the caches: nobody reads a field's empty part soon. (Measured on
-// two cores, 512 MB: 20 ms through the caches, which read each line before they write it, and 9 to 14 past them, which
-// is what the memory takes.)
-#if LANES > 1 && HAS_BUILTIN(__builtin_nontemporal_store)
-#define STORES_PAST_CACHES
-#endif
-
-// Of a number's place among all of memory's.
-#define NUMBER_OF(address) ((size_t)(address) / sizeof(uint))
-
-// `value` in [begin, end): whole lines of memory, and what there is before and behind them by fours and ones.
-INLINE void store_run(__global uint* begin, __global uint* end, uint value) {
-    for (; begin < end && NUMBER_OF(begin) % 4 != 0; ++begin) *begin = value;
-    for (; begin + 4 <= end && NUMBER_OF(begin) % LINE != 0; begin += 4) vstore4((uint4)value, 0, begin);
-    for (; begin + LINE <= end; begin += LINE)
-#pragma unroll
-        for (uint part = 0; part < LINE; part += LANES) {
-#ifdef STORES_PAST_CACHES
-            __builtin_nontemporal_store((uintL)value, (__global uintL*)(begin + part));
-#else
-            store_lanes((uintL)value, 0, begin + part);
-#endif
-        }
-    for (; begin + 4 <= end; begin += 4) vstore4((uint4)value, 0, begin);
-    for (; begin < end; ++begin) *begin = value;
-}
 
 // A run of one value, kept back: where the next one follows it, as rows follow each other, they are stored as one.
 typedef struct Run {
@@ -46,7 +17,7 @@ INLINE void add_run(__private Run* run, __global uint* begin, __global uint* end
         run->end = end;
         return;
     }
-    store_run(run->begin, run->end, run->value);
+    store_value(run->value, run->begin, run->end);
     run->begin = begin;
     run->end = end;
     run->value = value;
@@ -80,9 +51,7 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
     const int shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;
     const int shift_y = layout.first[1] - layout.brick_first[1] * CLSDF_BRICK;
     const int from_z = z + layout.first[2] - layout.brick_first[2] * CLSDF_BRICK;
-#ifdef STORES_PAST_CACHES
     request_signs(layout, sign_bits, brick_y, from_z + 1);  // for the next work-item of the group
-#endif
     __global const uchar* row_computed =
         computed + ((size_t)(from_z / CLSDF_BRICK) * layout.bricks[1] + brick_y) * layout.bricks[0];
     const int begin_y = max(brick_y * CLSDF_BRICK - shift_y, 0),
@@ -107,6 +76,6 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
             if (with_triangle) add_run(&triangles, triangle + row + begin, triangle + row + end, CLSDF_NO_TRIANGLE);
         }
     }
-    store_run(distances.begin, distances.end, distances.value);
-    if (with_triangle) store_run(triangles.begin, triangles.end, triangles.value);
+    store_value(distances.value, distances.begin, distances.end);
+    if (with_triangle) store_value(triangles.value, triangles.begin, triangles.end);
 }

@@ -121,9 +121,9 @@ BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole) {
         check_parts(noisy(), grid, band, KernelBody::by_vector, parts);
 }
 
-// Of small triangles' bricks, two at a time are stored where their rows are lines of memory: in the whole from an even
-// brick, in parts from an odd one, or nowhere.
-BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole_wherever_its_lines_begin) {
+// Of small triangles, bricks that follow each other along x are stored as runs: of a coarse brick, or of what lies in
+// the part.
+BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole_wherever_its_runs_begin) {
     const Mesh ball = tilted(make_shape("sphere5"));
     Grid grid = whole_grid(ball, 64);
     const std::vector<std::pair<Index3, Index3>> parts{
