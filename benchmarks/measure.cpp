@@ -1,7 +1,6 @@
 #include "benchmarks/measure.hpp"
 
 #include "benchmarks/memory.hpp"
-#include "core/large_memory.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -105,8 +104,8 @@ Spread spread_of(std::vector<double> values) {
 std::vector<Measurement> measure_in_turns(const Workload& workload, const std::vector<Method*>& methods,
                                           const MeasureOptions& options) {
     const Truth truth(workload, options.samples_judged, options.seed);
-    std::vector<float> distance;  // on pages as the library gives its own fields
-    resize_on_huge_pages(distance, workload.grid.sample_count());
+    FieldArray<float> distance(workload.grid.sample_count());  // as the library gives its own
+    forget(distance);                                          // what its pages take is no method's
     const auto announce = [&](const Course& course) {
         if (options.progress) options.progress(course.name());
     };

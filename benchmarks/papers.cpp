@@ -25,7 +25,7 @@ public:
     }
 
     Work work(const Workload& workload) override {
-        std::vector<float> distance(workload.grid.sample_count());
+        FieldArray<float> distance(workload.grid.sample_count());
         const SoftwareScanCounts counts =
             software_scan(workload.mesh, workload.grid, workload.band.outside, threads_, distance);
         return {counts.polyhedra, counts.distances};

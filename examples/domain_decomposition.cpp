@@ -53,7 +53,7 @@ int main() {
             const clsdf::Grid block = block_of(domain, rank, ranks);
 
             // Into memory that the simulation has anyway.
-            std::vector<float> distance(block.sample_count());
+            clsdf::FieldArray<float> distance(block.sample_count());
             transform.compute(block, band, {.distance = distance});
 
             clsdf::Field field;

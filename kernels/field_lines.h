@@ -1,6 +1,7 @@
 // Runs of values stored to the field: whole lines of memory past the caches, since nobody reads them soon, and a store
 // to the caches reads the line that it meets. (Measured on two cores of an Intel Xeon: to fill 512 MB takes 20 ms
-// through the caches and 9 to 14 past them, which is what the memory takes; of bricks of small triangles, a fifth less.)
+// through the caches and 9 to 14 past them, which is what the memory takes; of bricks of small triangles, a fifth
+// less.)
 #ifndef CLSDF_FIELD_LINES_H
 #define CLSDF_FIELD_LINES_H
 
@@ -18,7 +19,7 @@ INLINE void store_line(uint16 values, __global uint* to) {
 #if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_nontemporal_store)
     __builtin_nontemporal_store(values, (__global uint16*)to);
 #else
-    *(__global uint16*)to = values;
+    vstore16(values, 0, to);
 #endif
 }
 

@@ -107,7 +107,7 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
                                __private ulong* counters) {
     const int3 size = vload3(0, layout.size);
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first);  // may be negative
-    const int3 begin = max(-first, 0), end = min(size - first, CLSDF_BRICK);
+    const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(CLSDF_BRICK));
     *mark_of(layout, brick, output) = 1;
     const uint shift = sign_shift_of(layout, brick);
     for (int z = begin.z; z < end.z; ++z) {
@@ -115,8 +115,7 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
         for (int y = begin.y; y < end.y; ++y) {
             const float8 square = as_float8(row_of((__global const uint*)minimum->squared, y, z));
             int8 in_band;
-            const float8 value =
-                signed_distances(layout, sign_bits[y * layout.sign_words] >> shift, square, &in_band);
+            const float8 value = signed_distances(layout, sign_bits[y * layout.sign_words] >> shift, square, &in_band);
             const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x + (first.x + begin.x);
             store_row(as_uint8(value), begin.x, end.x, (__global uint*)output.distance + at);
 #ifdef NEAREST
@@ -136,7 +135,7 @@ static inline void write_run(Layout layout, int3 brick, int count, __global cons
                              __private ulong* counters) {
     const int3 size = vload3(0, layout.size);
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first);  // may be negative
-    const int3 begin = max(-first, 0), end = min(size - first, (int3)(count, 1, 1) * CLSDF_BRICK);
+    const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(count, 1, 1) * CLSDF_BRICK);
     for (int n = 0; n < count; ++n) mark_of(layout, brick, output)[n] = 1;
     // Of a slice: rows that are read right after they are stored would be waited for.
     uint distances[CLSDF_BRICK][CLSDF_COARSE];

@@ -1,5 +1,7 @@
 #include "core/large_memory.hpp"
 
+#include <clsdf/field_array.hpp>
+
 #include <memory>
 #include <new>
 
@@ -12,6 +14,7 @@ namespace clsdf {
 namespace {
 
 constexpr std::size_t huge_page = std::size_t{2} << 20;
+constexpr std::align_val_t line{64};
 
 }  // namespace
 
@@ -32,6 +35,17 @@ void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size
 
 void free_large_memory(void* memory) noexcept {
     ::operator delete (memory, std::align_val_t{huge_page});
+}
+
+void* detail::allocate_field_memory(std::size_t bytes) {
+    return bytes < large_memory_bytes ? ::operator new(bytes, line) : allocate_large_memory(bytes);
+}
+
+void detail::free_field_memory(void* memory, std::size_t bytes) noexcept {
+    if (bytes < large_memory_bytes)
+        ::operator delete(memory, line);
+    else
+        free_large_memory(memory);
 }
 
 }  // namespace clsdf

@@ -1,7 +1,5 @@
 #include "field/outputs.hpp"
 
-#include "core/large_memory.hpp"
-
 #include <array>
 
 namespace clsdf {
@@ -18,7 +16,7 @@ constexpr OutputKind kind(const char* name, const char* content, ValueType type,
             wanted,
             [](const FieldSlab& slab) { return std::as_bytes(slab.*slab_member); },
             [](Field& field, std::size_t samples) {
-                resize_on_huge_pages(field.*field_member, samples);
+                (field.*field_member).resize(samples);
                 return std::as_writable_bytes(std::span(field.*field_member));
             }};
 }

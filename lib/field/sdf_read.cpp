@@ -1,4 +1,3 @@
-#include "core/large_memory.hpp"
 #include "field/formats.hpp"
 
 #include <fmt/format.h>
@@ -194,7 +193,7 @@ Field read_sdf(const std::string& path) {
     if (room == 0)
         file.fail(fmt::format("sizes: {} values do not fit the {} bytes of the file; it is truncated",
                               fmt::join(field.grid.size, " x "), file.size()));
-    resize_on_huge_pages(field.distance, field.grid.sample_count());
+    field.distance.resize(field.grid.sample_count());
     read_values(file, pieces, field.distance);
     return field;
 }

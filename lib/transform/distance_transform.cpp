@@ -1,6 +1,5 @@
 #include <clsdf/distance_transform.hpp>
 
-#include "core/large_memory.hpp"
 #include "core/scratch_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/layout_of.hpp"
@@ -248,8 +247,8 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
     field.mesh_name = state_->mesh.name();
     grid.validate();
     try {
-        resize_on_huge_pages(field.distance, grid.sample_count());
-        if (outputs.triangle) resize_on_huge_pages(field.triangle, grid.sample_count());
+        field.distance.resize(grid.sample_count());
+        if (outputs.triangle) field.triangle.resize(grid.sample_count());
     } catch (const std::exception&) {
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("a field of {} x {} x {} samples does not fit the memory; compute parts of the grid",

@@ -1,7 +1,5 @@
 #include "transform/slab_pipeline.hpp"
 
-#include "core/large_memory.hpp"
-
 #include <fmt/format.h>
 
 namespace clsdf::transform {
@@ -58,8 +56,8 @@ void SlabPipeline::place(Slot& slot, const Grid& slab, const Outputs& outputs, c
     slot.host = callers;
     if (callers.distance.empty()) {
         try {
-            resize_on_huge_pages(slot.own_distance_, samples);
-            resize_on_huge_pages(slot.own_triangle_, outputs.triangle ? samples : 0);
+            slot.own_distance_.resize(samples);
+            slot.own_triangle_.resize(outputs.triangle ? samples : 0);
         } catch (const std::exception&) {
             throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
                                                               slab.size[0], slab.size[1], slab.size[2]));

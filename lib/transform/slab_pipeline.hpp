@@ -44,8 +44,8 @@ public:
 
     private:
         friend SlabPipeline;
-        std::vector<float> own_distance_;
-        std::vector<std::uint32_t> own_triangle_;
+        FieldArray<float> own_distance_;
+        FieldArray<std::uint32_t> own_triangle_;
         std::shared_future<void> delivered_;
     };
 

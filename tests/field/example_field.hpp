@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -73,7 +74,7 @@ inline Field large_field(const Format& format) {
 }
 
 /// Bit by bit, so that -0.0 is not 0.0.
-inline bool same_bits(const std::vector<float>& one, const std::vector<float>& other) {
+inline bool same_bits(std::span<const float> one, std::span<const float> other) {
     return one.size() == other.size() && std::memcmp(one.data(), other.data(), one.size() * sizeof(float)) == 0;
 }
 
@@ -102,8 +103,8 @@ inline std::map<std::string, std::string> all_contents(const TemporaryFolder& fo
 }
 
 /// The bytes of the values in the order asked for.
-template <class Value>
-std::string bytes_of(const std::vector<Value>& values, std::endian order) {
+template <class Value, class Allocator>
+std::string bytes_of(const std::vector<Value, Allocator>& values, std::endian order) {
     std::string bytes;
     for (const Value value : values) {
         std::string one(sizeof(Value), '\0');

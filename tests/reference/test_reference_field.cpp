@@ -42,11 +42,11 @@ Grid line() {
     return {{-3, 2, 2}, {1, 1, 1}, {11, 1, 1}, {}};
 }
 
-std::vector<float> along_line(const Band& band, SignRule sign = SignRule::nonzero) {
+FieldArray<float> along_line(const Band& band, SignRule sign = SignRule::nonzero) {
     return reference_field(cube(), line(), band, sign).distance;
 }
 
-void expect(const std::vector<float>& found, const std::vector<float>& expected) {
+void expect(const FieldArray<float>& found, const FieldArray<float>& expected) {
     BOOST_TEST(found == expected, boost::test_tools::per_element());
     for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i) {
         BOOST_TEST_CONTEXT("sample " << i) {
@@ -68,7 +68,7 @@ BOOST_AUTO_TEST_CASE(the_limits_belong_to_the_band_and_beyond_them_is_the_fill_v
 }
 
 BOOST_AUTO_TEST_CASE(a_triangle_is_named_in_the_band_and_at_its_limits_only) {
-    const std::vector<std::uint32_t> triangles = reference_field(cube(), line(), {1, 2}, SignRule::nonzero).triangle;
+    const FieldArray<std::uint32_t> triangles = reference_field(cube(), line(), {1, 2}, SignRule::nonzero).triangle;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
         // At -3 and 7 the distance is 3, in the middle it is 2 inside.
         const bool in_band = i != 0 && i != 5 && i != 10;

@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -97,7 +98,7 @@ inline Grid grid_at(const Vec3& centre, double h, std::int64_t reach) {
 }
 
 /// The very bits, so that -0 differs from 0 and a NaN equals itself.
-inline std::vector<std::uint32_t> bits_of(const std::vector<float>& values) {
+inline std::vector<std::uint32_t> bits_of(std::span<const float> values) {
     std::vector<std::uint32_t> bits(values.size());
     for (std::size_t i = 0; i < values.size(); ++i) bits[i] = std::bit_cast<std::uint32_t>(values[i]);
     return bits;

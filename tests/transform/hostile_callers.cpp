@@ -77,7 +77,7 @@ BOOST_AUTO_TEST_CASE(an_unsigned_field_beyond_the_mesh_is_outside_by_either_body
     grid.origin = {100, 100, 100};
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
         const Field field = compute(mesh, grid, {0.1, 0.2}, TransformOptions{.sign = SignRule::none, .body = body});
-        BOOST_TEST((field.distance == std::vector<float>(grid.sample_count(), 0.2F)));
+        BOOST_TEST((field.distance == FieldArray<float>(grid.sample_count(), 0.2F)));
     }
 }
 

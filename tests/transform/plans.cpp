@@ -5,6 +5,7 @@
 
 #include "device/context.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <optional>
@@ -44,7 +45,7 @@ struct Memory {
 
     void check(const Field& expected, const cl::CommandQueue& queue) const {
         BOOST_TEST((distance.read(queue) == bits_of(expected.distance)));
-        BOOST_TEST((triangle.read(queue) == expected.triangle));
+        BOOST_TEST(std::ranges::equal(triangle.read(queue), expected.triangle));
     }
 };
 

@@ -10,6 +10,7 @@
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/field_array.hpp>
 #include <clsdf/field_writer.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/length.hpp>

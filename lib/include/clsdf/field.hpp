@@ -1,12 +1,12 @@
 #pragma once
 
 #include <clsdf/band.hpp>
+#include <clsdf/field_array.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/sign.hpp>
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 namespace clsdf {
 
@@ -28,8 +28,8 @@ struct FieldDescription {
 
 /// A computed field on the host. Arrays have grid.sample_count() values, x fastest, and are empty where not asked for.
 struct Field : FieldDescription {
-    std::vector<float> distance;          ///< signed distance in the mesh's units
-    std::vector<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
+    FieldArray<float> distance;          ///< signed distance in the mesh's units
+    FieldArray<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
 
     /// By the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, where OpenVDB is built in, .vdb; docs/formats.md says
     /// what each of them holds. Beside .nrrd and .npy triangles have a file of their own, FILE_triangle.nrrd or
