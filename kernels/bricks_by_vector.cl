@@ -218,15 +218,13 @@ static inline uint choose_for_first(ulong bricks, uint count, __global const uin
 }
 
 // Polyhedra of a coarse brick's list into the minima of its bricks `in_part`. Where they are the last, the bricks that
-// any of them touches are written; returns which these are.
-static inline ulong evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
-                                    bool is_last, float slack, __private BrickCaps* caps,
-                                    __global const Polyhedron* polyhedra, __global Scratch* scratch,
-                                    __global Minimum* minima, Output output, __private ulong* counters) {
+// any of them touches are written, and their minima cleared.
+static inline void evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
+                                   bool is_last, float slack, __private BrickCaps* caps,
+                                   __global const Polyhedron* polyhedra, __global Scratch* scratch,
+                                   __global Minimum* minima, Output output, __private ulong* counters) {
     for (uint b = 0; b < 64; ++b) caps->cap[b] = cap_of_brick(minima + b, caps->cap[b]);
-    const ulong touched =
-        in_part & list_bricks(layout, coarse, count, entries, caps->cap, slack, polyhedra, scratch->masks);
-    ulong rest = touched;
+    ulong rest = in_part & list_bricks(layout, coarse, count, entries, caps->cap, slack, polyhedra, scratch->masks);
     // Each brick's list is made before the brick before it is computed. Read right after it is written, it would have
     // to wait until all stores before it, that brick's rows, have reached the caches.
     uint next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[0]);
@@ -238,9 +236,10 @@ static inline ulong evaluate_bricks(Layout layout, int3 coarse, ulong in_part, u
         const BrickRows rows = rows_of(layout, brick, output);
         evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps->cap[b], is_last, polyhedra + caps->nearest[b],
                       polyhedra, minima + b, &rows, counters);
-        if (is_last) write_brick(layout, brick, minima + b, output, counters);
+        if (!is_last) continue;
+        write_brick(layout, brick, minima + b, output, counters);
+        clear_minimum(minima + b);
     }
-    return is_last ? touched : 0;
 }
 
 // The minima are clear before and after.
@@ -252,7 +251,6 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
     BrickCaps caps;
     bool has_caps = false;
-    ulong written = 0;
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
         __global const uint* some = entries + begin;
         uint length = min(count - begin, (uint)CLSDF_LIST_PART);
@@ -265,12 +263,12 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         if (length == 0) continue;
         if (!has_caps) find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
         has_caps = true;
-        written = evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, scratch,
-                                  minima, output, counters);
+        evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, scratch, minima,
+                        output, counters);
     }
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
-    write_runs(layout, coarse, used & in_part & ~written, minima, output, counters);
+    write_runs(layout, coarse, used & in_part, minima, output, counters);
     for (; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
