@@ -2,7 +2,8 @@
 #ifndef CLSDF_BRICK_MINIMUM_H
 #define CLSDF_BRICK_MINIMUM_H
 
-#include "frame.h"
+#include "inline.h"
+#include "layout.h"
 #include "subblocks.h"
 
 // The state of a brick's samples, sub-block by sub-block.

@@ -16,6 +16,7 @@
 #include "brick_distance.h"
 #include "brick_lists.h"
 #include "lane_offsets.h"
+#include "request.h"
 #include "slender_scan.h"
 #include "write_bricks.h"
 
@@ -266,6 +267,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, scratch, minima,
                         output, counters);
     }
+    // What is left: the bricks that only slender polyhedra touch, or polyhedra of the list's former parts.
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
     write_runs(layout, coarse, used & in_part, minima, output, counters);

@@ -1,7 +1,6 @@
 // Runs of values stored to the field: whole lines of memory past the caches, since nobody reads them soon, and a store
 // to the caches reads the line that it meets. (Measured on two cores of an Intel Xeon: to fill 512 MB takes 20 ms
-// through the caches and 9 to 14 past them, which is what the memory takes; of bricks of small triangles, a fifth
-// less.)
+// through the caches and 9 to 14 past them, which is what the memory takes.)
 #ifndef CLSDF_FIELD_LINES_H
 #define CLSDF_FIELD_LINES_H
 
@@ -11,8 +10,8 @@
 // Numbers of a line of memory. (Half a line, one vector of eight, costs as much past the caches as a whole one.)
 #define LINE 16
 
-// Of a number's place among all of memory's.
-#define NUMBER_OF(address) ((size_t)(address) / sizeof(uint))
+// How far an address lies past one that is divisible by so many numbers' bytes.
+#define PAST(address, numbers) ((size_t)(address) % ((numbers) * sizeof(uint)))
 
 // `to` is the first of a line.
 INLINE void store_line(uint16 values, __global uint* to) {
@@ -23,7 +22,8 @@ INLINE void store_line(uint16 values, __global uint* to) {
 #endif
 }
 
-// At the end of a kernel that stores lines: whoever is told that it has ended sees them.
+// After the last of a work-item's lines, or of its group's: whoever is told that the kernel has ended sees them. (On
+// x86 such stores come in no order with others; on AArch64 they are ordered as others are.)
 INLINE void finish_lines(void) {
 #if defined(__x86_64__) && HAS_BUILTIN(__builtin_ia32_sfence)
     __builtin_ia32_sfence();
@@ -34,8 +34,8 @@ INLINE void finish_lines(void) {
 
 // One value into [begin, end).
 INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
-    for (; begin < end && NUMBER_OF(begin) % 4 != 0; ++begin) *begin = value;
-    for (; begin + 4 <= end && NUMBER_OF(begin) % LINE != 0; begin += 4) vstore4((uint4)value, 0, begin);
+    for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = value;
+    for (; begin + 4 <= end && PAST(begin, LINE) != 0; begin += 4) vstore4((uint4)value, 0, begin);
     for (; begin + LINE <= end; begin += LINE) store_line((uint16)value, begin);
     for (; begin + 4 <= end; begin += 4) vstore4((uint4)value, 0, begin);
     for (; begin < end; ++begin) *begin = value;
@@ -43,9 +43,8 @@ INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
 
 // values[0], values[1], ... into [begin, end).
 INLINE void store_values(__private const uint* values, __global uint* begin, __global uint* end) {
-    for (; begin < end && NUMBER_OF(begin) % 4 != 0; ++begin) *begin = *values++;
-    for (; begin + 4 <= end && NUMBER_OF(begin) % LINE != 0; begin += 4, values += 4)
-        vstore4(vload4(0, values), 0, begin);
+    for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = *values++;
+    for (; begin + 4 <= end && PAST(begin, LINE) != 0; begin += 4, values += 4) vstore4(vload4(0, values), 0, begin);
     for (; begin + LINE <= end; begin += LINE, values += LINE) store_line(vload16(0, values), begin);
     for (; begin + 4 <= end; begin += 4, values += 4) vstore4(vload4(0, values), 0, begin);
     for (; begin < end; ++begin) *begin = *values++;

@@ -1,8 +1,9 @@
 // Bricks that no polyhedron touches: the band's limit with the sample's sign.
 
+#include "bits.h"
 #include "field_lines.h"
-#include "frame.h"
-#include "lanes.h"
+#include "inline.h"
+#include "layout.h"
 #include "request.h"
 
 // A run of one value, kept back: where the next one follows it, as rows follow each other, they are stored as one.
@@ -40,13 +41,10 @@ INLINE void request_signs(Layout layout, __global const uint* sign_bits, int bri
     for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE) request_line_for_soon(bits + word);
 }
 
-// One work-item the empty ones of a piece of a row of bricks, in one slice of samples, from slice `first_slice` on.
-// Global size: (pieces of a row of bricks, rows of bricks, slices and what fills the last group).
-__kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
-                                __global uint* distance, __global uint* triangle, int with_triangle, int first_slice) {
-    const int piece = get_global_id(0), pieces = get_global_size(0), brick_y = get_global_id(1),
-              z = first_slice + get_global_id(2);
-    if (z >= layout.size[2]) return;
+// The empty bricks [first_brick, end_brick) of a row of bricks, in one slice of samples.
+INLINE void fill_bricks(Layout layout, int first_brick, int end_brick, int brick_y, int z,
+                        __global const uchar* computed, __global const uint* sign_bits, __global uint* distance,
+                        __global uint* triangle, int with_triangle) {
     // Offsets from the first brick's first sample.
     const int shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;
     const int shift_y = layout.first[1] - layout.brick_first[1] * CLSDF_BRICK;
@@ -57,8 +55,7 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
     const int begin_y = max(brick_y * CLSDF_BRICK - shift_y, 0),
               end_y = min((brick_y + 1) * CLSDF_BRICK - shift_y, layout.size[1]);
     Run distances = {distance, distance, 0}, triangles = {triangle, triangle, 0};
-    const int end_brick = (int)((long)layout.bricks[0] * (piece + 1) / pieces);
-    for (int brick = (int)((long)layout.bricks[0] * piece / pieces); brick < end_brick; ++brick) {
+    for (int brick = first_brick; brick < end_brick; ++brick) {
         if (row_computed[brick]) continue;
         const int begin = max(brick * CLSDF_BRICK - shift_x, 0);
         while (brick < end_brick && !row_computed[brick]) ++brick;
@@ -78,4 +75,18 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
     }
     store_value(distances.value, distances.begin, distances.end);
     if (with_triangle) store_value(triangles.value, triangles.begin, triangles.end);
+}
+
+// One work-item a piece of a row of bricks in one slice, from slice `first_slice` on.
+// Global size: (pieces of a row of bricks, rows of bricks, slices and what fills the last group).
+__kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
+                                __global uint* distance, __global uint* triangle, int with_triangle, int first_slice) {
+    const int piece = get_global_id(0), pieces = get_global_size(0), z = first_slice + get_global_id(2);
+    const int first_brick = (int)((long)layout.bricks[0] * piece / pieces);
+    const int end_brick = (int)((long)layout.bricks[0] * (piece + 1) / pieces);
+    if (z < layout.size[2])
+        fill_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, sign_bits, distance, triangle,
+                    with_triangle);
+    // Once a group, whose work-items one thread takes one after the other: each by itself would wait for its stores.
+    if (get_local_id(2) + 1 == get_local_size(2)) finish_lines();
 }

@@ -2,9 +2,12 @@
 #ifndef CLSDF_WRITE_BRICKS_H
 #define CLSDF_WRITE_BRICKS_H
 
+#include "bits.h"
 #include "brick_lists.h"
 #include "brick_minimum.h"
 #include "field_lines.h"
+#include "lanes.h"
+#include "layout.h"
 #include "request.h"
 
 // What is written, and what gives it its sign: a bit a sample.
@@ -93,14 +96,32 @@ INLINE uint sign_shift_of(Layout layout, int3 brick) {
     return (uint)(brick.x - layout.brick_first[0]) % 4 * CLSDF_BRICK;
 }
 
+// A row of a brick, as it is written.
+typedef struct Row {
+    uint8 distance;
+#ifdef NEAREST
+    uint8 triangle;
+#endif
+} Row;
+
+// Row (y, z); of its samples [begin, end) it is counted which lie in the band.
+INLINE Row row_of_brick(Layout layout, __global const Minimum* minimum, int y, int z, uint inside, int begin, int end,
+                        __private ulong* counters) {
+    Row row;
+    int8 in_band;
+    const float8 square = as_float8(row_of((__global const uint*)minimum->squared, y, z));
+    row.distance = as_uint8(signed_distances(layout, inside, square, &in_band));
+#ifdef NEAREST
+    const uint8 nearest = row_of((__global const uint*)minimum->triangle, y, z);
+    row.triangle = in_band ? nearest : (uint8)CLSDF_NO_TRIANGLE;
+#endif
 #ifdef COUNT
-// Samples [begin, end) of a row.
-INLINE void count_band(int8 in_band, int begin, int end, __private ulong* counters) {
     int in[8];
     vstore8(in_band, 0, in);
     for (int x = begin; x < end; ++x) counters[CLSDF_COUNT_BAND] += in[x] != 0;
-}
 #endif
+    return row;
+}
 
 // Writes the samples of a brick that belong to the part, whose rows were asked for.
 static inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum, Output output,
@@ -113,24 +134,19 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
     for (int z = begin.z; z < end.z; ++z) {
         __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
         for (int y = begin.y; y < end.y; ++y) {
-            const float8 square = as_float8(row_of((__global const uint*)minimum->squared, y, z));
-            int8 in_band;
-            const float8 value = signed_distances(layout, sign_bits[y * layout.sign_words] >> shift, square, &in_band);
+            const uint inside = sign_bits[y * layout.sign_words] >> shift;
+            const Row row = row_of_brick(layout, minimum, y, z, inside, begin.x, end.x, counters);
             const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x + (first.x + begin.x);
-            store_row(as_uint8(value), begin.x, end.x, (__global uint*)output.distance + at);
+            store_row(row.distance, begin.x, end.x, (__global uint*)output.distance + at);
 #ifdef NEAREST
-            const uint8 nearest = row_of((__global const uint*)minimum->triangle, y, z);
-            store_row(in_band ? nearest : (uint8)CLSDF_NO_TRIANGLE, begin.x, end.x, output.triangle + at);
-#endif
-#ifdef COUNT
-            count_band(in_band, begin.x, end.x, counters);
+            store_row(row.triangle, begin.x, end.x, output.triangle + at);
 #endif
         }
     }
 }
 
-// The same of `count` bricks that follow each other along x: rows long enough for whole lines of memory, which need not
-// be asked for.
+// The same of `count` bricks that follow each other along x, of which none was asked for: rows of two and more have
+// whole lines of memory. (Those of one have none; few bricks have no neighbour.)
 static inline void write_run(Layout layout, int3 brick, int count, __global const Minimum* minima, Output output,
                              __private ulong* counters) {
     const int3 size = vload3(0, layout.size);
@@ -147,19 +163,13 @@ static inline void write_run(Layout layout, int3 brick, int count, __global cons
             const int3 each = brick + (int3)(n, 0, 0);
             __global const uint* sign_bits = sign_bits_of(layout, each, z, output);
             const uint shift = sign_shift_of(layout, each);
+            const int x0 = max(begin.x - n * CLSDF_BRICK, 0), x1 = min(end.x - n * CLSDF_BRICK, CLSDF_BRICK);
             for (int y = begin.y; y < end.y; ++y) {
-                const float8 square = as_float8(row_of((__global const uint*)minima[n].squared, y, z));
-                int8 in_band;
-                const float8 value =
-                    signed_distances(layout, sign_bits[y * layout.sign_words] >> shift, square, &in_band);
-                store_eight(as_uint8(value), n, distances[y]);
+                const uint inside = sign_bits[y * layout.sign_words] >> shift;
+                const Row row = row_of_brick(layout, minima + n, y, z, inside, x0, x1, counters);
+                store_eight(row.distance, n, distances[y]);
 #ifdef NEAREST
-                const uint8 nearest = row_of((__global const uint*)minima[n].triangle, y, z);
-                store_eight(in_band ? nearest : (uint8)CLSDF_NO_TRIANGLE, n, triangles[y]);
-#endif
-#ifdef COUNT
-                count_band(in_band, max(begin.x - n * CLSDF_BRICK, 0), min(end.x - n * CLSDF_BRICK, CLSDF_BRICK),
-                           counters);
+                store_eight(row.triangle, n, triangles[y]);
 #endif
             }
         }
