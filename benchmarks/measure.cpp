@@ -105,7 +105,7 @@ std::vector<Measurement> measure_in_turns(const Workload& workload, const std::v
                                           const MeasureOptions& options) {
     const Truth truth(workload, options.samples_judged, options.seed);
     FieldArray<float> distance(workload.grid.sample_count());  // as the library gives its own
-    forget(distance);                                          // what its pages take is no method's
+    forget(distance);  // touched here, so that no method's first call pays for its page faults
     const auto announce = [&](const Course& course) {
         if (options.progress) options.progress(course.name());
     };

@@ -6,8 +6,10 @@
 #include <clsdf/clsdf.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <span>
 #include <vector>
 
 namespace {
@@ -22,14 +24,13 @@ clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t 
 }
 
 /// The number of samples that are not the very same float in the block as in the whole.
-std::size_t differences(const clsdf::Field& block, const clsdf::Field& whole) {
-    const clsdf::Grid& grid = block.grid;
+std::size_t differences(const clsdf::Grid& grid, std::span<const float> distance, const clsdf::Field& whole) {
     const std::int64_t shift = grid.first[0] - whole.grid.first[0];
     std::size_t count = 0;
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
             for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-                const float& here = block.distance[grid.offset(i, j, k)];
+                const float& here = distance[grid.offset(i, j, k)];
                 const float& there = whole.distance[whole.grid.offset(i + shift, j, k)];
                 count += std::memcmp(&here, &there, sizeof here) != 0 ? 1 : 0;
             }
@@ -53,13 +54,10 @@ int main() {
             const clsdf::Grid block = block_of(domain, rank, ranks);
 
             // Into memory that the simulation has anyway.
-            clsdf::FieldArray<float> distance(block.sample_count());
+            std::vector<float> distance(block.sample_count());
             transform.compute(block, band, {.distance = distance});
 
-            clsdf::Field field;
-            field.grid = block;
-            field.distance = std::move(distance);
-            const std::size_t different = differences(field, whole);
+            const std::size_t different = differences(block, distance, whole);
             std::printf("rank %lld: samples %lld to %lld of x, %zu of them different from the whole's\n",
                         static_cast<long long>(rank), static_cast<long long>(block.first[0]),
                         static_cast<long long>(block.first[0] + block.size[0] - 1), different);

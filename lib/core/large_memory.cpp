@@ -49,3 +49,6 @@ void detail::free_field_memory(void* memory, std::size_t bytes) noexcept {
 }
 
 }  // namespace clsdf
+
+template class std::vector<float, clsdf::FieldAllocator<float>>;
+template class std::vector<std::uint32_t, clsdf::FieldAllocator<std::uint32_t>>;

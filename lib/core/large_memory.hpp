@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 namespace clsdf {
 
@@ -15,17 +14,5 @@ void free_large_memory(void* memory) noexcept;
 
 /// Asks for huge pages in memory from elsewhere that nothing was written to yet.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
-
-/// Resizes a vector. Where it must grow, it takes memory for exactly this size, on huge pages where the system gives
-/// them, and loses its values.
-template <class Value>
-void resize_on_huge_pages(std::vector<Value>& values, std::size_t size) {
-    if (values.capacity() < size) {
-        std::vector<Value>().swap(values);
-        values.reserve(size);
-        advise_huge_pages(values.data(), size * sizeof(Value));
-    }
-    values.resize(size);
-}
 
 }  // namespace clsdf

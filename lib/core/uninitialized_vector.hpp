@@ -3,17 +3,19 @@
 #include "core/large_memory.hpp"
 #include "core/scratch_memory.hpp"
 
-#include <memory>
+#include <clsdf/field_array.hpp>
+
+#include <cstddef>
 #include <new>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace clsdf {
 
 /// Takes the memory of large arrays from `scratch` where there is one; it must outlive them.
 template <typename T>
-struct DefaultInitializingAllocator {
+struct DefaultInitializingAllocator : detail::DefaultInitialization {
+    static_assert(alignof(T) <= 64);
     using value_type = T;
     using propagate_on_container_move_assignment = std::true_type;
     using propagate_on_container_swap = std::true_type;
@@ -28,30 +30,22 @@ struct DefaultInitializingAllocator {
     DefaultInitializingAllocator(const DefaultInitializingAllocator<U>& other) : scratch(other.scratch) {}
 
     T* allocate(std::size_t count) {
-        if (!is_large(count)) return std::allocator<T>().allocate(count);
         if (count > std::size_t(-1) / sizeof(T)) throw std::bad_array_new_length();
         const std::size_t bytes = count * sizeof(T);
-        return static_cast<T*>(scratch ? scratch->allocate(bytes) : allocate_large_memory(bytes));
+        return static_cast<T*>(takes_scratch(bytes) ? scratch->allocate(bytes) : detail::allocate_field_memory(bytes));
     }
     void deallocate(T* memory, std::size_t count) noexcept {
-        if (!is_large(count))
-            std::allocator<T>().deallocate(memory, count);
-        else if (scratch)
+        const std::size_t bytes = count * sizeof(T);
+        if (takes_scratch(bytes))
             scratch->give_back(memory);
         else
-            free_large_memory(memory);
+            detail::free_field_memory(memory, bytes);
     }
-    static bool is_large(std::size_t count) { return count > (large_memory_bytes - 1) / sizeof(T); }
-
-    bool operator==(const DefaultInitializingAllocator& other) const { return scratch == other.scratch; }
+    bool takes_scratch(std::size_t bytes) const { return scratch != nullptr && bytes >= large_memory_bytes; }
 
     template <typename U>
-    void construct(U* place) noexcept {
-        ::new (static_cast<void*>(place)) U;
-    }
-    template <typename U, typename... Arguments>
-    void construct(U* place, Arguments&&... arguments) {
-        ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+    bool operator==(const DefaultInitializingAllocator<U>& other) const {
+        return scratch == other.scratch;
     }
 };
 

@@ -120,6 +120,14 @@ std::vector<std::size_t> begins_of_parts(std::string_view text) {
     return begins;
 }
 
+/// Of an empty vector.
+template <class Value>
+void resize_on_huge_pages(std::vector<Value>& values, std::size_t size) {
+    values.reserve(size);
+    advise_huge_pages(values.data(), size * sizeof(Value));
+    values.resize(size);
+}
+
 MeshArrays joined(std::span<const MeshArrays> parts) {
     std::vector<std::size_t> first_vertex{0}, first_triangle{0};
     for (const MeshArrays& part : parts) {

@@ -2,7 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 namespace clsdf::transform {
+
+namespace {
+
+/// For exactly so many samples where it must grow; what it holds is of no use any more.
+template <typename Value>
+void make_room(FieldArray<Value>& array, std::size_t samples) {
+    if (array.capacity() < samples) array = {};
+    array.resize(samples);
+}
+
+}  // namespace
 
 void OutputMemory::place(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes) {
     host_ = host;
@@ -56,8 +69,8 @@ void SlabPipeline::place(Slot& slot, const Grid& slab, const Outputs& outputs, c
     slot.host = callers;
     if (callers.distance.empty()) {
         try {
-            slot.own_distance_.resize(samples);
-            slot.own_triangle_.resize(outputs.triangle ? samples : 0);
+            make_room(slot.own_distance_, samples);
+            make_room(slot.own_triangle_, outputs.triangle ? samples : 0);
         } catch (const std::exception&) {
             throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
                                                               slab.size[0], slab.size[1], slab.size[2]));

@@ -7,7 +7,7 @@
 #include <array>
 #include <atomic>
 #include <future>
-#include <vector>
+#include <memory>
 
 namespace clsdf::transform {
 

@@ -2,10 +2,12 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <new>
 #include <numeric>
+#include <utility>
 
 using clsdf::FieldArray;
 
@@ -33,6 +35,7 @@ BOOST_AUTO_TEST_CASE(field_arrays_are_vectors) {
     const std::uint32_t* memory = values.data();
     const FieldArray<std::uint32_t> moved = std::move(values);
     BOOST_TEST(moved.data() == memory);
+    BOOST_TEST((clsdf::FieldAllocator<float>() == clsdf::FieldAllocator<int>()));
     BOOST_CHECK_THROW(clsdf::FieldAllocator<float>().allocate(std::numeric_limits<std::size_t>::max() / 2),
                       std::bad_array_new_length);
     BOOST_CHECK_THROW(clsdf::FieldAllocator<float>().allocate(std::numeric_limits<std::size_t>::max() / 4),

@@ -141,7 +141,7 @@ public:
     /// The field on the host. Grids whose field exceeds what the device can allocate are computed in slabs.
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {});
 
-    /// The same into the caller's memory.
+    /// The same into the caller's memory. After an error what it holds is undefined.
     void compute(const Grid& grid, const Band& band, const HostOutputs& host);
 
     /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the

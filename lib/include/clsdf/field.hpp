@@ -26,7 +26,8 @@ struct FieldDescription {
     std::string mesh_name;
 };
 
-/// A computed field on the host. Arrays have grid.sample_count() values, x fastest, and are empty where not asked for.
+/// A computed field on the host. Arrays have grid.sample_count() values, x fastest, and are empty where not asked for;
+/// what is made of them by hand is to be set whole, see FieldArray.
 struct Field : FieldDescription {
     FieldArray<float> distance;          ///< signed distance in the mesh's units
     FieldArray<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
