@@ -271,7 +271,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
     write_runs(layout, coarse, used & in_part, minima, output, counters);
-    for (; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
+    for (used &= ~in_part; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
 // Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's

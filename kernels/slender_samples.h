@@ -21,15 +21,25 @@ typedef struct Samples {
 } Samples;
 
 // Where samples of a coarse brick are among its bricks' minima: bricks with x running fastest, then y, then z; there by
-// sub-blocks (subblocks.h).
-INLINE uintL places_of(uintL samples) {
-    const uintL of_sample = (samples & 3u) | (samples >> 3 & 4u) | (samples >> 7 & 8u);
-    const uintL of_subblock = (samples >> 2 & 0x30u) | (samples >> 5 & 0xC0u) | (samples << 6 & 0x100u);
-    const uintL of_brick = (samples & 0x6000u) | (samples << 3 & 0x1800u) | (samples << 6 & 0x600u);
+// sub-blocks (subblocks.h). What a coordinate, from 0 to 31, adds to the place.
 #ifdef NEAREST
-    return of_brick << 1 | of_subblock | of_sample;  // each brick's triangles lie behind its distances
+#define BRICK_PLACES (2 * CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK)  // its triangles lie behind its distances
 #else
-    return of_brick | of_subblock | of_sample;
+#define BRICK_PLACES (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK)
+#endif
+#define PLACE_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * BRICK_PLACES)
+#define PLACE_OF_Y(y) ((y) % 2u * 4u | (y) / 2u % 4u * SUBBLOCK_SAMPLES | (y) / 8u * (4 * BRICK_PLACES))
+#define PLACE_OF_Z(z) ((z) % 2u * 8u | (z) / 2u % 4u * (4 * SUBBLOCK_SAMPLES) | (z) / 8u * (16 * BRICK_PLACES))
+INLINE uintL places_of(uintL i, uintL j, uintL k) {
+#if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermi2vard512)
+    // Looked up, by the five lowest bits, in tables of two vectors.
+#define LOOK_UP(PLACE, places)                                                               \
+    as_uint16(__builtin_ia32_vpermi2vard512(as_int16(PLACE(LANE_NUMBERS)), as_int16(places), \
+                                            as_int16(PLACE(LANE_NUMBERS + 16u))))
+    return LOOK_UP(PLACE_OF_X, i) | LOOK_UP(PLACE_OF_Y, j) | LOOK_UP(PLACE_OF_Z, k);
+#undef LOOK_UP
+#else
+    return PLACE_OF_X(i) | PLACE_OF_Y(j) | PLACE_OF_Z(k);
 #endif
 }
 
@@ -41,8 +51,8 @@ INLINE uintL places_of(uintL samples) {
 #define ALL_LANES ((ushort)LANE_BITS)
 #define GATHER(p, places) __builtin_ia32_gathersiv16sf((float16)(0.0f), p, places, ALL_LANES, sizeof(float))
 #define SCATTER(values, p, places) __builtin_ia32_scattersiv16sf(p, ALL_LANES, places, values, sizeof(float))
-INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared, uint triangle) {
-    const int16 places = as_intL(places_of(samples));
+INLINE void lower_minima(__global Minimum* minima, uintL at, floatL squared, uint triangle) {
+    const int16 places = as_intL(at);
     __private void* least_of = (__private void*)(size_t)minima->squared;
     const float16 least = GATHER(least_of, places);
 #ifdef NEAREST
@@ -59,10 +69,10 @@ INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared
 #undef GATHER
 #undef SCATTER
 #else
-INLINE void lower_minima(__global Minimum* minima, uintL samples, floatL squared, uint triangle) {
+INLINE void lower_minima(__global Minimum* minima, uintL at, floatL squared, uint triangle) {
     uint places[LANES];
     float values[LANES];
-    store_lanes(places_of(samples), 0, places);
+    store_lanes(at, 0, places);
     store_lanes(squared, 0, values);
 #pragma unroll
     for (uint lane = 0; lane < LANES; ++lane) {
@@ -127,12 +137,14 @@ static inline void evaluate_samples(__global const Polyhedron* p, int3 first, do
     store_lanes((uintL)list->samples[0], 0, list->samples + list->count);  // the last vector is filled with the first
     for (uint n = 0; n < list->count; n += LANES) {
         const uintL samples = load_lanes(0, list->samples + n);
-        const floatL i = convert_floatL(as_intL(samples & 31u)), j = convert_floatL(as_intL(samples >> 5 & 31u)),
-                     k = convert_floatL(as_intL(samples >> 10));
+        const uintL number_i = samples & 31u, number_j = samples >> 5 & 31u, number_k = samples >> 10;
+        const floatL i = convert_floatL(as_intL(number_i)), j = convert_floatL(as_intL(number_j)),
+                     k = convert_floatL(as_intL(number_k));
 #define SUM(part, axis) (i * along_x.part.axis + (j * along_y.part.axis + (k * along_z.part.axis + at_first.part.axis)))
         const floatL x = SUM(high, x) + SUM(low, x), y = SUM(high, y) + SUM(low, y), z = SUM(high, z) + SUM(low, z);
 #undef SUM
-        lower_minima(minima, samples, squared_distance_in_region(table, x, y, x, y, z), triangle);
+        lower_minima(minima, places_of(number_i, number_j, number_k), squared_distance_in_region(table, x, y, x, y, z),
+                     triangle);
     }
 }
 

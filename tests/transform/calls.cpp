@@ -32,6 +32,12 @@ Grid around_mesh() {
     return grid_around(mesh(), 40, 5);
 }
 
+/// Those of the band, as far as the computed field says which they are.
+std::size_t samples_with_triangle(const Field& field) {
+    return field.triangle.size() -
+           static_cast<std::size_t>(std::count(field.triangle.begin(), field.triangle.end(), no_triangle));
+}
+
 /// Computes into arrays that begin at, and beside, lines of memory, between values that stay as they are.
 void check_places(const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
     const Field expected = compute(mesh, grid, band, body);
@@ -206,15 +212,24 @@ BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {
     refuse({.distance = all.first(grid.sample_count()), .triangle = std::span(triangle).first(1)});
 }
 
+BOOST_AUTO_TEST_CASE(samples_of_the_band_are_counted_where_the_grid_cuts_bricks) {
+    for (const auto& [shape, whole] : {std::pair(&mesh(), around_mesh()), std::pair(&dense(), around_dense())})
+        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+            const Grid grid = whole.part({3, 5, 10}, {31, 27, 21});
+            DistanceTransform transform(test_device(), *shape, {.body = body, .count = true});
+            const Field field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
+            BOOST_TEST(samples_with_triangle(field) > 1000U);
+            BOOST_TEST(transform.statistics().band_samples == samples_with_triangle(field));
+        }
+}
+
 BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
     const Grid grid = around_mesh();
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
         DistanceTransform transform(test_device(), mesh(), {.body = body, .count = true});
         const Field field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
         const TransformStatistics& statistics = transform.statistics();
-        const auto in_band =
-            static_cast<std::size_t>(std::count_if(field.triangle.begin(), field.triangle.end(),
-                                                   [](std::uint32_t triangle) { return triangle != no_triangle; }));
+        const std::size_t in_band = samples_with_triangle(field);
         BOOST_TEST(statistics.triangles == mesh().triangles().size());
         BOOST_TEST(statistics.band_samples == in_band);
         BOOST_TEST(statistics.samples_covered >= in_band);
