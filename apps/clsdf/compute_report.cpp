@@ -6,7 +6,10 @@
 
 #include <unistd.h>
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <span>
 
 using nlohmann::ordered_json;
 
@@ -103,11 +106,20 @@ ordered_json ratio(std::size_t part, std::size_t whole) {
 }  // namespace
 
 std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::FieldSlab& slab) {
+    constexpr float infinity = std::numeric_limits<float>::infinity();
     const auto outside = static_cast<float>(field.band.outside);
-    const auto inside = -static_cast<float>(field.band.inside);
-    return static_cast<std::size_t>(std::count_if(slab.distance.begin(), slab.distance.end(), [&](float distance) {
-        return distance < outside && (field.sign == clsdf::SignRule::none || distance > inside);
-    }));
+    const auto inside = field.sign == clsdf::SignRule::none ? -infinity : -static_cast<float>(field.band.inside);
+    std::size_t count = 0;
+    for (std::span<const float> rest = slab.distance; !rest.empty();) {
+        // Without branches, in counters as wide as the distances: compilers make vectors of it.
+        const auto some = rest.first(std::min(rest.size(), std::size_t{1} << 20));
+        std::uint32_t of_some = 0;
+        for (const float distance : some)
+            of_some += static_cast<std::uint32_t>(distance < outside) & static_cast<std::uint32_t>(distance > inside);
+        count += of_some;
+        rest = rest.subspan(some.size());
+    }
+    return count;
 }
 
 std::string warning_of_polyhedra(const ComputeLayout& layout) {
