@@ -4,7 +4,7 @@
 
 #include <openvdb/openvdb.h>
 
-// Included by the two files that include OpenVDB, whose headers take long to compile.
+// Included by the few files that include OpenVDB, whose headers take long to compile.
 
 namespace clsdf::vdb {
 

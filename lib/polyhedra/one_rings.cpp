@@ -13,29 +13,36 @@
 
 namespace clsdf::polyhedra {
 
-void check_face_count(std::size_t count) {
+std::size_t checked_face_count(std::size_t count) {
     if (count > most_faces)
         throw Error(
             ErrorCode::unsupported,
             fmt::format("{} triangles are more than the {} that can be prepared; split the mesh", count, most_faces));
+    return count;
 }
 
 /// Each part of the faces has vertices of its own, a range of their numbers, and files the corners there, so that no
 /// two parts write to one ring. Corners that its faces have at other parts' vertices it sets aside for those.
 class OneRings::Filing {
 public:
-    /// The first face and the first vertex of each part; then the end of both.
-    using Borders = std::vector<std::pair<std::size_t, std::size_t>>;
+    /// Where a part begins: its first face and its first vertex.
+    struct Border {
+        std::size_t face, vertex;
+    };
 
-    Filing(std::span<const Triangle> triangles, Borders borders, OneRings& rings)
+    /// The last border is the end of both.
+    Filing(std::span<const Triangle> triangles, std::vector<Border> borders, OneRings& rings)
         : triangles_(triangles), borders_(std::move(borders)), rings_(rings), parts_(borders_.size() - 1) {}
 
     void run() {
         rings_.start_[0] = 0;
         for_each_part([&](std::size_t part) { count(part); });
         for_each_part([&](std::size_t part) { count_set_aside(part); });
-        std::uint32_t first = 0;
-        for (Part& part : parts_) first += std::exchange(part.corners, first);
+        std::uint32_t corners = 0;
+        for (Part& part : parts_) {
+            part.first_corner = corners;
+            corners += part.corner_count;
+        }
         for_each_part([&](std::size_t part) { file(part); });
     }
 
@@ -52,7 +59,8 @@ private:
 
     struct Part {
         std::vector<SetAside> set_aside;
-        std::uint32_t corners = 0;  ///< at its vertices; then the place of the first
+        std::uint32_t corner_count = 0;  ///< at its vertices
+        std::uint32_t first_corner = 0;  ///< the place of the first of them
     };
 
     template <typename Function>
@@ -63,9 +71,9 @@ private:
     /// Calls own(vertex, corner) for corners of the part's faces at its own vertices, other(vertex, corner) elsewhere.
     template <typename Own, typename Other>
     void for_each_corner(std::size_t part, const Own& own, const Other& other) const {
-        const auto first = static_cast<std::uint32_t>(borders_[part].second);
-        const auto count = static_cast<std::uint32_t>(borders_[part + 1].second) - first;
-        for (std::size_t face = borders_[part].first; face < borders_[part + 1].first; ++face)
+        const auto first = static_cast<std::uint32_t>(borders_[part].vertex);
+        const auto count = static_cast<std::uint32_t>(borders_[part + 1].vertex) - first;
+        for (std::size_t face = borders_[part].face; face < borders_[part + 1].face; ++face)
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const std::uint32_t vertex = triangles_[face][k];
                 const std::uint32_t corner = Corner{static_cast<std::uint32_t>(face), k}.packed();
@@ -84,13 +92,13 @@ private:
             return std::lower_bound(all.begin(), all.end(), vertex,
                                     [](const SetAside& a, std::size_t v) { return a.vertex < v; });
         };
-        return {place(borders_[part].second), place(borders_[part + 1].second)};
+        return {place(borders_[part].vertex), place(borders_[part + 1].vertex)};
     }
 
     void count(std::size_t part) {
         std::uint32_t* const start = rings_.start_.data();
         // Counted one place further on, so that filing turns each ring's start into the next one's.
-        std::fill(start + borders_[part].second + 1, start + borders_[part + 1].second + 1, 0U);
+        std::fill(start + borders_[part].vertex + 1, start + borders_[part + 1].vertex + 1, 0U);
         std::vector<SetAside> aside;
         for_each_corner(
             part, [&](std::uint32_t vertex, std::uint32_t) { ++start[vertex + 1]; },
@@ -98,8 +106,8 @@ private:
                 aside.push_back({vertex, corner});
             });
         std::sort(aside.begin(), aside.end());
-        const std::size_t faces = borders_[part + 1].first - borders_[part].first;
-        parts_[part].corners = static_cast<std::uint32_t>(3 * faces - aside.size());
+        const std::size_t faces = borders_[part + 1].face - borders_[part].face;
+        parts_[part].corner_count = static_cast<std::uint32_t>(3 * faces - aside.size());
         parts_[part].set_aside = std::move(aside);
     }
 
@@ -107,15 +115,15 @@ private:
         for (std::size_t from = 0; from < parts_.size(); ++from)
             for (const SetAside& aside : set_aside(from, part)) {
                 ++rings_.start_[aside.vertex + 1];
-                ++parts_[part].corners;
+                ++parts_[part].corner_count;
             }
     }
 
     void file(std::size_t part) {
         std::uint32_t* const start = rings_.start_.data();
         std::uint32_t* const corners = rings_.corners_.data();
-        std::uint32_t next = parts_[part].corners;
-        for (std::size_t vertex = borders_[part].second; vertex < borders_[part + 1].second; ++vertex)
+        std::uint32_t next = parts_[part].first_corner;
+        for (std::size_t vertex = borders_[part].vertex; vertex < borders_[part + 1].vertex; ++vertex)
             next += std::exchange(start[vertex + 1], next);
         const auto take = [&](std::uint32_t vertex, std::uint32_t corner) { corners[start[vertex + 1]++] = corner; };
         const auto take_from = [&](std::size_t from) {
@@ -127,19 +135,18 @@ private:
     }
 
     std::span<const Triangle> triangles_;
-    Borders borders_;
+    std::vector<Border> borders_;
     OneRings& rings_;
     std::vector<Part> parts_;
 };
 
 OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch)
-    : start_(vertex_count + 1, scratch), corners_(3 * triangles.size(), scratch) {
-    check_face_count(triangles.size());
+    : start_(vertex_count + 1, scratch), corners_(3 * checked_face_count(triangles.size()), scratch) {
     const std::size_t size = stretch_for_all_cores(triangles.size(), OrderedFaces::stretch);
     const std::size_t parts = std::max<std::size_t>(1, stretch_count(triangles.size(), size));
-    Filing::Borders borders;
+    std::vector<Filing::Border> borders;
     for (std::size_t part = 0; part <= parts; ++part)
-        borders.emplace_back(std::min(triangles.size(), part * size), vertex_count * part / parts);
+        borders.push_back({std::min(triangles.size(), part * size), vertex_count * part / parts});
     Filing(triangles, std::move(borders), *this).run();
 }
 
@@ -147,10 +154,10 @@ OneRings::OneRings(const OrderedFaces& faces, ScratchMemory* scratch)
     : start_(faces.vertices.size() + 1, scratch), corners_(3 * faces.triangles.size(), scratch) {
     const std::size_t count = faces.triangles.size();
     const std::size_t size = stretch_for_all_cores(count, OrderedFaces::stretch);
-    Filing::Borders borders;
+    std::vector<Filing::Border> borders;
     for (std::size_t face = 0; face < count; face += size)
-        borders.emplace_back(face, faces.first_vertices[face / OrderedFaces::stretch]);
-    borders.emplace_back(count, faces.vertices.size());
+        borders.push_back({face, faces.first_vertices[face / OrderedFaces::stretch]});
+    borders.push_back({count, faces.vertices.size()});
     Filing(faces.triangles, std::move(borders), *this).run();
 }
 

@@ -34,8 +34,8 @@ constexpr std::uint32_t previous_of_three(std::uint32_t k) {
 
 /// So many faces have corners that pack.
 inline constexpr std::size_t most_faces = (std::size_t{1} << 30) - 1;
-/// Throws Error(unsupported) for more.
-void check_face_count(std::size_t count);
+/// The count; throws Error(unsupported) for more.
+std::size_t checked_face_count(std::size_t count);
 
 /// The corners that meet at each vertex, by face.
 class OneRings {

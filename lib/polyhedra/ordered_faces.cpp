@@ -158,7 +158,7 @@ private:
 }  // namespace
 
 OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order, ScratchMemory* scratch) {
-    check_face_count(order.size());
+    checked_face_count(order.size());
     OrderedFaces faces;
     Numbering(mesh, order, faces, scratch).run(scratch);
     faces.positions = UninitializedVector<Vec3>(faces.vertices.size(), scratch);
