@@ -14,6 +14,20 @@ typedef struct Minimum {
 #endif
 } Minimum;
 
+// The host allocates as many bytes for each.
+#ifdef NEAREST
+typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(1) ? 1 : -1];
+#else
+typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(0) ? 1 : -1];
+#endif
+
+// Where the samples of a coarse brick are among its bricks' minima, counted in numbers: bricks with x running fastest,
+// then y, then z; there by sub-blocks. Each coordinate, from 0 to 31, adds its own. (Macros, for numbers and vectors.)
+#define BRICK_PLACES ((uint)(sizeof(Minimum) / sizeof(float)))
+#define PLACE_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * BRICK_PLACES)
+#define PLACE_OF_Y(y) ((y) % 2u * 4u | (y) / 2u % 4u * SUBBLOCK_SAMPLES | (y) / 8u * (4 * BRICK_PLACES))
+#define PLACE_OF_Z(z) ((z) % 2u * 8u | (z) / 2u % 4u * (4 * SUBBLOCK_SAMPLES) | (z) / 8u * (16 * BRICK_PLACES))
+
 static inline void clear_minimum(__global Minimum* minimum) {
     for (uint n = 0; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
         minimum->squared[n] = INFINITY;
@@ -60,8 +74,8 @@ static inline bool has_distances(__global const Minimum* minimum) {
 
 // Row (y, z) of a brick's samples, out of its sub-blocks.
 INLINE uint8 row_of(__global const uint* samples, uint y, uint z) {
-    __global const uint* half_row = samples + (z / 2 * 4 + y / 2) * SUBBLOCK_SAMPLES + (z % 2 * 2 + y % 2) * SUBBLOCK_X;
-    return (uint8)(vload4(0, half_row), vload4(0, half_row + SUBBLOCK_PLANE * SUBBLOCK_SAMPLES));
+    __global const uint* half_row = samples + (PLACE_OF_Y(y) | PLACE_OF_Z(z));
+    return (uint8)(vload4(0, half_row), vload4(0, half_row + PLACE_OF_X(4u)));
 }
 
 #endif

@@ -16,6 +16,7 @@
 
 #include "blocks.h"
 #include "distance.h"
+#include "signed_distance.h"
 
 #define SUBBLOCKS 16
 #define SUBBLOCK_SAMPLES 32
@@ -235,12 +236,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
                                (relative_brick.y * CLSDF_BRICK + in_brick.y);
         const uint bit = relative_brick.x * CLSDF_BRICK + in_brick.x;
         const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
-        const float fill = negative ? layout.inside_fill : layout.outside_fill;
-        const bool in_band = minimum.squared[s] <= (negative ? layout.inside_squared : layout.outside_squared);
-        const float root = sqrt(minimum.squared[s]) * layout.unit;
-        const float length = LESSER(root, fabs(fill));
         const size_t offset = ((size_t)at.z * size.y + at.y) * size.x + at.x;
-        distance[offset] = in_band ? (negative && length != 0.0f ? -length : length) : fill;
+        bool in_band;
+        distance[offset] = signed_distance(layout, negative, minimum.squared[s], &in_band);
 #ifdef NEAREST
         triangle[offset] = in_band ? minimum.triangle[s] : CLSDF_NO_TRIANGLE;
 #endif

@@ -234,12 +234,10 @@ static inline void evaluate_bricks(Layout layout, int3 coarse, ulong in_part, ui
         rest &= rest - 1;
         next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[(n + 1) % 2]);
         const int3 brick = brick_of_coarse(coarse, b);
-        const BrickRows rows = rows_of(layout, brick, output);
+        const BrickRows rows = rows_in_field(layout, brick, output);
         evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps->cap[b], is_last, polyhedra + caps->nearest[b],
                       polyhedra, minima + b, &rows, counters);
-        if (!is_last) continue;
-        write_brick(layout, brick, minima + b, output, counters);
-        clear_minimum(minima + b);
+        if (is_last) write_brick(layout, brick, minima + b, output, counters);
     }
 }
 
@@ -271,11 +269,12 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
     write_runs(layout, coarse, used & in_part, minima, output, counters);
+    // The samples of slender polyhedra may lie in bricks beyond the part, too.
     for (used &= ~in_part; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
-// Global size: any. Work-items take coarse bricks order[turns[launch]++] until `end`; the turn starts at the launch's
-// first.
+// Global size: as many as there are scratch and minima for. Work-items take coarse bricks order[turns[launch]++] until
+// `end`; the turn starts at the launch's first.
 __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order,
                                __global const uint* starts, uint parts, __global const uint* entries,
                                __global const float* coarse_caps, __global const Polyhedron* polyhedra,

@@ -8,7 +8,7 @@
 #include "inline.h"
 
 // Numbers of a line of memory. (Half a line, one vector of eight, costs as much past the caches as a whole one.)
-#define LINE 16
+#define LINE_NUMBERS 16
 
 // How far an address lies past one that is divisible by so many numbers' bytes.
 #define PAST(address, numbers) ((size_t)(address) % ((numbers) * sizeof(uint)))
@@ -35,8 +35,8 @@ INLINE void finish_lines(void) {
 // One value into [begin, end).
 INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
     for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = value;
-    for (; begin + 4 <= end && PAST(begin, LINE) != 0; begin += 4) vstore4((uint4)value, 0, begin);
-    for (; begin + LINE <= end; begin += LINE) store_line((uint16)value, begin);
+    for (; begin + 4 <= end && PAST(begin, LINE_NUMBERS) != 0; begin += 4) vstore4((uint4)value, 0, begin);
+    for (; begin + LINE_NUMBERS <= end; begin += LINE_NUMBERS) store_line((uint16)value, begin);
     for (; begin + 4 <= end; begin += 4) vstore4((uint4)value, 0, begin);
     for (; begin < end; ++begin) *begin = value;
 }
@@ -44,8 +44,10 @@ INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
 // values[0], values[1], ... into [begin, end).
 INLINE void store_values(__private const uint* values, __global uint* begin, __global uint* end) {
     for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = *values++;
-    for (; begin + 4 <= end && PAST(begin, LINE) != 0; begin += 4, values += 4) vstore4(vload4(0, values), 0, begin);
-    for (; begin + LINE <= end; begin += LINE, values += LINE) store_line(vload16(0, values), begin);
+    for (; begin + 4 <= end && PAST(begin, LINE_NUMBERS) != 0; begin += 4, values += 4)
+        vstore4(vload4(0, values), 0, begin);
+    for (; begin + LINE_NUMBERS <= end; begin += LINE_NUMBERS, values += LINE_NUMBERS)
+        store_line(vload16(0, values), begin);
     for (; begin + 4 <= end; begin += 4, values += 4) vstore4(vload4(0, values), 0, begin);
     for (; begin < end; ++begin) *begin = *values++;
 }

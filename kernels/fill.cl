@@ -38,7 +38,7 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
 INLINE void request_signs(Layout layout, __global const uint* sign_bits, int brick_y, int from_z) {
     __global const uint* bits =
         sign_bits + ((size_t)from_z * layout.bricks[1] + brick_y) * CLSDF_BRICK * layout.sign_words;
-    for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE) request_line_for_soon(bits + word);
+    for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE_NUMBERS) request_line_for_soon(bits + word);
 }
 
 // The empty bricks [first_brick, end_brick) of a row of bricks, in one slice of samples.

@@ -11,6 +11,9 @@
 #define CLSDF_COARSE 32
 #define CLSDF_BRICKS_PER_COARSE 4
 
+// The minima of a brick in the vector body: of each sample a squared distance and, where it is asked for, a triangle.
+#define CLSDF_MINIMUM_BYTES(with_triangle) (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK * ((with_triangle) ? 8 : 4))
+
 // How many polyhedra of a coarse brick's list the vector body takes at a time.
 #define CLSDF_LIST_PART 2048
 // A work-item's own memory there: a bit for each polyhedron and each of the 64 bricks, and three lists, each with

@@ -20,16 +20,7 @@ typedef struct Samples {
     uint count;
 } Samples;
 
-// Where samples of a coarse brick are among its bricks' minima: bricks with x running fastest, then y, then z; there by
-// sub-blocks (subblocks.h). What a coordinate, from 0 to 31, adds to the place.
-#ifdef NEAREST
-#define BRICK_PLACES (2 * CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK)  // its triangles lie behind its distances
-#else
-#define BRICK_PLACES (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK)
-#endif
-#define PLACE_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * BRICK_PLACES)
-#define PLACE_OF_Y(y) ((y) % 2u * 4u | (y) / 2u % 4u * SUBBLOCK_SAMPLES | (y) / 8u * (4 * BRICK_PLACES))
-#define PLACE_OF_Z(z) ((z) % 2u * 8u | (z) / 2u % 4u * (4 * SUBBLOCK_SAMPLES) | (z) / 8u * (16 * BRICK_PLACES))
+// Of samples (i, j, k) of a coarse brick, among its bricks' minima.
 INLINE uintL places_of(uintL i, uintL j, uintL k) {
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermi2vard512)
     // Looked up, by the five lowest bits, in tables of two vectors.
@@ -44,39 +35,38 @@ INLINE uintL places_of(uintL i, uintL j, uintL k) {
 }
 
 // SCATTERED_ACCESS: the device is one where instructions that gather and scatter are fast. (Measured, on an Intel Xeon:
-// with them the bunny's bricks take a ninth less time.) A sample that is listed twice, as the last
-// vector's first is, gets the same distance twice: a scatter writes equal values to equal places.
+// with them the bunny's bricks take a ninth less time.) A sample that is listed twice, as the list's first is, which
+// fills the last vector, gets the same distance twice: a scatter writes equal values to equal places.
 #if LANES == 16 && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && \
     HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
 #define ALL_LANES ((ushort)LANE_BITS)
 #define GATHER(p, places) __builtin_ia32_gathersiv16sf((float16)(0.0f), p, places, ALL_LANES, sizeof(float))
 #define SCATTER(values, p, places) __builtin_ia32_scattersiv16sf(p, ALL_LANES, places, values, sizeof(float))
-INLINE void lower_minima(__global Minimum* minima, uintL at, floatL squared, uint triangle) {
-    const int16 places = as_intL(at);
+INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint triangle) {
     __private void* least_of = (__private void*)(size_t)minima->squared;
-    const float16 least = GATHER(least_of, places);
+    const float16 least = GATHER(least_of, as_intL(places));
 #ifdef NEAREST
     __private void* nearest_of = (__private void*)(size_t)minima->triangle;
-    const uint16 nearest = as_uint16(GATHER(nearest_of, places));
+    const uint16 nearest = as_uint16(GATHER(nearest_of, as_intL(places)));
     const int16 better = (squared < least) | ((squared == least) & (triangle < nearest));
-    SCATTER(better ? squared : least, least_of, places);
-    SCATTER(as_float16(better ? (uint16)triangle : nearest), nearest_of, places);
+    SCATTER(better ? squared : least, least_of, as_intL(places));
+    SCATTER(as_float16(better ? (uint16)triangle : nearest), nearest_of, as_intL(places));
 #else
-    SCATTER(LESSER(squared, least), least_of, places);
+    SCATTER(LESSER(squared, least), least_of, as_intL(places));
 #endif
 }
 #undef ALL_LANES
 #undef GATHER
 #undef SCATTER
 #else
-INLINE void lower_minima(__global Minimum* minima, uintL at, floatL squared, uint triangle) {
-    uint places[LANES];
+INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint triangle) {
+    uint place[LANES];
     float values[LANES];
-    store_lanes(at, 0, places);
+    store_lanes(places, 0, place);
     store_lanes(squared, 0, values);
 #pragma unroll
     for (uint lane = 0; lane < LANES; ++lane) {
-        __global float* least = (__global float*)minima + places[lane];
+        __global float* least = (__global float*)minima + place[lane];
 #ifdef NEAREST
         __global uint* nearest = (__global uint*)least + CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK;
         const bool better = values[lane] < *least || (values[lane] == *least && triangle < *nearest);
@@ -137,13 +127,13 @@ static inline void evaluate_samples(__global const Polyhedron* p, int3 first, do
     store_lanes((uintL)list->samples[0], 0, list->samples + list->count);  // the last vector is filled with the first
     for (uint n = 0; n < list->count; n += LANES) {
         const uintL samples = load_lanes(0, list->samples + n);
-        const uintL number_i = samples & 31u, number_j = samples >> 5 & 31u, number_k = samples >> 10;
-        const floatL i = convert_floatL(as_intL(number_i)), j = convert_floatL(as_intL(number_j)),
-                     k = convert_floatL(as_intL(number_k));
+        const uintL sample_i = samples & 31u, sample_j = samples >> 5 & 31u, sample_k = samples >> 10;
+        const floatL i = convert_floatL(as_intL(sample_i)), j = convert_floatL(as_intL(sample_j)),
+                     k = convert_floatL(as_intL(sample_k));
 #define SUM(part, axis) (i * along_x.part.axis + (j * along_y.part.axis + (k * along_z.part.axis + at_first.part.axis)))
         const floatL x = SUM(high, x) + SUM(low, x), y = SUM(high, y) + SUM(low, y), z = SUM(high, z) + SUM(low, z);
 #undef SUM
-        lower_minima(minima, places_of(number_i, number_j, number_k), squared_distance_in_region(table, x, y, x, y, z),
+        lower_minima(minima, places_of(sample_i, sample_j, sample_k), squared_distance_in_region(table, x, y, x, y, z),
                      triangle);
     }
 }

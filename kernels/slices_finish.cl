@@ -2,6 +2,7 @@
 
 #include "frame.h"
 #include "piece.h"
+#include "signed_distance.h"
 #include "slices_key.h"
 
 // Slices [first_slice, end_slice) of the lattice are those that the keys hold. Global size: (samples of x, rows of y,
@@ -26,12 +27,9 @@ __kernel void slices_finish(Layout layout, int first_slice, int end_slice, KEY_P
     const size_t bit_row = (size_t)(from_brick.z + slice) * (layout.bricks[1] * CLSDF_BRICK) + (from_brick.y + y);
     const int bit = from_brick.x + x;
     const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
-    const float squared = as_float(key.x);
-    const float fill = negative ? layout.inside_fill : layout.outside_fill;
-    const bool in_band = squared <= (negative ? layout.inside_squared : layout.outside_squared);
-    const float length = LESSER(sqrt(squared) * layout.unit, fabs(fill));
     const size_t at = ((size_t)slice * layout.size[1] + y) * layout.size[0] + x;
-    distance[at] = in_band ? (negative && length != 0.0f ? -length : length) : fill;
+    bool in_band;
+    distance[at] = signed_distance(layout, negative, as_float(key.x), &in_band);
 #ifdef NEAREST
     triangle[at] = in_band ? key.y : CLSDF_NO_TRIANGLE;
 #endif

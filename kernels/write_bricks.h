@@ -29,7 +29,7 @@ typedef struct BrickRows {
     size_t y_step, z_step;
 } BrickRows;
 
-INLINE BrickRows rows_of(Layout layout, int3 brick, Output output) {
+INLINE BrickRows rows_in_field(Layout layout, int3 brick, Output output) {
     BrickRows rows;
     const int3 at = brick * CLSDF_BRICK - vload3(0, layout.first);
     rows.y_step = (size_t)layout.size[0] * sizeof(float);
@@ -58,24 +58,23 @@ INLINE void request_rows(__private const BrickRows* rows, uint turn) {
 }
 
 // Stores values[begin, end) of a row of a brick.
-static inline void store_row(uint8 values, int begin, int end, __global uint* row) {
-    if (end - begin == 8) {
-        store_eight(values, 0, row);
+static inline void store_row(uint8 values, int begin, int end, __global uint* to) {
+    if (end - begin == CLSDF_BRICK) {
+        store_eight(values, 0, to);
         return;
     }
-    uint each[8];
+    uint each[CLSDF_BRICK];
     vstore8(values, 0, each);
-    for (int x = begin; x < end; ++x) row[x - begin] = each[x];
+    for (int x = begin; x < end; ++x) to[x - begin] = each[x];
 }
 
-// The values of LANES samples: the distance with its sign where it lies in the band, else the fill. inside: a bit a
-// sample.
-INLINE floatL signed_distances(Layout layout, uint inside, floatL square, intL* in_band) {
+// The values of LANES samples, as signed_distance.h has them. inside: a bit a sample.
+INLINE floatL signed_distances(Layout layout, uint inside, floatL squared, intL* in_band) {
     const intL negative = (((intL)(int)inside >> as_intL(LANE_NUMBERS)) & 1) != 0;
     const floatL fill = negative ? (floatL)layout.inside_fill : (floatL)layout.outside_fill;
     const floatL limit = negative ? (floatL)layout.inside_squared : (floatL)layout.outside_squared;
-    *in_band = square <= limit;
-    const floatL length = LESSER(sqrt(square) * layout.unit, fabs(fill));
+    *in_band = squared <= limit;
+    const floatL length = LESSER(sqrt(squared) * layout.unit, fabs(fill));
     return *in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
 }
 
@@ -97,7 +96,7 @@ INLINE uint sign_shift_of(Layout layout, int3 brick) {
 }
 
 // A vector of a brick's rows, one or two of a slice, as they are written.
-#define ROWS_OF_VECTOR (LANES / CLSDF_BRICK)
+#define ROWS_PER_VECTOR (LANES / CLSDF_BRICK)
 typedef struct FinishedRows {
     uintL distance;
 #ifdef NEAREST
@@ -105,27 +104,45 @@ typedef struct FinishedRows {
 #endif
 } FinishedRows;
 
-#if ROWS_OF_VECTOR == 1
+#if ROWS_PER_VECTOR == 1
 #define ROW_OF_VECTOR(rows, n) (rows)
 #else
 #define ROW_OF_VECTOR(rows, n) ((n) == 0 ? (rows).lo : (rows).hi)
 #endif
 INLINE uintL rows_from(__global const uint* samples, int y, int z) {
-#if ROWS_OF_VECTOR == 1
+#if ROWS_PER_VECTOR == 1
     return row_of(samples, y, z);
 #else
     return (uintL)(row_of(samples, y, z), row_of(samples, y + 1, z));
 #endif
 }
 
-// Those from row (y, z) of the brick on. sign_bits: of the slice. It is counted which samples of [begin, end) lie in
-// the band.
-INLINE FinishedRows finished_rows(Layout layout, __global const Minimum* minimum, int y, int z,
-                                  __global const uint* sign_bits, uint shift, int3 begin, int3 end,
-                                  __private ulong* counters) {
+// The first row of the vector that has row y.
+INLINE int first_of_vector(int y) {
+    return y / ROWS_PER_VECTOR * ROWS_PER_VECTOR;
+}
+
+#ifdef COUNT
+// Which samples of the rows from y on belong to the part: a bit a lane.
+static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
+    const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first), size = vload3(0, layout.size);
+    const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(CLSDF_BRICK));
+    const uint of_row = (1u << end.x) - (1u << begin.x);
+    uint lanes = 0;
+    for (int n = 0; n < ROWS_PER_VECTOR; ++n)
+        if (y + n >= begin.y && y + n < end.y) lanes |= of_row << (n * CLSDF_BRICK);
+    return lanes;
+}
+#endif
+
+// Those of slice z of a brick, from row y on.
+INLINE FinishedRows finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, int y, int z,
+                                  Output output, __private ulong* counters) {
+    __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
+    const uint shift = sign_shift_of(layout, brick);
     uint inside = 0;
 #pragma unroll
-    for (int n = 0; n < ROWS_OF_VECTOR; ++n)
+    for (int n = 0; n < ROWS_PER_VECTOR; ++n)
         inside |= (sign_bits[(y + n) * layout.sign_words] >> shift & 0xFFu) << (n * CLSDF_BRICK);
     FinishedRows rows;
     intL in_band;
@@ -136,27 +153,23 @@ INLINE FinishedRows finished_rows(Layout layout, __global const Minimum* minimum
     rows.triangle = in_band ? nearest : (uintL)CLSDF_NO_TRIANGLE;
 #endif
 #ifdef COUNT
-    const uint bits = lanes_to_bits(in_band);
-    for (int n = max(begin.y - y, 0); n < min(end.y - y, ROWS_OF_VECTOR); ++n)
-        for (int x = max(begin.x, 0); x < min(end.x, CLSDF_BRICK); ++x)
-            counters[CLSDF_COUNT_BAND] += bits >> (n * CLSDF_BRICK + x) & 1u;
+    counters[CLSDF_COUNT_BAND] += popcount(lanes_to_bits(in_band) & lanes_in_part(layout, brick, y));
 #endif
     return rows;
 }
 
-// Writes the samples of a brick that belong to the part, whose rows were asked for.
-static inline void write_brick(Layout layout, int3 brick, __global const Minimum* minimum, Output output,
+// Writes the samples of a brick that belong to the part, whose rows were asked for, and clears its minima. (As a run of
+// one, with its rows stored to the field by way of a slice's, the bunny's bricks take 1 to 2% longer.)
+static inline void write_brick(Layout layout, int3 brick, __global Minimum* minimum, Output output,
                                __private ulong* counters) {
     const int3 size = vload3(0, layout.size);
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first);  // may be negative
     const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(CLSDF_BRICK));
     *mark_of(layout, brick, output) = 1;
-    const uint shift = sign_shift_of(layout, brick);
-    for (int z = begin.z; z < end.z; ++z) {
-        __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
-        for (int y = 0; y < CLSDF_BRICK; y += ROWS_OF_VECTOR) {
-            const FinishedRows rows = finished_rows(layout, minimum, y, z, sign_bits, shift, begin, end, counters);
-            for (int n = max(begin.y - y, 0); n < min(end.y - y, ROWS_OF_VECTOR); ++n) {
+    for (int z = begin.z; z < end.z; ++z)
+        for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR) {
+            const FinishedRows rows = finished_rows(layout, brick, minimum, y, z, output, counters);
+            for (int n = max(begin.y - y, 0); n < min(end.y - y, ROWS_PER_VECTOR); ++n) {
                 const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y + n)) * size.x + (first.x + begin.x);
                 store_row(ROW_OF_VECTOR(rows.distance, n), begin.x, end.x, (__global uint*)output.distance + at);
 #ifdef NEAREST
@@ -164,12 +177,12 @@ static inline void write_brick(Layout layout, int3 brick, __global const Minimum
 #endif
             }
         }
-    }
+    clear_minimum(minimum);
 }
 
 // The same of `count` bricks that follow each other along x. None of their rows was asked for: of two bricks and more
 // they have whole lines of memory, which are not read; at least where they begin on a line.
-static inline void write_run(Layout layout, int3 brick, int count, __global const Minimum* minima, Output output,
+static inline void write_run(Layout layout, int3 brick, int count, __global Minimum* minima, Output output,
                              __private ulong* counters) {
     const int3 size = vload3(0, layout.size);
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first);  // may be negative
@@ -181,23 +194,18 @@ static inline void write_run(Layout layout, int3 brick, int count, __global cons
     uint triangles[CLSDF_BRICK][CLSDF_COARSE];
 #endif
     for (int z = begin.z; z < end.z; ++z) {
-        for (int n = 0; n < count; ++n) {
-            const int3 offset = (int3)(n, 0, 0);
-            __global const uint* sign_bits = sign_bits_of(layout, brick + offset, z, output);
-            const uint shift = sign_shift_of(layout, brick + offset);
-            for (int y = 0; y < CLSDF_BRICK; y += ROWS_OF_VECTOR) {
+        for (int n = 0; n < count; ++n)
+            for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR) {
                 const FinishedRows rows =
-                    finished_rows(layout, minima + n, y, z, sign_bits, shift, begin - offset * CLSDF_BRICK,
-                                  end - offset * CLSDF_BRICK, counters);
+                    finished_rows(layout, brick + (int3)(n, 0, 0), minima + n, y, z, output, counters);
 #pragma unroll
-                for (int r = 0; r < ROWS_OF_VECTOR; ++r) {
+                for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
                     store_eight(ROW_OF_VECTOR(rows.distance, r), n, distances[y + r]);
 #ifdef NEAREST
                     store_eight(ROW_OF_VECTOR(rows.triangle, r), n, triangles[y + r]);
 #endif
                 }
             }
-        }
         for (int y = begin.y; y < end.y; ++y) {
             const size_t row = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x;
             const size_t from = row + first.x + begin.x, to = row + first.x + end.x;
@@ -208,12 +216,12 @@ static inline void write_run(Layout layout, int3 brick, int count, __global cons
 #endif
         }
     }
+    for (int n = 0; n < count; ++n) clear_minimum(minima + n);  // while they are in the innermost cache
 }
 
-// Writes some bricks of a coarse brick, by runs, and clears their minima. None of their rows was asked for. (Measured,
-// on an Intel Xeon: where rows begin on lines of memory, the bricks of sphere6 and of the bunny, in bands of 10% and of
-// 3 voxels at 512^3, take 5 to 11% less time than one by one with their rows asked for; where they begin anywhere, as
-// long.)
+// Writes and clears some bricks of a coarse brick, by runs. (Measured, on an Intel Xeon: where rows begin on lines of
+// memory, the bricks of sphere6 and of the bunny, in bands of 10% and of 3 voxels at 512^3, take 5 to 11% less time
+// than one by one with their rows asked for; where they begin anywhere, as long.)
 static inline void write_runs(Layout layout, int3 coarse, ulong bricks, __global Minimum* minima, Output output,
                               __private ulong* counters) {
     while (bricks) {
@@ -221,7 +229,6 @@ static inline void write_runs(Layout layout, int3 coarse, ulong bricks, __global
         const uint row = (uint)(bricks >> b) & (0xFu >> b % CLSDF_BRICKS_PER_COARSE);
         const uint count = lowest_bit(~row);
         write_run(layout, brick_of_coarse(coarse, b), (int)count, minima + b, output, counters);
-        for (uint n = 0; n < count; ++n) clear_minimum(minima + b + n);  // while they are in the innermost cache
         bricks &= ~((((ulong)1 << count) - 1) << b);
     }
 }

@@ -111,7 +111,8 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
     const auto inside = field.sign == clsdf::SignRule::none ? -infinity : -static_cast<float>(field.band.inside);
     std::size_t count = 0;
     for (std::span<const float> rest = slab.distance; !rest.empty();) {
-        // Without branches, in counters as wide as the distances: compilers make vectors of it.
+        // Without branches, in counters as wide as the distances, of blocks that do not overflow them: compilers make
+        // vectors of it. (Measured: 56 ms for 100 million samples, a memory's worth; with branches 104.)
         const auto some = rest.first(std::min(rest.size(), std::size_t{1} << 20));
         std::uint32_t of_some = 0;
         for (const float distance : some)

@@ -6,23 +6,21 @@ namespace clsdf::transform {
 
 namespace {
 
-// A launch ends within a fifth of a second, so that a computation can be stopped. Measured on one core: a pair of a
-// polyhedron and a coarse brick costs about half a microsecond in a narrow band, and up to ten times that in a dense
-// field.
+// A launch ends within a fifth of a second, so that a computation can be stopped; but a coarse brick is computed by one
+// core, however long its list is. Measured on one core: a pair of a polyhedron and a coarse brick costs about half a
+// microsecond in a narrow band, and up to ten times that in a dense field.
 constexpr double pairs_per_core_and_launch = 40000;
 
-constexpr std::size_t bricks_per_coarse = 64;
-constexpr std::size_t samples_per_brick = 512;
-
-/// The minima of one brick.
-std::size_t minimum_bytes(const BrickVariant& variant) {
-    return samples_per_brick * (variant.triangle ? sizeof(cl_float) + sizeof(cl_uint) : sizeof(cl_float));
+/// The minima of a coarse brick, whose bricks a work-item takes together.
+std::size_t minima_bytes(const BrickVariant& variant) {
+    constexpr std::size_t bricks = CLSDF_BRICKS_PER_COARSE * CLSDF_BRICKS_PER_COARSE * CLSDF_BRICKS_PER_COARSE;
+    return bricks * CLSDF_MINIMUM_BYTES(variant.triangle);
 }
 
 /// One a core, as far as their minima fit into one allocation.
 std::size_t work_items(const device::Context& context, const BrickVariant& variant) {
     const device::Context::Capabilities& capabilities = context.capabilities();
-    return std::clamp<std::size_t>(capabilities.largest_allocation / (bricks_per_coarse * minimum_bytes(variant)), 1,
+    return std::clamp<std::size_t>(capabilities.largest_allocation / minima_bytes(variant), 1,
                                    capabilities.compute_units);
 }
 
@@ -40,7 +38,7 @@ public:
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");
-        minima_ = pool->lease(work_items_ * bricks_per_coarse * minimum_bytes(variant), "minima of the bricks");
+        minima_ = pool->lease(work_items_ * minima_bytes(variant), "minima of the bricks");
         std::vector<cl_uint> first_turns;
         for (const Launch& launch : launches_) first_turns.push_back(launch.begin);
         if (!first_turns.empty())
@@ -111,7 +109,6 @@ private:
         kernel_.setArg(arg_end, cl_uint{0});
         kernel_.setArg(arg_distance, unused);
         if (with_triangle_) kernel_.setArg(arg_optional, unused);
-        queue.enqueueFillBuffer(*turns_, cl_uint{0}, 0, sizeof(cl_uint));
         queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1));
         queue.finish();
     }

@@ -1,3 +1,4 @@
+#include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/sub_device.hpp"
 #include "support/throws.hpp"
@@ -32,7 +33,7 @@ Grid around_mesh() {
     return grid_around(mesh(), 40, 5);
 }
 
-/// Those of the band, as far as the computed field says which they are.
+/// Samples of the band are those that have a triangle.
 std::size_t samples_with_triangle(const Field& field) {
     return field.triangle.size() -
            static_cast<std::size_t>(std::count(field.triangle.begin(), field.triangle.end(), no_triangle));
@@ -214,9 +215,11 @@ BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {
 
 BOOST_AUTO_TEST_CASE(samples_of_the_band_are_counted_where_the_grid_cuts_bricks) {
     for (const auto& [shape, whole] : {std::pair(&mesh(), around_mesh()), std::pair(&dense(), around_dense())})
-        for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        for (const auto& [device, body] :
+             {std::pair(test_device(), KernelBody::by_vector), std::pair(with_float_width(8), KernelBody::by_vector),
+              std::pair(test_device(), KernelBody::by_group)}) {
             const Grid grid = whole.part({3, 5, 6}, {24, 26, 21});
-            DistanceTransform transform(test_device(), *shape, {.body = body, .count = true});
+            DistanceTransform transform(device, *shape, {.body = body, .count = true});
             const Field field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
             BOOST_TEST(samples_with_triangle(field) > 1000U);
             BOOST_TEST(transform.statistics().band_samples == samples_with_triangle(field));
