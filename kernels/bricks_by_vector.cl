@@ -63,11 +63,10 @@ INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __pri
     queue->count += popcount(touching);
 }
 
-// Takes the first LANES polyhedra of the queue, or all where there are fewer, into a brick's minima. The brick's rows
-// are asked for meanwhile, from the turn-th two on.
+// Takes the first LANES polyhedra of the queue, or all where there are fewer, into a brick's minima.
 static inline void evaluate_queue(Layout layout, int3 first, __private Queue* queue,
                                   __global const Polyhedron* polyhedra, __global Minimum* minimum,
-                                  __private const BrickRows* rows, __private uint* turn, __private ulong* counters) {
+                                  __private ulong* counters) {
     const uint count = min(queue->count, (uint)LANES);
     const double centre = 0.5 * (CLSDF_BRICK - 1);
 #ifndef LONG_BRICKS
@@ -81,7 +80,6 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
 #endif
     for (uint n = 0; n < count; ++n) {
         __global const Polyhedron* polyhedron = polyhedra + queue->numbers[n];
-        if (*turn < ROW_TURNS) request_rows(rows, (*turn)++);
 #if defined(LONG_BRICKS) || defined(COUNT)
         const double3 at = convert_double3(first) + centre;
 #endif
@@ -100,16 +98,14 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
 }
 
 // Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
-// `nearest` is a polyhedron whose foot is near the brick. After the last of its lists it is written.
+// `nearest` is a polyhedron whose foot is near the brick.
 static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
-                                 bool is_last, __global const Polyhedron* nearest, __global const Polyhedron* polyhedra,
-                                 __global Minimum* minimum, __private const BrickRows* rows,
-                                 __private ulong* counters) {
+                                 __global const Polyhedron* nearest, __global const Polyhedron* polyhedra,
+                                 __global Minimum* minimum, __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
     float caps[SUBBLOCKS];
     subblock_caps(layout, first, nearest, cap, caps);
     const float slack = cap * layout.slack_rate + layout.brick_slack;
-    uint turn = is_last ? 0 : ROW_TURNS;
     Queue queue;
     queue.count = 0;
     for (uint e = 0; e < count; e += LANES) {
@@ -119,7 +115,7 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
         load_numbers(list, e, count, numbers);
         enqueue(first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, &queue);
         const uint wanted = e + LANES < count ? LANES : 1;  // at the end all of them
-        while (queue.count >= wanted) evaluate_queue(layout, first, &queue, polyhedra, minimum, rows, &turn, counters);
+        while (queue.count >= wanted) evaluate_queue(layout, first, &queue, polyhedra, minimum, counters);
     }
 #ifdef COUNT
     counters[CLSDF_COUNT_BRICK_PAIRS] += count;
@@ -179,7 +175,7 @@ typedef struct Scratch {
     LaneMask
         masks[64 * CLSDF_LIST_PART / LANES];  // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
     uint others[CLSDF_LIST_PART + LANES];     // that are not slender
-    uint lists[2][CLSDF_LIST_PART + LANES];   // of a brick and the next
+    uint list[CLSDF_LIST_PART + LANES];       // of a brick
 } Scratch;
 
 // The host allocates CLSDF_SCRATCH_BYTES for it.
@@ -211,33 +207,17 @@ static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global
     return any;
 }
 
-// The list of the first of some bricks, as far as there are any.
-static inline uint choose_for_first(ulong bricks, uint count, __global const uint* entries,
-                                    __global const LaneMask* masks, __global uint* chosen) {
-    if (bricks == 0) return 0;
-    return choose(count, entries, masks + lowest_bit_of_long(bricks) * (CLSDF_LIST_PART / LANES), chosen);
-}
-
-// Polyhedra of a coarse brick's list into the minima of its bricks `in_part`. Where they are the last, the bricks that
-// any of them touches are written, and their minima cleared.
+// Polyhedra of a coarse brick's list into the minima of its bricks `in_part`.
 static inline void evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
-                                   bool is_last, float slack, __private BrickCaps* caps,
-                                   __global const Polyhedron* polyhedra, __global Scratch* scratch,
-                                   __global Minimum* minima, Output output, __private ulong* counters) {
+                                   float slack, __private BrickCaps* caps, __global const Polyhedron* polyhedra,
+                                   __global Scratch* scratch, __global Minimum* minima, __private ulong* counters) {
     for (uint b = 0; b < 64; ++b) caps->cap[b] = cap_of_brick(minima + b, caps->cap[b]);
     ulong rest = in_part & list_bricks(layout, coarse, count, entries, caps->cap, slack, polyhedra, scratch->masks);
-    // Each brick's list is made before the brick before it is computed. Read right after it is written, it would have
-    // to wait until all stores before it, that brick's rows, have reached the caches.
-    uint next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[0]);
-    for (uint n = 0; rest; ++n) {
-        const uint b = lowest_bit_of_long(rest), chosen = next_chosen;
-        rest &= rest - 1;
-        next_chosen = choose_for_first(rest, count, entries, scratch->masks, scratch->lists[(n + 1) % 2]);
-        const int3 brick = brick_of_coarse(coarse, b);
-        const BrickRows rows = rows_in_field(layout, brick, output);
-        evaluate_list(layout, brick, chosen, scratch->lists[n % 2], caps->cap[b], is_last, polyhedra + caps->nearest[b],
-                      polyhedra, minima + b, &rows, counters);
-        if (is_last) write_brick(layout, brick, minima + b, output, counters);
+    for (; rest; rest &= rest - 1) {
+        const uint b = lowest_bit_of_long(rest);
+        const uint chosen = choose(count, entries, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
+        evaluate_list(layout, brick_of_coarse(coarse, b), chosen, scratch->list, caps->cap[b],
+                      polyhedra + caps->nearest[b], polyhedra, minima + b, counters);
     }
 }
 
@@ -253,7 +233,6 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
         __global const uint* some = entries + begin;
         uint length = min(count - begin, (uint)CLSDF_LIST_PART);
-        const bool is_last = begin + length == count;
 #ifndef LONG_BRICKS
         length = scan_slender_polyhedra(layout, coarse, length, some, coarse_cap, slack, polyhedra, minima,
                                         scratch->others, counters);
@@ -262,15 +241,14 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         if (length == 0) continue;
         if (!has_caps) find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
         has_caps = true;
-        evaluate_bricks(layout, coarse, in_part, length, some, is_last, slack, &caps, polyhedra, scratch, minima,
-                        output, counters);
+        evaluate_bricks(layout, coarse, in_part, length, some, slack, &caps, polyhedra, scratch, minima, counters);
     }
-    // What is left: the bricks that only slender polyhedra touch, or polyhedra of the list's former parts.
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
-    write_runs(layout, coarse, used & in_part, minima, output, counters);
+    const ulong written = in_part & with_rest_of_lines(layout, coarse, used, output);
+    write_runs(layout, coarse, written, minima, output, counters);
     // The samples of slender polyhedra may lie in bricks beyond the part, too.
-    for (used &= ~in_part; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
+    for (used &= ~written; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
 // Global size: as many as there are scratch and minima for. Work-items take coarse bricks order[turns[launch]++] until

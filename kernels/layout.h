@@ -16,9 +16,9 @@
 
 // How many polyhedra of a coarse brick's list the vector body takes at a time.
 #define CLSDF_LIST_PART 2048
-// A work-item's own memory there: a bit for each polyhedron and each of the 64 bricks, and three lists, each with
+// A work-item's own memory there: a bit for each polyhedron and each of the 64 bricks, and two lists, each with
 // room for a vector.
-#define CLSDF_SCRATCH_BYTES (64 * CLSDF_LIST_PART / 8 + 3 * 4 * (CLSDF_LIST_PART + 16))
+#define CLSDF_SCRATCH_BYTES (64 * CLSDF_LIST_PART / 8 + 2 * 4 * (CLSDF_LIST_PART + 16))
 
 // The nearest triangle of a sample beyond the band.
 #define CLSDF_NO_TRIANGLE 0xFFFFFFFFu

@@ -5,22 +5,17 @@
 #include "bits.h"
 #include "layout.h"
 
-// A line of memory, which need not be ours: into the second cache; into the innermost one, for soon; there to store to
-// it.
+// A line of memory, which need not be ours: into the second cache; into the innermost one, for soon.
 #if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_prefetch)
-#define PREFETCH(address, is_stored_to, locality) \
-    __builtin_prefetch((__private const void*)(size_t)(address), is_stored_to, locality)
+#define PREFETCH(address, locality) __builtin_prefetch((__private const void*)(size_t)(address), 0, locality)
 #else
-#define PREFETCH(address, is_stored_to, locality)
+#define PREFETCH(address, locality)
 #endif
 static inline void request_line(__global const void* at) {
-    PREFETCH(at, 0, 2);
+    PREFETCH(at, 2);
 }
 static inline void request_line_for_soon(__global const void* at) {
-    PREFETCH(at, 0, 3);
-}
-static inline void request_line_to_store(size_t address) {
-    PREFETCH(address, 1, 3);
+    PREFETCH(at, 3);
 }
 
 // A list's polyhedra lie scattered over more memory than the inner caches hold: measured, two fifths of the time of
