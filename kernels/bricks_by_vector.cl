@@ -251,13 +251,14 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     for (used &= ~written; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
-// Global size: as many as there are scratch and minima for. Work-items take coarse bricks order[turns[launch]++] until
-// `end`; the turn starts at the launch's first.
-__kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global uint* turns, __global const uint* order,
-                               __global const uint* starts, uint parts, __global const uint* entries,
-                               __global const float* coarse_caps, __global const Polyhedron* polyhedra,
-                               __global const uint* sign_bits, __global uchar* computed, __global Scratch* all_scratch,
-                               __global Minimum* all_minima, __global float* distance
+// Global size: as many as there are scratch and minima for. Work-items take coarse bricks order[begin +
+// turns[launch]++] until `end`; turns are 0 at first.
+__kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end, __global uint* turns,
+                               __global const uint* order, __global const uint* starts, uint parts,
+                               __global const uint* entries, __global const float* coarse_caps,
+                               __global const Polyhedron* polyhedra, __global const uint* sign_bits,
+                               __global uchar* computed, __global Scratch* all_scratch, __global Minimum* all_minima,
+                               __global float* distance
 #ifdef NEAREST
                                ,
                                __global uint* triangle
@@ -281,12 +282,12 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint end, __global ui
     output.sign_bits = sign_bits;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     for (;;) {
-        const uint turn = atomic_inc(turns + launch);
+        const uint turn = begin + atomic_inc(turns + launch);
         if (turn >= end) break;
         const uint number = order[turn];
-        const uint begin = starts[number * parts], count = starts[(number + 1) * parts] - begin;
+        const uint list = starts[number * parts], count = starts[(number + 1) * parts] - list;
         const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
-        compute_coarse_brick(layout, coarse, count, entries + begin,
+        compute_coarse_brick(layout, coarse, count, entries + list,
                              coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, scratch,
                              minima, output, counters);
     }

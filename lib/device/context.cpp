@@ -141,6 +141,11 @@ cl::Program Context::program(std::string_view kernel_file, const std::string& op
     return *program;
 }
 
+bool Context::needs_warm_up(const cl::Kernel& kernel) {
+    const std::scoped_lock lock(programs_mutex_);
+    return warm_programs_.insert(kernel.getInfo<CL_KERNEL_PROGRAM>()()).second;
+}
+
 cl::Program Context::compile(std::string_view kernel_file, const std::string& source,
                              const std::string& options) const {
     cl::Program program(context_, source);

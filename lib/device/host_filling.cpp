@@ -41,9 +41,7 @@ BufferPool::Lease HostFilling::finish() {
 
 void HostFilling::unmap() {
     is_mapped_ = false;
-    cl::Event done;
-    context_.queue().enqueueUnmapMemObject(*buffer_, memory_, nullptr, &done);
-    done.wait();
+    context_.queue().enqueueUnmapMemObject(*buffer_, memory_);
 }
 
 }  // namespace clsdf::device

@@ -19,10 +19,10 @@ BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device:
         pairs = 0;
         begin = i + 1;
     }
-    order_ = pool->lease(lists.order.size() * sizeof(cl_uint), "order of the coarse bricks");
+    // Small, and copied at once: to write it to a buffer of the pool would wait for all that was enqueued before.
     if (!lists.order.empty())
-        context.queue().enqueueWriteBuffer(*order_, CL_TRUE, 0, lists.order.size() * sizeof(cl_uint),
-                                           lists.order.data());
+        order_ = cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+                            lists.order.size() * sizeof(cl_uint), const_cast<cl_uint*>(lists.order.data()));
     if (counter_sets > 0) counters_ = pool->lease(counter_sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
 }
 

@@ -37,7 +37,7 @@ public:
     /// Sums of CLSDF_COUNTERS counters of the last computation; blocks. Empty where nothing is counted.
     std::vector<std::size_t> read_counters(const cl::CommandQueue& queue) const;
 
-    virtual std::size_t device_bytes() const { return order_.bytes() + counters_.bytes(); }
+    virtual std::size_t device_bytes() const { return counters_.bytes(); }
 
 protected:
     /// Coarse bricks order[begin, end) of one launch.
@@ -51,7 +51,7 @@ protected:
                 double pairs_per_launch, std::size_t counter_sets);
 
     std::vector<Launch> launches_;
-    device::BufferPool::Lease order_;
+    cl::Buffer order_;
     device::BufferPool::Lease counters_;
     std::size_t counter_sets_;  ///< 0: nothing is counted
 };

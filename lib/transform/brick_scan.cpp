@@ -72,7 +72,7 @@ public:
         statistics.coarse_pairs = lists_.pairs;
         statistics.coarse_bricks = lists_.order.size();
         statistics.device_bytes += bricks_->device_bytes() + lists_.caps.bytes() + lists_.starts.bytes() +
-                                   lists_.entries.bytes() + computed_.bytes();
+                                   lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
     }
 
     void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {

@@ -20,7 +20,7 @@ public:
           kernel_(programs.bricks_by_group(context, variant), "bricks_by_group") {
         const CoarseLists& lists = inputs.lists;
         kernel_.setArg(arg_layout, inputs.layout);
-        kernel_.setArg(arg_order, *order_);
+        kernel_.setArg(arg_order, order_);
         kernel_.setArg(arg_starts, *lists.starts);
         kernel_.setArg(arg_parts, static_cast<cl_uint>(lists.parts));
         kernel_.setArg(arg_entries, *lists.entries);

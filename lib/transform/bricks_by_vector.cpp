@@ -7,9 +7,9 @@ namespace clsdf::transform {
 namespace {
 
 // A launch ends within a fifth of a second, so that a computation can be stopped; but a coarse brick is computed by one
-// core, however long its list is. Measured on one core: a pair of a polyhedron and a coarse brick costs about half a
-// microsecond in a narrow band, and up to ten times that in a dense field.
-constexpr double pairs_per_core_and_launch = 40000;
+// core, however long its list is. Measured on a core with vectors of 512 bits: a pair of a polyhedron and a coarse
+// brick takes a fifth of a microsecond, and 0.7 in the dense field of a noisy mesh.
+constexpr double pairs_per_core_and_launch = 100000;
 
 /// The minima of a coarse brick, whose bricks a work-item takes together.
 std::size_t minima_bytes(const BrickVariant& variant) {
@@ -36,18 +36,12 @@ public:
           kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
-        first_turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");
         minima_ = pool->lease(work_items_ * minima_bytes(variant), "minima of the bricks");
-        std::vector<cl_uint> first_turns;
-        for (const Launch& launch : launches_) first_turns.push_back(launch.begin);
-        if (!first_turns.empty())
-            context.queue().enqueueWriteBuffer(*first_turns_, CL_TRUE, 0, first_turns.size() * sizeof(cl_uint),
-                                               first_turns.data());
 
         kernel_.setArg(arg_layout, inputs.layout);
         kernel_.setArg(arg_turns, *turns_);
-        kernel_.setArg(arg_order, *order_);
+        kernel_.setArg(arg_order, order_);
         kernel_.setArg(arg_starts, *lists.starts);
         kernel_.setArg(arg_parts, static_cast<cl_uint>(lists.parts));
         kernel_.setArg(arg_entries, *lists.entries);
@@ -58,21 +52,19 @@ public:
         kernel_.setArg(arg_scratch, *scratch_);
         kernel_.setArg(arg_minima, *minima_);
         if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
-        warm_up(context.queue(), inputs.computed);
+        if (context.needs_warm_up(kernel_)) warm_up(context.queue(), inputs.computed);
     }
 
     void enqueue_reset(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
         kernel_.setArg(arg_distance, distance);
         if (with_triangle_) kernel_.setArg(arg_optional, triangle);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
-        if (launches_.empty()) return;
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueCopyBuffer(*first_turns_, *turns_, 0, 0, launches_.size() * sizeof(cl_uint), wait, event);
-        });
+        chain.then_fill(*turns_, launches_.size() * sizeof(cl_uint));
     }
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override {
         kernel_.setArg(arg_launch, static_cast<cl_uint>(launch));
+        kernel_.setArg(arg_begin, launches_[launch].begin);
         kernel_.setArg(arg_end, launches_[launch].end);
         chain.then([&](auto& queue, auto* wait, auto* event) {
             queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1), wait, event);
@@ -80,13 +72,14 @@ public:
     }
 
     std::size_t device_bytes() const override {
-        return BrickKernel::device_bytes() + turns_.bytes() + first_turns_.bytes() + scratch_.bytes() + minima_.bytes();
+        return BrickKernel::device_bytes() + turns_.bytes() + scratch_.bytes() + minima_.bytes();
     }
 
 private:
     enum Argument : cl_uint {
         arg_layout,
         arg_launch,
+        arg_begin,
         arg_end,
         arg_turns,
         arg_order,
@@ -103,9 +96,9 @@ private:
         arg_optional  // the triangles, then the counters, where asked for
     };
 
-    /// The compiler specialises a kernel at its first launch: an empty one here keeps later calls from waiting for it.
     void warm_up(const cl::CommandQueue& queue, const cl::Buffer& unused) {
         kernel_.setArg(arg_launch, cl_uint{0});
+        kernel_.setArg(arg_begin, cl_uint{0});
         kernel_.setArg(arg_end, cl_uint{0});
         kernel_.setArg(arg_distance, unused);
         if (with_triangle_) kernel_.setArg(arg_optional, unused);
@@ -117,7 +110,6 @@ private:
     bool with_triangle_;
     cl::Kernel kernel_;
     device::BufferPool::Lease turns_;
-    device::BufferPool::Lease first_turns_;
     device::BufferPool::Lease scratch_;
     device::BufferPool::Lease minima_;
 };

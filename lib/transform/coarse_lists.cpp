@@ -1,14 +1,16 @@
 #include "transform/coarse_lists.hpp"
 
 #include "coarse.h"
+#include "transform/held_back.hpp"
 #include "transform/layout_of.hpp"
+#include "transform/prefix_sums.hpp"
 #include "transform/programs.hpp"
-#include "transform/scan.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <functional>
 #include <numeric>
+#include <optional>
 
 namespace clsdf::transform {
 
@@ -67,30 +69,28 @@ public:
           counters_(bricks_ * parts_),
           histograms_(pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
           touch_counts_(pool->lease(parts_ * sizeof(cl_uint), touches_purpose)),
-          touch_starts_(pool->lease((parts_ + 1) * sizeof(cl_uint), touches_purpose)) {}
+          touch_starts_(pool->lease((parts_ + 1) * sizeof(cl_uint), touches_purpose)),
+          touches_found_(parts_),
+          starts_(counters_ + 1) {}
 
     CoarseListMaker(const CoarseListMaker&) = delete;
     CoarseListMaker& operator=(const CoarseListMaker&) = delete;
     ~CoarseListMaker() {
-        if (!room_starts_.empty()) clFinish(queue_());  // what is under way reads them
+        if (!room_starts_.empty()) clFinish(queue_());  // what is under way reads and writes what lies here
     }
 
     CoarseLists make() {
         CoarseLists lists;
         lists.parts = parts_;
         lists.caps = find_caps();
-        const auto counts = pool_->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
-        lists.passes = find_touches(*lists.caps, *counts);
         lists.starts = pool_->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        lists.pairs = scan(context_, programs_.scan, pool_, *counts, *lists.starts, counters_,
-                           "pairs of a triangle and a coarse brick");
+        lists.passes = find_touches(*lists.caps, *lists.starts);
+        lists.pairs = starts_.back();
         constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
         lists.entries = pool_->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
-        std::vector<cl_uint> starts(counters_ + 1);
-        queue_.enqueueReadBuffer(*lists.starts, CL_TRUE, 0, starts.size() * sizeof(cl_uint), starts.data());
         write_entries(*lists.starts, *lists.entries);
         queue_.flush();
-        order_by_length(lists, starts);
+        order_by_length(lists);
         return lists;
     }
 
@@ -156,12 +156,13 @@ private:
                            kernel.setArg(caps_first, static_cast<cl_uint>(begin));
                            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
                        });
-        queue_.finish();  // the points go back to the pool
         return caps;
     }
 
-    /// Counts the entries, and keeps what touches what; returns how many passes that took.
-    std::size_t find_touches(const cl::Buffer& caps, const cl::Buffer& counts) {
+    /// Counts the entries, where those of each coarse brick and part start, and keeps what touches what; returns how
+    /// many passes that took.
+    std::size_t find_touches(const cl::Buffer& caps, const cl::Buffer& starts) {
+        const auto counts = pool_->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
         cl::Kernel kernel(programs_.coarse_lists, "coarse_count");
         kernel.setArg(count_layout, layout_);
         kernel.setArg(count_count, static_cast<cl_uint>(polyhedron_count_));
@@ -170,7 +171,7 @@ private:
         kernel.setArg(count_uniform_caps, cl_int{has_uniform_caps(layout_) ? 1 : 0});
         kernel.setArg(count_touch_counts, *touch_counts_);
         kernel.setArg(count_histograms, *histograms_);
-        kernel.setArg(count_counts, counts);
+        kernel.setArg(count_counts, *counts);
         const std::size_t clusters = (polyhedron_count_ + programs_.lanes - 1) / programs_.lanes;
         const double seconds = seconds_per_cluster * groups_of_a_cluster(layout_) * static_cast<double>(clusters);
         const std::size_t expected = std::min(expected_touches(layout_, programs_.lanes) * polyhedron_count_,
@@ -181,19 +182,32 @@ private:
             touches_ = std::move(*guess);
         else
             make_room(room = std::vector<cl_uint>(parts_));
-        std::vector<cl_uint> found(parts_);
         std::size_t passes = 1;
         for (;; ++passes) {
             place_parts(room);
             kernel.setArg(count_touch_starts, *touch_starts_);
             kernel.setArg(count_touches, *touches_);
             launch(kernel, count_step, count_steps, seconds);
-            queue_.enqueueReadBuffer(*touch_counts_, CL_TRUE, 0, parts_ * sizeof(cl_uint), found.data());
-            if (std::equal(found.begin(), found.end(), room.begin(), std::less_equal<>())) break;
-            make_room(room = found);
+            // All that the host waits for at once: to wake it takes as long as a small kernel.
+            cl::Event read;
+            std::optional<PrefixSums> sums;
+            {
+                const HeldBack together(context_);
+                sums.emplace(context_, programs_.scan, pool_, *counts, starts, counters_,
+                             "pairs of a triangle and a coarse brick");
+                queue_.enqueueReadBuffer(*touch_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint), touches_found_.data());
+                queue_.enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(), nullptr,
+                                         &read);
+            }
+            read.wait();
+            if (std::equal(touches_found_.begin(), touches_found_.end(), room.begin(), std::less_equal<>())) {
+                sums->total();  // throws where the starts do not hold it
+                break;
+            }
+            make_room(room = touches_found_);
         }
         room_starts_.clear();
-        touch_count_ = std::accumulate(found.begin(), found.end(), std::size_t{0});
+        touch_count_ = std::accumulate(touches_found_.begin(), touches_found_.end(), std::size_t{0});
         return passes;
     }
 
@@ -240,9 +254,9 @@ private:
 
     /// The long lists first, so that cores end together; among those of like length neighbours follow each other,
     /// because they share polyhedra (measured: a tenth of the bricks' time).
-    void order_by_length(CoarseLists& lists, const std::vector<cl_uint>& starts) const {
+    void order_by_length(CoarseLists& lists) const {
         const auto length = [&](cl_uint brick) {
-            return starts[(std::size_t{brick} + 1) * parts_] - starts[std::size_t{brick} * parts_];
+            return starts_[(std::size_t{brick} + 1) * parts_] - starts_[std::size_t{brick} * parts_];
         };
         for (cl_uint brick = 0; brick < bricks_; ++brick)
             if (length(brick) > 0) lists.order.push_back(brick);
@@ -267,6 +281,8 @@ private:
     device::BufferPool::Lease touch_counts_;
     device::BufferPool::Lease touch_starts_;  ///< where the room for each part's touches begins
     std::vector<cl_uint> room_starts_;        ///< the same here
+    std::vector<cl_uint> touches_found_;      ///< of each part
+    std::vector<cl_uint> starts_;             ///< of the lists, here
     device::BufferPool::Lease touches_;
     std::size_t touch_count_ = 0;
 };

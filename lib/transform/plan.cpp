@@ -36,7 +36,8 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
                                                               variant, options.slice_minimum)
                                  : transform::make_brick_scan(context, programs, pool, layout, *prepared, *sign_bits_,
                                                               variant, launches);
-        context.queue().finish();  // computations may run on another queue
+        context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
+        context.queue().flush();
     });
 
     statistics.triangles = mesh.triangles().size();
@@ -52,13 +53,16 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
 }
 
 Plan::State::~State() {
-    if (last_() != nullptr) clWaitForEvents(1, &last_());
+    const cl::Event& end = last_() != nullptr ? last_ : ready_;
+    if (end() != nullptr) clWaitForEvents(1, &end());
 }
 
 cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
                                const std::vector<cl::Event>& wait_list,
                                const std::function<void(double)>& between_launches) {
-    transform::CommandChain chain(queue, wait_list);
+    std::vector<cl::Event> before = wait_list;
+    before.push_back(ready_);
+    transform::CommandChain chain(queue, std::move(before));
     scan_->enqueue_begin(chain, distance, triangle);
     before_launches_ = chain.last();
     for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {

@@ -49,6 +49,7 @@ struct Plan::State {
 private:
     device::BufferPool::Lease sign_bits_;
     std::unique_ptr<transform::FieldScan> scan_;
+    cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
     // Of the latest computation.
     cl::Event before_launches_;
     cl::Event after_launches_;

@@ -1,11 +1,16 @@
 #include "transform/sign_crossings.hpp"
 
 #include "sweep.h"
+#include "transform/held_back.hpp"
 #include "transform/layout_of.hpp"
+#include "transform/prefix_sums.hpp"
 #include "transform/programs.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace clsdf::transform {
 
@@ -15,6 +20,7 @@ namespace {
 // crossings, they are found twice.
 constexpr std::size_t records_per_row = 4;
 constexpr const char* records_purpose = "crossings of the sign's sweep";
+constexpr const char* listed = "crossings of the surface by rows of samples";
 
 // Measured on a core, and rounded up.
 constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
@@ -28,11 +34,15 @@ class Search {
 public:
     Search(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
            const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches)
-        : queue_(context.queue()),
+        : context_(context),
+          queue_(context.queue()),
           programs_(programs),
+          pool_(pool),
+          row_count_(sign_row_count(layout)),
           triangle_count_(mesh.triangle_count),
           parts_(programs.parallel_parts(context, 1)),
           launches_(launches),
+          row_counts_(pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
           totals_(pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
           large_(pool->lease(mesh.triangle_count * sizeof(cl_uint), "large triangles of the sign's sweep")),
           small_kernel_(programs.sign_sweep, "sign_crossings"),
@@ -43,6 +53,7 @@ public:
             kernel->setArg(arg_vertices, *mesh.vertices);
             kernel->setArg(arg_bits_y, cl_int{mesh.bits_y});
             kernel->setArg(arg_bits_z, cl_int{mesh.bits_z});
+            kernel->setArg(arg_row_counts, *row_counts_);
             kernel->setArg(arg_totals, *totals_);
             kernel->setArg(arg_large, *large_);
         }
@@ -51,19 +62,24 @@ public:
     /// Records that the work-items of a launch may leave over.
     std::size_t left_over() const { return std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK; }
 
-    /// How many records it took, also where there was room for fewer.
-    std::size_t find(const Crossings& crossings, std::size_t capacity) {
+    /// Counts the crossings, where each row's start, and the records that it took, also where there was room for fewer:
+    /// `capacity`.
+    void find(Crossings& crossings, std::size_t capacity) {
+        queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(arg_row_counts, *crossings.row_counts);
             kernel->setArg(arg_capacity, static_cast<cl_uint>(capacity));
             kernel->setArg(arg_records, *crossings.records);
         }
         launches_.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
             enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
         });
-        const SweepTotals totals = read_totals();
-        return totals.large == 0 ? totals.records : find_large(totals);
+        SweepTotals totals = add_up(crossings);
+        if (totals.large > 0) {
+            find_large(totals);
+            totals = add_up(crossings);
+        }
+        crossings.record_count = totals.records;
     }
 
 private:
@@ -83,7 +99,7 @@ private:
         arg_large
     };
 
-    std::size_t find_large(const SweepTotals& totals) {
+    void find_large(const SweepTotals& totals) {
         const std::size_t strips = std::min(totals.largest_rows / rows_per_item + 1, most_strips);
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
@@ -91,7 +107,6 @@ private:
             enqueue(large_kernel_, begin, end, cl::NDRange(in_whole_groups(end - begin), strips),
                     cl::NDRange(common_group, 1));
         });
-        return read_totals().records;
     }
 
     void enqueue(cl::Kernel& kernel, std::size_t begin, std::size_t end, const cl::NDRange& items,
@@ -101,17 +116,31 @@ private:
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
     }
 
-    SweepTotals read_totals() const {
+    /// Of what was found so far. The scan does not wait until the totals show whether large triangles are left: to wake
+    /// the host takes as long.
+    SweepTotals add_up(Crossings& crossings) const {
         SweepTotals totals{};
-        queue_.enqueueReadBuffer(*totals_, CL_TRUE, 0, sizeof totals, &totals);
+        cl::Event totals_read;
+        std::optional<PrefixSums> sums;
+        {
+            const HeldBack together(context_);
+            sums.emplace(context_, programs_.scan, pool_, *row_counts_, *crossings.starts, row_count_, listed);
+            queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof totals, &totals, nullptr, &totals_read);
+        }
+        totals_read.wait();
+        crossings.count = sums->total();
         return totals;
     }
 
+    device::Context& context_;
     const cl::CommandQueue& queue_;
     const Programs& programs_;
+    const std::shared_ptr<device::BufferPool>& pool_;
+    std::size_t row_count_;
     std::size_t triangle_count_;
     std::size_t parts_;
     const ShortLaunches& launches_;
+    device::BufferPool::Lease row_counts_;
     device::BufferPool::Lease totals_;
     device::BufferPool::Lease large_;
     cl::Kernel small_kernel_;
@@ -126,7 +155,7 @@ Crossings find_crossings(device::Context& context, const Programs& programs,
     const std::size_t rows = sign_row_count(layout);
     Search search(context, programs, pool, layout, mesh, launches);
     Crossings crossings;
-    crossings.row_counts = pool->lease(rows * sizeof(cl_uint), "counts of the sign's crossings");
+    crossings.starts = pool->lease((rows + 1) * sizeof(cl_uint), "starts of the sign's crossings");
     const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),
                                                    std::numeric_limits<cl_uint>::max());
     // The first capacity is a guess. Where there is no memory for it, crossings are only counted at first.
@@ -136,8 +165,12 @@ Crossings find_crossings(device::Context& context, const Programs& programs,
     else
         crossings.records = pool->lease(capacity = 0, records_purpose);
     for (;;) {
-        context.queue().enqueueFillBuffer(*crossings.row_counts, cl_uint{0}, 0, rows * sizeof(cl_uint));
-        crossings.record_count = search.find(crossings, capacity);
+        search.find(crossings, capacity);
+        // The counter of records has 32 bits and wraps; the scan's total shows it.
+        if (crossings.count > crossings.record_count)
+            throw Error(
+                ErrorCode::out_of_memory,
+                fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", listed));
         if (crossings.record_count <= capacity) return crossings;
         capacity = crossings.record_count;
         crossings.records = {};  // the smaller one goes back first

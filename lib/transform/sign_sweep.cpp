@@ -2,10 +2,7 @@
 
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
-#include "transform/scan.hpp"
 #include "transform/sign_crossings.hpp"
-
-#include <fmt/format.h>
 
 namespace clsdf::transform {
 
@@ -30,20 +27,14 @@ enum RowsArgument : cl_uint {
     rows_sign_bits
 };
 
-/// The keys of the crossings, row by row; `starts` says where each row's begin.
+/// The keys of the crossings, row by row.
 device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& programs,
                                       const std::shared_ptr<device::BufferPool>& pool, const Crossings& crossings,
-                                      std::size_t rows, const cl::Buffer& starts, const ShortLaunches& launches) {
-    constexpr const char* what = "crossings of the surface by rows of samples";
-    const std::size_t count = scan(context, programs.scan, pool, *crossings.row_counts, starts, rows, what);
-    // The counter of records has 32 bits and wraps; the scan's total shows it.
-    if (count > crossings.record_count)
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
-    auto keys = pool->lease(count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
+                                      const ShortLaunches& launches) {
+    auto keys = pool->lease(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
     cl::Kernel scatter(programs.sign_sweep, "sign_scatter");
     scatter.setArg(scatter_records, *crossings.records);
-    scatter.setArg(scatter_starts, starts);
+    scatter.setArg(scatter_starts, *crossings.starts);
     scatter.setArg(scatter_keys, *keys);
     launches.over(crossings.record_count, seconds_per_record, [&](std::size_t begin, std::size_t end) {
         scatter.setArg(scatter_begin, static_cast<cl_uint>(begin));
@@ -71,15 +62,14 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
         }
         if (!sweep_mesh) sweep_mesh = make_sweep_mesh(context, pool, grid, mesh);
         const Crossings crossings = find_crossings(context, programs, pool, layout, *sweep_mesh, launches);
-        const auto starts = pool->lease((rows + 1) * sizeof(cl_uint), "starts of the sign's crossings");
-        const auto keys = keys_by_row(context, programs, pool, crossings, rows, *starts, launches);
+        const auto keys = keys_by_row(context, programs, pool, crossings, launches);
 
         cl::Kernel sweep(programs.sign_sweep, "sign_rows");
         const std::size_t item_rows = programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
         sweep.setArg(rows_layout, layout);
         sweep.setArg(rows_per_item, static_cast<cl_uint>(item_rows));
         sweep.setArg(rows_parity, cl_int{rule == SignRule::parity ? 1 : 0});
-        sweep.setArg(rows_starts, *starts);
+        sweep.setArg(rows_starts, *crossings.starts);
         sweep.setArg(rows_keys, *keys);
         sweep.setArg(rows_sign_bits, *bits);
         const double words_and_keys =
@@ -92,7 +82,6 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
             queue.enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
                                        cl::NDRange(items_of_group));
         });
-        queue.finish();  // the transient buffers go back to the pool
         return bits;
     });
 }

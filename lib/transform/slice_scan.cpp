@@ -1,6 +1,6 @@
 #include "transform/slice_scan.hpp"
 
-#include "transform/scan.hpp"
+#include "transform/prefix_sums.hpp"
 #include "transform/slice_launches.hpp"
 
 #include <algorithm>
@@ -56,7 +56,7 @@ public:
         make_kernels(context, programs, mesh);
         make_lists(context, programs, pool);
         make_buffers(pool, sign_bits);
-        warm_up(context.queue());
+        if (context.needs_warm_up(scan_kernel_)) warm_up(context.queue());
     }
 
     std::size_t launch_count() const override { return schedule_.launches.size(); }
@@ -184,7 +184,9 @@ private:
             queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
             first = next;
         }
-        scan(context, programs.scan, pool, *cursors_, *starts_, cursor_count(), "intersections of a piece and a slice");
+        const PrefixSums sums(context, programs.scan, pool, *cursors_, *starts_, cursor_count(),
+                              "intersections of a piece and a slice");
+        sums.total();  // throws where the starts do not hold it
     }
 
     void make_buffers(const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& sign_bits) {
@@ -214,7 +216,6 @@ private:
         finish_kernel_.setArg(finish_outputs_++, sign_bits);
     }
 
-    /// The compiler specialises a kernel at its first launch: empty ones here keep later calls from waiting for it.
     void warm_up(const cl::CommandQueue& queue) {
         scan_kernel_.setArg(scan_begin, cl_uint{0});
         scan_kernel_.setArg(scan_end, cl_uint{0});

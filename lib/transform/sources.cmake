@@ -10,7 +10,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/plan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/scan.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/prefix_sums.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign_crossings.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slab_pipeline.cpp

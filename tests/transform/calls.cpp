@@ -18,7 +18,7 @@ namespace {
 
 /// So much work that one compute unit takes several launches for it.
 const Mesh& dense() {
-    static const Mesh mesh = make_shape("sphere6");
+    static const Mesh mesh = make_shape("sphere7");
     return mesh;
 }
 Grid around_dense() {
