@@ -3,12 +3,13 @@
 #include "device/context.hpp"
 
 #include <optional>
+#include <vector>
 
 namespace clsdf::transform {
 
 /// On a processor, commands that are enqueued while it lives start together when it ends; nothing may be waited for
-/// meanwhile. (PoCL's threads start with the first command, and take the core that would enqueue the others. Measured on
-/// two cores: up to 60 us for each of them.)
+/// meanwhile. (PoCL's threads start with the first command, and take the core that would enqueue the others. Measured
+/// on two cores: up to 60 us for each of them.)
 class HeldBack {
 public:
     explicit HeldBack(const device::Context& context) {
