@@ -40,8 +40,17 @@ typedef struct Plane {
     floatL at, step_a, step_u, step_v;
 } Plane;
 
+// So many layers leave room in a vector for 2^columns_log neighbours along u of each.
+INLINE int columns_log_of(float layers) {
+    return (layers <= LANES / 2) + (layers <= LANES / 4);
+}
+INLINE intL columns_logs_of(floatL layers) {
+    return -((layers <= LANES / 2) + (layers <= LANES / 4));
+}
+
 typedef struct Frustum {
     floatL first, last;  // layers; none where the last comes before the first
+    intL columns_log;    // of all layers
     Line low_u, high_u, low_v, high_v;
     // The lateral planes by edge, beyond which the samples within are not; and one half way between the ends, from
     // which they are not farther than half the height.
@@ -49,8 +58,9 @@ typedef struct Frustum {
 } Frustum;
 
 typedef struct SlenderPolyhedra {
-    Frustum sides[2];  // above, below
-    intL axis;         // of the layers; of the other two, u is the first and v the last
+    Frustum sides[2];          // above, below
+    intL axis;                 // of the layers; of the other two, u is the first and v the last
+    intL columns_log_of_both;  // sides in one vector; -1 where there is one side or no room
 } SlenderPolyhedra;
 
 INLINE floatL least_of_three(const floatL* a) {
@@ -339,6 +349,16 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
         set_planes(&t, &axes, side, slopes, cap, margin, frustum);
         present |= frustum->first <= frustum->last;
     }
+    floatL layers[2];
+#pragma unroll
+    for (uint n = 0; n < 2; ++n) {
+        __private Frustum* frustum = slender->sides + n;
+        layers[n] = frustum->last - frustum->first + 1.0f;
+        frustum->columns_log = columns_logs_of(layers[n]);
+    }
+    const floatL of_both = layers[0] + layers[1];
+    slender->columns_log_of_both =
+        (layers[0] > 0.0f) & (layers[1] > 0.0f) & (of_both <= LANES) ? columns_logs_of(of_both) : (intL)-1;
     return lanes_to_bits(present);
 }
 

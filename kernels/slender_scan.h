@@ -41,11 +41,25 @@ INLINE int widest(__private const Line* low, __private const Line* high, uint la
     return (int)LESSER(most, (float)(CLSDF_COARSE - 1));
 }
 
-// LANES layers at most, those of the side above before those below: from the first to the last of either.
+// LANES layers at most, those of the side above before those below: from the first to the last of either. Where they
+// are few, neighbours along u share the lanes, 2^columns_log of them.
 typedef struct LayerRange {
     bool has_above, has_below;
     float first_above, last_above, first_below, last_below;
+    int columns_log;
 } LayerRange;
+
+// Of a vector's lanes, for each columns_log.
+#if LANES == 16
+__constant float layer_of_lane[3 * LANES] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
+                                             0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5,  5,  6,  6,  7,  7,
+                                             0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2,  2,  3,  3,  3,  3};
+__constant float column_of_lane[3 * LANES] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 1,
+                                              0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+#else
+__constant float layer_of_lane[3 * LANES] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 0, 1, 1, 2, 2, 3, 3, 0, 0, 0, 0, 1, 1, 1, 1};
+__constant float column_of_lane[3 * LANES] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 2, 3, 0, 1, 2, 3};
+#endif
 
 // Lists the samples of one lane's polyhedron in some layers. In each layer's box, all layers step along u and v at
 // once. (Which sides there are is a constant in each call: where one is absent, OF_SIDE chooses nothing.)
@@ -54,7 +68,8 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
                         __private ulong* counters) {
     __private const Frustum* above = slender->sides;
     __private const Frustum* below = slender->sides + 1;
-    const floatL number = convert_floatL(LANE_NUMBERS);
+    const floatL number = load_lanes(range.columns_log, layer_of_lane);
+    const uint columns = 1u << range.columns_log;
     const float count_above = range.has_above ? range.last_above - range.first_above + 1.0f : 0.0f;
     const intL is_above = number < count_above;
 #define OF_SIDE(of_above, of_below)          \
@@ -65,7 +80,7 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
     const floatL m = number + OF_SIDE(range.first_above, range.first_below - count_above);
 #define LINE_AT(line) (OF_LANE(line.at) + OF_LANE(line.step) * m)
     floatL u = CEIL(LINE_AT(low_u)), v = CEIL(LINE_AT(low_v));
-    u = GREATER(u, 0.0f);
+    u = GREATER(u, 0.0f) + load_lanes(range.columns_log, column_of_lane);
     v = GREATER(v, 0.0f);
     floatL more_u = FLOOR(LINE_AT(high_u)), more_v = FLOOR(LINE_AT(high_v));
 #undef LINE_AT
@@ -89,6 +104,7 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
         step_u[n] = OF_LANE(planes[n].step_u);
         step_v[n] = OF_LANE(planes[n].step_v);
         at_row[n] = OF_LANE(planes[n].at) + (OF_LANE(planes[n].step_a) * m + (step_u[n] * u + step_v[n] * v));
+        step_u[n] *= (float)columns;
     }
 #undef OF_LANE
 #undef OF_SIDE
@@ -105,14 +121,14 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
         floatL at[4], past_u = past_v < 0.0f ? -0.5f - more_u : (floatL)1.0f;
 #pragma unroll
         for (uint n = 0; n < 4; ++n) at[n] = at_row[n];
-        for (int n_u = 0; n_u <= most_u; ++n_u) {
+        for (int n_u = 0; n_u <= most_u; n_u += columns) {
             const uint within =
                 lanes_to_bits(as_intL(at[0]) & as_intL(at[1]) & as_intL(at[2]) &
                               as_intL(fabs(at[3]) - scan->half_height) & as_intL(past_u));  // the sign bits
             store_lanes(packed(samples, within), 0, list->samples + count);
             count += popcount(within);
-            samples += 1u << shift_u;
-            past_u += 1.0f;
+            samples += columns << shift_u;
+            past_u += (float)columns;
 #pragma unroll
             for (uint n = 0; n < 4; ++n) at[n] += step_u[n];
         }
@@ -132,22 +148,26 @@ INLINE void scan_slender(const SlenderScan* scan, __global const Polyhedron* p,
     __private const Frustum* below = slender->sides + 1;
     const float first_above = LANE_OF(above->first, lane), last_above = LANE_OF(above->last, lane);
     const float first_below = LANE_OF(below->first, lane), last_below = LANE_OF(below->last, lane);
+    const int of_both = ((__private const int*)&slender->columns_log_of_both)[lane];
     Samples list;
     list.count = 0;
-    if (first_above <= last_above && first_below <= last_below &&
-        last_above - first_above + (last_below - first_below) + 2.0f <= LANES) {
-        const LayerRange all = {true, true, first_above, last_above, first_below, last_below};
+    if (of_both >= 0) {
+        const LayerRange all = {true, true, first_above, last_above, first_below, last_below, of_both};
         list_layers(scan, p, slender, lane, all, &list, counters);
     } else {
+        int columns_log = ((__private const int*)&above->columns_log)[lane];
         for (float first = first_above; first <= last_above; first += LANES) {
             const float last = first + (LANES - 1);
-            const LayerRange some = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f};
+            const LayerRange some = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f, columns_log};
             list_layers(scan, p, slender, lane, some, &list, counters);
+            columns_log = columns_log_of(last_above - last);
         }
+        columns_log = ((__private const int*)&below->columns_log)[lane];
         for (float first = first_below; first <= last_below; first += LANES) {
             const float last = first + (LANES - 1);
-            const LayerRange some = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below)};
+            const LayerRange some = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below), columns_log};
             list_layers(scan, p, slender, lane, some, &list, counters);
+            columns_log = columns_log_of(last_below - last);
         }
     }
     evaluate_and_empty(scan, p, &list, counters);
