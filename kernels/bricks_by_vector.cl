@@ -245,8 +245,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     }
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
-    const ulong written = in_part & with_rest_of_lines(layout, coarse, used, output);
-    write_runs(layout, coarse, written, minima, output, counters);
+    const ulong written = write_used(layout, coarse, used, in_part, minima, output, counters);
     // The samples of slender polyhedra may lie in bricks beyond the part, too.
     for (used &= ~written; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }

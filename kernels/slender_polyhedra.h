@@ -204,8 +204,8 @@ INLINE void set_lines(const floatL* a, const floatL* u, floatL per_layer, Line* 
 // The layers where the line is at most, with `sense` -1 at least, the limit; as they are where it hardly rises.
 INLINE void clip_layers(const Line* line, float limit, float sense, floatL* first, floatL* last) {
     const floatL step = sense * line->step, where = (limit - line->at) / line->step;
-    *first = (step < -1.0e-4f) & (where > *first) ? where : *first;
-    *last = (step > 1.0e-4f) & (where < *last) ? where : *last;
+    *first = ((step < -1.0e-4f) & (where > *first)) ? where : *first;
+    *last = ((step > 1.0e-4f) & (where < *last)) ? where : *last;
 }
 
 // Along the axes a, u and v: the gradients, and the frame's axes in samples; and where its origin, the altitude's foot,
@@ -358,7 +358,7 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
     }
     const floatL of_both = layers[0] + layers[1];
     slender->columns_log_of_both =
-        (layers[0] > 0.0f) & (layers[1] > 0.0f) & (of_both <= LANES) ? columns_logs_of(of_both) : (intL)-1;
+        ((layers[0] > 0.0f) & (layers[1] > 0.0f) & (of_both <= LANES)) ? columns_logs_of(of_both) : (intL)-1;
     return lanes_to_bits(present);
 }
 
