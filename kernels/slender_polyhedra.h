@@ -40,12 +40,14 @@ typedef struct Plane {
     floatL at, step_a, step_u, step_v;
 } Plane;
 
-// So many layers leave room in a vector for 2^columns_log neighbours along u of each.
+// So many layers leave room in a vector for 2^columns_log neighbours along u of each, four at most. (What is true is 1
+// of numbers, and -1 of vectors.)
+#define TIMES_HALVED(layers) (((layers) <= LANES / 2) + ((layers) <= LANES / 4))
 INLINE int columns_log_of(float layers) {
-    return (layers <= LANES / 2) + (layers <= LANES / 4);
+    return TIMES_HALVED(layers);
 }
-INLINE intL columns_logs_of(floatL layers) {
-    return -((layers <= LANES / 2) + (layers <= LANES / 4));
+INLINE intL columns_log_of_lanes(floatL layers) {
+    return -TIMES_HALVED(layers);
 }
 
 typedef struct Frustum {
@@ -60,7 +62,7 @@ typedef struct Frustum {
 typedef struct SlenderPolyhedra {
     Frustum sides[2];          // above, below
     intL axis;                 // of the layers; of the other two, u is the first and v the last
-    intL columns_log_of_both;  // sides in one vector; -1 where there is one side or no room
+    intL columns_log_of_both;  // of both sides in one vector; -1 where they do not go together
 } SlenderPolyhedra;
 
 INLINE floatL least_of_three(const floatL* a) {
@@ -354,11 +356,11 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
     for (uint n = 0; n < 2; ++n) {
         __private Frustum* frustum = slender->sides + n;
         layers[n] = frustum->last - frustum->first + 1.0f;
-        frustum->columns_log = columns_logs_of(layers[n]);
+        frustum->columns_log = columns_log_of_lanes(layers[n]);
     }
     const floatL of_both = layers[0] + layers[1];
     slender->columns_log_of_both =
-        ((layers[0] > 0.0f) & (layers[1] > 0.0f) & (of_both <= LANES)) ? columns_logs_of(of_both) : (intL)-1;
+        ((layers[0] > 0.0f) & (layers[1] > 0.0f) & (of_both <= LANES)) ? columns_log_of_lanes(of_both) : (intL)-1;
     return lanes_to_bits(present);
 }
 

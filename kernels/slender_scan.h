@@ -49,7 +49,9 @@ typedef struct LayerRange {
     int columns_log;
 } LayerRange;
 
-// Of a vector's lanes, for each columns_log.
+// From LANES * columns_log on: each lane's layer, and which of the neighbours along u it takes. (Measured, on an Intel
+// Xeon: half of sphere6's steps were those of vectors with eight layers or fewer; its bricks take 3 to 6% less time,
+// the bunny's 2 to 6%, those of wide bands as long.)
 #if LANES == 16
 __constant float layer_of_lane[3 * LANES] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
                                              0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5,  5,  6,  6,  7,  7,

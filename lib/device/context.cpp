@@ -141,9 +141,9 @@ cl::Program Context::program(std::string_view kernel_file, const std::string& op
     return *program;
 }
 
-bool Context::needs_warm_up(const cl::Kernel& kernel) {
+bool Context::is_first_use_of(const cl::Kernel& kernel) {
     const std::scoped_lock lock(programs_mutex_);
-    return warm_programs_.insert(kernel.getInfo<CL_KERNEL_PROGRAM>()()).second;
+    return used_programs_.insert(kernel.getInfo<CL_KERNEL_PROGRAM>()()).second;
 }
 
 cl::Program Context::compile(std::string_view kernel_file, const std::string& source,

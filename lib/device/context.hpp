@@ -40,9 +40,9 @@ public:
     /// Error(device_failure) with the build log.
     cl::Program program(std::string_view kernel_file, const std::string& options);
 
-    /// Whether this is asked of the kernel's program for the first time. Compilers specialise a kernel at its first
-    /// launch: after an empty one, the launch that counts need not wait for it.
-    bool needs_warm_up(const cl::Kernel& kernel);
+    /// Whether this is asked of the kernel's program for the first time; then it is no more. Compilers specialise a
+    /// kernel at its first launch: after an empty one, the launch that counts need not wait for it.
+    bool is_first_use_of(const cl::Kernel& kernel);
 
     /// Where compiled programs are kept between runs; empty: nowhere.
     void set_cache_folder(std::filesystem::path folder);
@@ -58,7 +58,7 @@ private:
     Capabilities capabilities_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, cl::Program> programs_;
-    std::set<cl_program> warm_programs_;
+    std::set<cl_program> used_programs_;  // of those above, which stay
     ProgramCache cache_{{}};
 };
 

@@ -17,6 +17,9 @@ namespace clsdf::polyhedra {
 
 namespace {
 
+/// Of a coordinate: a code has 30 then.
+constexpr unsigned most_bits = 10;
+
 struct Keyed {
     std::uint32_t code;
     std::uint32_t triangle;
@@ -40,7 +43,7 @@ class CentroidCodes {
 public:
     using Codes = std::array<std::uint32_t, lanes>;
 
-    /// bits: of each coordinate, at most 10.
+    /// bits: of each coordinate, at most most_bits.
     CentroidCodes(const Mesh& mesh, unsigned bits)
         : mesh_(mesh), to_cells_{3 * to_vector(mesh.box().lower), 0, static_cast<double>(1u << bits)} {
         const double longest = mesh.box().longest_side();
@@ -91,8 +94,9 @@ CLSDF_SEVERAL_TARGETS void CentroidCodes::encode(const LaneVectors& sums, const 
 
 /// Sorts triangles by codes of three digits, equal ones as they come: by the first digit in blocks, each of which knows
 /// where its triangles of each digit go, then what has one first digit by the others. (Measured on two cores: pass by
-/// pass in blocks, from the last digit on, a mesh of 32,768 triangles takes half as long again. Those of a block with
-/// one digit are few then, and cores write to the same lines of memory.)
+/// pass in blocks, from the last digit on, a mesh of 32,768 triangles takes half as long again: of a block few have one
+/// digit, and cores write to the same lines of memory. What all have one first digit, as beside a vertex far away, one
+/// core sorts.)
 class CodeSort {
 public:
     CodeSort(std::size_t count, unsigned digit_bits)
@@ -131,7 +135,7 @@ public:
     }
 
 private:
-    using Places = std::array<std::uint32_t, 1024>;  ///< by a digit's value
+    using Places = std::array<std::uint32_t, std::size_t{1} << most_bits>;  ///< by a digit's value
 
     std::size_t digit(const Keyed& keyed, unsigned number) const {
         return keyed.code >> number * digit_bits_ & (digit_values_ - 1);
@@ -167,7 +171,7 @@ private:
     unsigned digit_bits_;
     std::size_t digit_values_;
     std::size_t block_;
-    std::vector<Places> places_;  // of each block
+    std::vector<Places> places_;  ///< of each block
 };
 
 }  // namespace
@@ -175,7 +179,7 @@ private:
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh, ScratchMemory* scratch) {
     const std::size_t count = mesh.triangles().size();
     // Of a coordinate and of a digit. Few triangles are told apart by fewer, which are sorted sooner.
-    const unsigned bits = count <= std::size_t{1} << 17 ? 8 : 10;
+    const unsigned bits = count <= std::size_t{1} << 17 ? 8 : most_bits;
     const CentroidCodes centroids(mesh, bits);
     UninitializedVector<Keyed> memory(2 * count, scratch);  // in one piece, as large as what is needed next
     const std::span<Keyed> keyed = std::span(memory).first(count);

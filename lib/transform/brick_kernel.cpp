@@ -19,7 +19,8 @@ BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device:
         pairs = 0;
         begin = i + 1;
     }
-    // Small, and copied at once: to write it to a buffer of the pool would wait for all that was enqueued before.
+    // Four bytes a coarse brick, copied at once: to write them to a buffer of the pool would wait for all that was
+    // enqueued before. NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it is read only
     if (!lists.order.empty())
         order_ = cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
                             lists.order.size() * sizeof(cl_uint), const_cast<cl_uint*>(lists.order.data()));

@@ -52,7 +52,7 @@ public:
         kernel_.setArg(arg_scratch, *scratch_);
         kernel_.setArg(arg_minima, *minima_);
         if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
-        if (context.needs_warm_up(kernel_)) warm_up(context.queue(), inputs.computed);
+        if (!launches_.empty() && context.is_first_use_of(kernel_)) warm_up(context.queue(), inputs.computed);
     }
 
     void enqueue_reset(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {

@@ -1,7 +1,7 @@
 #include "transform/coarse_lists.hpp"
 
 #include "coarse.h"
-#include "transform/held_back.hpp"
+#include "transform/command_gate.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/prefix_sums.hpp"
 #include "transform/programs.hpp"
@@ -10,7 +10,6 @@
 #include <bit>
 #include <functional>
 #include <numeric>
-#include <optional>
 
 namespace clsdf::transform {
 
@@ -189,19 +188,19 @@ private:
             kernel.setArg(count_touches, *touches_);
             launch(kernel, count_step, count_steps, seconds);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
+            PrefixSums sums(context_, programs_.scan, pool_, *counts, starts, counters_,
+                            "pairs of a triangle and a coarse brick");
             cl::Event read;
-            std::optional<PrefixSums> sums;
             {
-                const HeldBack together(context_);
-                sums.emplace(context_, programs_.scan, pool_, *counts, starts, counters_,
-                             "pairs of a triangle and a coarse brick");
+                const CommandGate gate(context_);
+                sums.enqueue();
                 queue_.enqueueReadBuffer(*touch_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint), touches_found_.data());
                 queue_.enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(), nullptr,
                                          &read);
             }
             read.wait();
             if (std::equal(touches_found_.begin(), touches_found_.end(), room.begin(), std::less_equal<>())) {
-                sums->total();  // throws where the starts do not hold it
+                sums.total();  // throws where the starts do not hold it
                 break;
             }
             make_room(room = touches_found_);

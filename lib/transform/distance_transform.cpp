@@ -165,6 +165,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             slabs.push_back(upper);
             slabs.push_back(lower);
             pipeline.take_back(slot);
+            clFinish(device.internal().queue()());  // what is under way keeps its buffers
             pool->release();
             scratch.release();
             continue;
@@ -202,7 +203,9 @@ void DistanceTransform::set_stop(std::stop_token stop) {
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {
     std::optional<transform::SweepMesh> sweep_mesh;
-    return Plan(state_->make_plan(state_->prepare(grid, band), sweep_mesh, grid, band, outputs));
+    Plan plan(state_->make_plan(state_->prepare(grid, band), sweep_mesh, grid, band, outputs));
+    device::guarded([&] { state_->device.internal().queue().finish(); });  // what fails of the set-up fails here
+    return plan;
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOutputs& host) {

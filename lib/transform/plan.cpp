@@ -63,17 +63,22 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& 
     std::vector<cl::Event> before = wait_list;
     before.push_back(ready_);
     transform::CommandChain chain(queue, std::move(before));
-    scan_->enqueue_begin(chain, distance, triangle);
-    before_launches_ = chain.last();
-    for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
-        if (between_launches) {
-            chain.wait();
-            between_launches(scan_->fraction_before(launch));
+    try {
+        scan_->enqueue_begin(chain, distance, triangle);
+        before_launches_ = chain.last();
+        for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
+            if (between_launches) {
+                chain.wait();
+                between_launches(scan_->fraction_before(launch));
+            }
+            scan_->enqueue_launch(chain, launch);
         }
-        scan_->enqueue_launch(chain, launch);
+        after_launches_ = chain.last();
+        scan_->enqueue_end(chain);
+    } catch (...) {
+        last_ = chain.last();  // which the destructor waits for
+        throw;
     }
-    after_launches_ = chain.last();
-    scan_->enqueue_end(chain);
     last_ = chain.last();
     queue.flush();
     return last_;

@@ -15,43 +15,47 @@ enum SumsArgument : cl_uint { sums_count, sums_values, sums_sums };
 enum OffsetsArgument : cl_uint { offsets_parts, offsets_sums };
 enum WriteArgument : cl_uint { write_count, write_values, write_sums, write_starts };
 
+// A part of some hundred values: enough of them to fill a GPU, few enough for one work-item to scan their sums.
+std::size_t parts_of(std::size_t count) {
+    return std::clamp<std::size_t>(count / 256 / common_group, 1, 4096 / common_group) * common_group;
+}
+
 }  // namespace
 
 PrefixSums::PrefixSums(device::Context& context, const cl::Program& program,
                        const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& values,
                        const cl::Buffer& starts, std::size_t count, const char* what)
-    : what_(what) {
+    : what_(what), queue_(context.queue()), parts_(parts_of(count)) {
     if (count >= std::numeric_limits<cl_uint>::max())
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
     device::guarded([&] {
-        // A part of some hundred values: enough of them to fill a GPU, few enough for one work-item to scan their sums.
-        constexpr std::size_t group = common_group;
-        const std::size_t parts = std::clamp<std::size_t>(count / 256 / group, 1, 4096 / group) * group;
-        sums_ = pool->lease((parts + 1) * sizeof(cl_ulong), "sums of a scan");
-        const cl::CommandQueue& queue = context.queue();
+        sums_ = pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
         const auto values_count = static_cast<cl_uint>(count);
+        sum_kernel_ = cl::Kernel(program, "scan_sums");
+        sum_kernel_.setArg(sums_count, values_count);
+        sum_kernel_.setArg(sums_values, values);
+        sum_kernel_.setArg(sums_sums, *sums_);
+        offset_kernel_ = cl::Kernel(program, "scan_offsets");
+        offset_kernel_.setArg(offsets_parts, static_cast<cl_uint>(parts_));
+        offset_kernel_.setArg(offsets_sums, *sums_);
+        write_kernel_ = cl::Kernel(program, "scan_write");
+        write_kernel_.setArg(write_count, values_count);
+        write_kernel_.setArg(write_values, values);
+        write_kernel_.setArg(write_sums, *sums_);
+        write_kernel_.setArg(write_starts, starts);
+    });
+}
 
-        cl::Kernel sum_kernel(program, "scan_sums");
-        sum_kernel.setArg(sums_count, values_count);
-        sum_kernel.setArg(sums_values, values);
-        sum_kernel.setArg(sums_sums, *sums_);
-        queue.enqueueNDRangeKernel(sum_kernel, cl::NullRange, cl::NDRange(parts), cl::NDRange(group));
-
-        cl::Kernel offset_kernel(program, "scan_offsets");
-        offset_kernel.setArg(offsets_parts, static_cast<cl_uint>(parts));
-        offset_kernel.setArg(offsets_sums, *sums_);
-        queue.enqueueNDRangeKernel(offset_kernel, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
-
-        cl::Kernel write_kernel(program, "scan_write");
-        write_kernel.setArg(write_count, values_count);
-        write_kernel.setArg(write_values, values);
-        write_kernel.setArg(write_sums, *sums_);
-        write_kernel.setArg(write_starts, starts);
-        queue.enqueueNDRangeKernel(write_kernel, cl::NullRange, cl::NDRange(parts), cl::NDRange(group));
-
-        queue.enqueueReadBuffer(*sums_, CL_FALSE, parts * sizeof(cl_ulong), sizeof total_, &total_, nullptr,
-                                &total_read_);
+void PrefixSums::enqueue() {
+    device::guarded([&] {
+        const cl::NDRange all(parts_);
+        const cl::NDRange group(common_group);
+        queue_.enqueueNDRangeKernel(sum_kernel_, cl::NullRange, all, group);
+        queue_.enqueueNDRangeKernel(offset_kernel_, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
+        queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, all, group);
+        queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof total_, &total_, nullptr,
+                                 &total_read_);
     });
 }
 

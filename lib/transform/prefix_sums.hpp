@@ -2,13 +2,15 @@
 
 #include "device/buffer_pool.hpp"
 
+#include <cstddef>
+#include <memory>
+
 namespace clsdf::transform {
 
-/// Exclusive prefix sums of `count` 32-bit values into starts[0, count], enqueued when it is made: what else the host
-/// waits for can be enqueued before it waits.
+/// Exclusive prefix sums of `count` 32-bit values into starts[0, count), and their total into starts[count].
 class PrefixSums {
 public:
-    /// Throws Error(out_of_memory), naming `what`, where there are 2^32 values or more.
+    /// Throws Error(out_of_memory), naming `what`, where the values are too many to be counted in 32 bits.
     PrefixSums(device::Context& context, const cl::Program& program, const std::shared_ptr<device::BufferPool>& pool,
                const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what);
 
@@ -16,12 +18,21 @@ public:
     PrefixSums& operator=(const PrefixSums&) = delete;
     ~PrefixSums();
 
-    /// Of all values; blocks. Throws Error(out_of_memory), naming `what`, where it exceeds 32 bits.
+    /// Does not wait: what else the host must know can be asked for before it waits for all.
+    void enqueue();
+
+    /// Of all values; waits for it. Throws Error(out_of_memory), naming `what`, where it exceeds 32 bits, and so what
+    /// starts hold is not the sums.
     std::size_t total() const;
 
 private:
     const char* what_;
+    cl::CommandQueue queue_;
+    std::size_t parts_;
     device::BufferPool::Lease sums_;
+    cl::Kernel sum_kernel_;
+    cl::Kernel offset_kernel_;
+    cl::Kernel write_kernel_;
     cl_ulong total_ = 0;
     cl::Event total_read_;
 };

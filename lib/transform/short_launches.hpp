@@ -12,8 +12,8 @@ namespace clsdf::transform {
 /// between two a computation can be stopped.
 class ShortLaunches {
 public:
-    /// `between`, which may be empty, is called before each launch when the one before has ended; what it throws ends
-    /// the stage.
+    /// `between`, which may be empty, is called before each launch of a stage, when the stage's one before has ended;
+    /// what it throws ends the stage.
     ShortLaunches(const device::Context& context, std::function<void()> between)
         : queue_(context.queue()),
           between_(std::move(between)),

@@ -1,7 +1,7 @@
 #include "transform/sign_crossings.hpp"
 
 #include "sweep.h"
-#include "transform/held_back.hpp"
+#include "transform/command_gate.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/prefix_sums.hpp"
 #include "transform/programs.hpp"
@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 namespace clsdf::transform {
 
@@ -58,6 +57,10 @@ public:
             kernel->setArg(arg_large, *large_);
         }
     }
+
+    Search(const Search&) = delete;
+    Search& operator=(const Search&) = delete;
+    ~Search() { clFinish(queue_()); }  // what is under way after an error reads the mesh where the host has it
 
     /// Records that the work-items of a launch may leave over.
     std::size_t left_over() const { return std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK; }
@@ -119,16 +122,16 @@ private:
     /// Of what was found so far. The scan does not wait until the totals show whether large triangles are left: to wake
     /// the host takes as long.
     SweepTotals add_up(Crossings& crossings) const {
+        PrefixSums sums(context_, programs_.scan, pool_, *row_counts_, *crossings.starts, row_count_, listed);
         SweepTotals totals{};
         cl::Event totals_read;
-        std::optional<PrefixSums> sums;
         {
-            const HeldBack together(context_);
-            sums.emplace(context_, programs_.scan, pool_, *row_counts_, *crossings.starts, row_count_, listed);
+            const CommandGate gate(context_);
+            sums.enqueue();
             queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof totals, &totals, nullptr, &totals_read);
         }
         totals_read.wait();
-        crossings.count = sums->total();
+        crossings.count = sums.total();
         return totals;
     }
 

@@ -56,7 +56,7 @@ public:
         make_kernels(context, programs, mesh);
         make_lists(context, programs, pool);
         make_buffers(pool, sign_bits);
-        if (context.needs_warm_up(scan_kernel_)) warm_up(context.queue());
+        if (context.is_first_use_of(scan_kernel_)) warm_up(context.queue());
     }
 
     std::size_t launch_count() const override { return schedule_.launches.size(); }
@@ -184,8 +184,9 @@ private:
             queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
             first = next;
         }
-        const PrefixSums sums(context, programs.scan, pool, *cursors_, *starts_, cursor_count(),
-                              "intersections of a piece and a slice");
+        PrefixSums sums(context, programs.scan, pool, *cursors_, *starts_, cursor_count(),
+                        "intersections of a piece and a slice");
+        sums.enqueue();
         sums.total();  // throws where the starts do not hold it
     }
 

@@ -67,7 +67,7 @@ struct TransformStatistics {
     std::size_t band_samples = 0;         ///< samples that carry their distance, exact with leaned polyhedra
 
     double polyhedra_seconds = 0;
-    // Of the host; what the device still has to do then counts to the next one.
+    // By the host's clock. What the device has not done of a stage when the host goes on counts to the next one.
     double lists_seconds = 0;  ///< the sign's sweep included
     double sign_seconds = 0;   ///< of these, the sweep
     double field_seconds = 0;
