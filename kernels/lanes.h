@@ -64,7 +64,6 @@ DEFINE_STORE(store_lanes, floatL, float, LANES, private)
 DEFINE_STORE(store_lanes, floatL, float, LANES, global)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, private)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, global)
-DEFINE_STORE(store_eight, uint8, uint, 8, global)
 DEFINE_STORE(store_eight, uint8, uint, 8, private)
 DEFINE_STORE(store_eight_floats, float8, float, 8, private)
 #undef DEFINE_STORE
