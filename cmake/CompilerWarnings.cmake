@@ -1,4 +1,7 @@
-# clsdf_warnings: our own targets compile without a warning, or not at all.
+# clsdf_warnings: the warnings that our own targets are compiled with. They are errors in our presets only: a newer
+# compiler, which warns of more, must not stop a user's build.
+option(CLSDF_WARNINGS_AS_ERRORS "Treat a compiler's warning as an error" OFF)
+
 add_library(clsdf_warnings INTERFACE)
 target_compile_options(
   clsdf_warnings
@@ -13,6 +16,6 @@ target_compile_options(
             -Woverloaded-virtual
             -Wdouble-promotion
             -Wformat=2)
-if(PROJECT_IS_TOP_LEVEL)
+if(CLSDF_WARNINGS_AS_ERRORS)
   target_compile_options(clsdf_warnings INTERFACE -Werror)
 endif()
