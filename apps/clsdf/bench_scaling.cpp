@@ -5,6 +5,7 @@
 #include "benchmarks/method.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -121,9 +122,12 @@ ordered_json rows_of_threads(const BenchOptions& options) {
                                            std::to_string(options.measure.seed)};
         if (!options.meshes.empty()) arguments.push_back(options.meshes.front());
         if (options.quick) arguments.emplace_back("--quick");
-        if (!options.methods.empty())
-            arguments.insert(arguments.end(), {"--method", fmt::format("{}", fmt::join(options.methods, ","))});
-        if (!options.device.empty()) arguments.insert(arguments.end(), {"--device", options.device});
+        const auto add = [&arguments](const char* option, std::string value) {
+            arguments.emplace_back(option);
+            arguments.push_back(std::move(value));
+        };
+        if (!options.methods.empty()) add("--method", fmt::format("{}", fmt::join(options.methods, ",")));
+        if (!options.device.empty()) add("--device", options.device);
         const ordered_json result = ordered_json::parse(output_of(std::move(arguments)));
         for (const ordered_json& row : result["rows"]) rows.push_back(row);
     }

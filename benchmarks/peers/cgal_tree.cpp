@@ -4,10 +4,8 @@
 #include "benchmarks/peers/pseudonormals.hpp"
 
 #include "benchmarks/method.hpp"
+#include "reference/aabb_tree.hpp"
 
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/version.h>
 #include <fmt/format.h>
@@ -21,8 +19,8 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using Point = Kernel::Point_3;
 using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+using Primitive = reference::AabbTriangle<Kernel, Triangles::const_iterator>;
+using Tree = CGAL::AABB_tree<reference::AabbTraits<Kernel, Primitive>>;
 
 class Query {
 public:

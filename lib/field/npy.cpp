@@ -5,6 +5,7 @@
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <deque>
 #include <filesystem>

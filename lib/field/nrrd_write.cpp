@@ -4,6 +4,7 @@
 #include <clsdf/version.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <deque>
 

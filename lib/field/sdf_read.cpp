@@ -1,6 +1,7 @@
 #include "field/formats.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>

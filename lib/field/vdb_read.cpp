@@ -6,6 +6,7 @@
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <openvdb/tools/Dense.h>
 
 #include <optional>

@@ -4,6 +4,7 @@
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <limits>

@@ -1,9 +1,8 @@
 #include "triangle_tree.hpp"
 
+#include "aabb_tree.hpp"
 #include "triangle_frame.hpp"
 
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
 #include <CGAL/Simple_cartesian.h>
 #include <oneapi/tbb/parallel_for.h>
 
@@ -40,7 +39,7 @@ private:
     Id id_ = 0;
 };
 
-using Traits = CGAL::AABB_traits<Kernel, Primitive>;
+using Traits = AabbTraits<Kernel, Primitive>;
 using Tree = CGAL::AABB_tree<Traits>;
 using Node = CGAL::AABB_node<Traits>;
 
