@@ -11,5 +11,3 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/scratch_memory.cpp
           ${CMAKE_CURRENT_LIST_DIR}/unfinished_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/version.cpp)
-set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/version.cpp
-                            PROPERTIES COMPILE_DEFINITIONS CLSDF_VERSION="${PROJECT_VERSION}")

@@ -3,7 +3,8 @@
 namespace clsdf {
 
 std::string version() {
-    return CLSDF_VERSION;
+    return std::to_string(CLSDF_VERSION_MAJOR) + '.' + std::to_string(CLSDF_VERSION_MINOR) + '.' +
+           std::to_string(CLSDF_VERSION_PATCH);
 }
 
 }  // namespace clsdf

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/version.hpp>
+
 namespace clsdf {
 
 /// The half widths of a narrow band, in the mesh's units; each is >= 0 and may be infinite.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/version.hpp>
+
 #include <stdexcept>
 #include <string>
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/version.hpp>
+
 namespace clsdf {
 
 /// For a program that is about to end in the middle of its work, on Ctrl-C for instance: removes what the files that
