@@ -49,7 +49,7 @@ private:
     Device device_;
 };
 
-#if !CLSDF_WITH_EMBREE || !CLSDF_WITH_OPENVDB
+#if !CLSDF_PEER_EMBREE || !CLSDF_PEER_OPENVDB
 /// `missing` is empty where the package was not looked for.
 [[maybe_unused]] Entry absent(const char* name, const std::string& missing) {
     return {name, "",
@@ -69,12 +69,12 @@ std::unique_ptr<Method> make_transform_anew(const Device& device) {
     return std::make_unique<TransformAnew>(device);
 }
 
-#if !CLSDF_WITH_EMBREE
+#if !CLSDF_PEER_EMBREE
 Entry embree_entry() {
     return absent("embree", CLSDF_MISSING_EMBREE);
 }
 #endif
-#if !CLSDF_WITH_OPENVDB
+#if !CLSDF_PEER_OPENVDB
 Entry openvdb_entry() {
     return absent("openvdb", CLSDF_MISSING_OPENVDB);
 }

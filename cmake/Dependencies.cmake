@@ -48,22 +48,19 @@ get_filename_component(CLSDF_HDF5_NAME ${CLSDF_HDF5_LIBRARY} NAME_WE)
 string(REGEX REPLACE "^lib" "" CLSDF_HDF5_NAME ${CLSDF_HDF5_NAME})
 
 # Nor OpenVDB's own module, which wants the development files of everything that OpenVDB itself is built with.
-set(CLSDF_HAS_VDB FALSE)
-if(CLSDF_BUILD_VDB)
+if(CLSDF_WITH_OPENVDB)
   find_path(CLSDF_OPENVDB_INCLUDE openvdb/openvdb.h)
   find_library(CLSDF_OPENVDB_LIBRARY openvdb)
   find_library(CLSDF_IMATH_LIBRARY Imath) # halves, in OpenVDB's headers
   mark_as_advanced(CLSDF_OPENVDB_INCLUDE CLSDF_OPENVDB_LIBRARY CLSDF_IMATH_LIBRARY)
-  if(CLSDF_OPENVDB_INCLUDE AND CLSDF_OPENVDB_LIBRARY AND CLSDF_IMATH_LIBRARY)
-    set(CLSDF_HAS_VDB TRUE)
-    add_library(clsdf_openvdb INTERFACE)
-    target_include_directories(clsdf_openvdb SYSTEM INTERFACE ${CLSDF_OPENVDB_INCLUDE})
-    target_link_libraries(clsdf_openvdb INTERFACE ${CLSDF_OPENVDB_LIBRARY} ${CLSDF_IMATH_LIBRARY} TBB::tbb)
-  elseif(NOT CLSDF_BUILD_VDB STREQUAL "AUTO")
-    message(FATAL_ERROR "CLSDF_BUILD_VDB is ON, and CMake did not find OpenVDB.\n"
-                        "On Debian and its kin: apt-get install libopenvdb-dev "
-                        "(-DCLSDF_BUILD_VDB=OFF does without .vdb files).")
+  if(NOT CLSDF_OPENVDB_INCLUDE OR NOT CLSDF_OPENVDB_LIBRARY OR NOT CLSDF_IMATH_LIBRARY)
+    message(FATAL_ERROR "CLSDF_WITH_OPENVDB is ON, and CMake did not find OpenVDB.\n"
+                        "On Debian and its kin: apt-get install libopenvdb-dev (scripts/setup --openvdb installs it; "
+                        "-DCLSDF_WITH_OPENVDB=OFF does without .vdb files).")
   endif()
+  add_library(clsdf_openvdb INTERFACE)
+  target_include_directories(clsdf_openvdb SYSTEM INTERFACE ${CLSDF_OPENVDB_INCLUDE})
+  target_link_libraries(clsdf_openvdb INTERFACE ${CLSDF_OPENVDB_LIBRARY} ${CLSDF_IMATH_LIBRARY} TBB::tbb)
 endif()
 
 if(CLSDF_BUILD_PICTURE)

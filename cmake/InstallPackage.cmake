@@ -28,7 +28,7 @@ if(library_type STREQUAL "STATIC_LIBRARY")
   string(APPEND CLSDF_PC_REQUIRES " OpenCL tbb fmt mpfr gmp expat")
   # HDF5's own description has another name on every system.
   set(CLSDF_PC_LIBRARIES "-l${CLSDF_HDF5_NAME}")
-  if(CLSDF_HAS_VDB)
+  if(CLSDF_WITH_OPENVDB)
     string(APPEND CLSDF_PC_LIBRARIES " -lopenvdb -lImath")
   endif()
 endif()

@@ -19,9 +19,9 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf_write.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_HAS_VDB}>,vdb_write,vdb_absent>.cpp
-          $<$<BOOL:${CLSDF_HAS_VDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
-          $<$<BOOL:${CLSDF_HAS_VDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_trees.cpp>
+          ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_WITH_OPENVDB}>,vdb_write,vdb_absent>.cpp
+          $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
+          $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_trees.cpp>
           ${CMAKE_CURRENT_LIST_DIR}/vdb_file.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_document.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp

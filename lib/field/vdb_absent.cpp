@@ -10,11 +10,12 @@ namespace clsdf {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path) {
-    throw Error(ErrorCode::unsupported,
-                fmt::format("{}: this build of clsdf has no OpenVDB; install it (on Debian: apt-get install "
-                            "libopenvdb-dev), configure with -DCLSDF_BUILD_VDB=ON and build again, or choose another "
-                            "format",
-                            path));
+    throw Error(
+        ErrorCode::unsupported,
+        fmt::format("{}: this build of clsdf has no OpenVDB; install it (on Debian: apt-get install "
+                    "libopenvdb-dev), configure with -DCLSDF_WITH_OPENVDB=ON and build again, or choose another "
+                    "format",
+                    path));
 }
 
 }  // namespace

@@ -17,3 +17,14 @@ add_test(
 # Sections that comments cite by their titles are there.
 add_test(NAME citations COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P
                                 ${CMAKE_CURRENT_LIST_DIR}/citations.cmake)
+
+# A compiler that is told to compile C++17 says what is wrong, and nothing else.
+get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+add_test(
+  NAME needs_cxx20
+  COMMAND ${CMAKE_COMMAND} -DHEADERS=${PROJECT_SOURCE_DIR}/lib/include -DEIGEN=${eigen} -DCOMPILER=${CMAKE_CXX_COMPILER}
+          -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/needs_cxx20 -P ${CMAKE_CURRENT_LIST_DIR}/needs_cxx20.cmake)
+
+# What users get who ask for nothing.
+add_test(NAME users_build COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/users_build
+                                  -P ${CMAKE_CURRENT_LIST_DIR}/users_build.cmake)

@@ -30,7 +30,7 @@ inline const std::vector<Format>& all_formats() {
     static const std::vector<Format> formats {
         {.ending = ".nrrd", .extras_beside = true}, {.ending = ".npy", .extras_beside = true}, {.ending = ".vti"},
             {.ending = ".h5"},
-#if CLSDF_HAS_VDB
+#if CLSDF_WITH_OPENVDB
             {.ending = ".vdb", .any_spacing = false},
 #endif
             {.ending = ".sdf", .is_described = false, .has_extras = false, .any_spacing = false},

@@ -111,7 +111,7 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
     }
 }
 
-#if CLSDF_HAS_VDB
+#if CLSDF_WITH_OPENVDB
 
 BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_and_its_band_in_openvdb) {
     check_with_reader(TemporaryFolder(), "vdb", "vdb", plain_field(equal));

@@ -3,7 +3,7 @@ clsdf_test(field ${CMAKE_CURRENT_LIST_DIR}/round_trip.cpp ${CMAKE_CURRENT_LIST_D
            ${CMAKE_CURRENT_LIST_DIR}/writer.cpp ${CMAKE_CURRENT_LIST_DIR}/other_programs.cpp
            ${CMAKE_CURRENT_LIST_DIR}/vdb.cpp)
 
-target_compile_definitions(test_field PRIVATE CLSDF_HAS_VDB=$<BOOL:${CLSDF_HAS_VDB}>)
+target_compile_definitions(test_field PRIVATE CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
 if(CLSDF_SANITIZE)
   # By whole stacks cmake/leak_suppressions.txt knows what HDF5 forgets of damaged files; twelve callers tell.
   set_tests_properties(field PROPERTIES ENVIRONMENT_MODIFICATION
@@ -17,6 +17,6 @@ find_program(CLSDF_TEST_PYTHON python3)
 mark_as_advanced(CLSDF_TEST_PYTHON)
 clsdf_test(field_readers ${CMAKE_CURRENT_LIST_DIR}/readers.cpp)
 set_target_properties(test_field_readers PROPERTIES OUTPUT_NAME field_readers)
-target_compile_definitions(test_field_readers PRIVATE CLSDF_HAS_VDB=$<BOOL:${CLSDF_HAS_VDB}>
+target_compile_definitions(test_field_readers PRIVATE CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>
                                                       CLSDF_TEST_PYTHON="${CLSDF_TEST_PYTHON}"
                                                       CLSDF_READERS="${CMAKE_CURRENT_LIST_DIR}/readers.py")

@@ -9,7 +9,7 @@
 using namespace clsdf;
 using namespace clsdf::test;
 
-#if CLSDF_HAS_VDB
+#if CLSDF_WITH_OPENVDB
 
 namespace {
 
