@@ -1,7 +1,7 @@
 #pragma once
 
-// CGAL's AABB tree in three dimensions, by one name: since CGAL 6 its headers and classes end in _3, and those without are
-// deprecated.
+// CGAL's AABB tree in three dimensions, by one name: since CGAL 6 its headers and classes end in _3, and those without
+// are deprecated.
 #if __has_include(<CGAL/AABB_traits_3.h>)
 #include <CGAL/AABB_traits_3.h>
 #include <CGAL/AABB_triangle_primitive_3.h>

@@ -20,13 +20,36 @@ if(WAY STREQUAL "pkg_config")
   file(GLOB_RECURSE description ${prefix}/clsdf.pc)
   get_filename_component(directory "${description}" DIRECTORY)
   set(ENV{PKG_CONFIG_PATH} ${directory})
-  execute_process(
-    COMMAND pkg-config --cflags --libs clsdf
-    OUTPUT_VARIABLE flags
-    COMMAND_ERROR_IS_FATAL ANY)
-  separate_arguments(flags UNIX_COMMAND "${flags}")
   get_filename_component(ENV{LD_LIBRARY_PATH} "${directory}" DIRECTORY)
-  run(${COMPILER} -std=c++20 ${source}/consumer.cpp ${flags} -o ${program})
+  function(flags_of_clsdf result)
+    execute_process(
+      COMMAND pkg-config ${ARGN} clsdf
+      OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE
+      COMMAND_ERROR_IS_FATAL ANY)
+    separate_arguments(flags UNIX_COMMAND "${flags}")
+    set(${result} ${flags} PARENT_SCOPE)
+  endfunction()
+  flags_of_clsdf(flags --cflags --libs)
+
+  # The line of the README, as a reader would paste it; c++ is the compiler that the library was built with.
+  file(STRINGS ${CLSDF}/README.md line REGEX "^c\\+\\+ .*pkg-config" LIMIT_COUNT 1)
+  string(REGEX REPLACE "^c\\+\\+" "${COMPILER}" line "${line}")
+  file(COPY_FILE ${source}/consumer.cpp ${SCRATCH}/build/simulation.cpp)
+  execute_process(COMMAND sh -c "${line}" WORKING_DIRECTORY ${SCRATCH}/build COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+  file(RENAME ${SCRATCH}/build/simulation ${program})
+
+  # Linked by a C compiler, with what its description says of a static library.
+  flags_of_clsdf(static_flags --static --libs)
+  run(${COMPILER} -std=c++20 -DCONSUMER_OF_C -c ${source}/consumer.cpp ${flags} -o ${program}.o)
+  run(cc ${source}/main.c ${program}.o ${static_flags} -o ${program}_of_c)
+  run(${program}_of_c)
+
+  # The version is the same in the header, in the library and in the description.
+  flags_of_clsdf(version --modversion)
+  execute_process(COMMAND ${program} OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT output MATCHES "^clsdf ${version}: ")
+    message(FATAL_ERROR "pkg-config says version ${version}, the program '${output}'")
+  endif()
 
   # CGAL is how the library works, not what it offers.
   execute_process(

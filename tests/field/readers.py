@@ -162,13 +162,23 @@ def sdf(path, expected, distance, triangle):
     check_values("distance", numpy.array(lines[3:-1]).astype(numpy.float32).reshape(distance.shape), distance)
 
 
+def openvdb_module():
+    """pyopenvdb, or openvdb as newer releases call it."""
+    try:
+        import pyopenvdb
+        return pyopenvdb
+    except ImportError:
+        import openvdb
+        return openvdb
+
+
 def vdb_unequal(path, expected, distance, triangle):
     vdb(path, expected, distance, triangle, "unknown")
 
 
 def vdb(path, expected, distance, triangle, grid_class="level set"):
     import numpy
-    import pyopenvdb
+    pyopenvdb = openvdb_module()
     # Debian's module has no grids of integers, so the triangles are left to clsdf's own reader.
     grid = pyopenvdb.read(path, "distance")
     check_description(grid["clsdf"], expected)
@@ -189,7 +199,7 @@ def vdb(path, expected, distance, triangle, grid_class="level set"):
 
 def vdb_rewritten(path, expected, distance, triangle):
     """The distance alone, as another program would write it, for clsdf to read."""
-    import pyopenvdb
+    pyopenvdb = openvdb_module()
     grid = pyopenvdb.read(path, "distance")
     del grid["clsdf"]
     grid.name = "surface"

@@ -1,0 +1,6 @@
+/* A C program that calls C++ code, which uses clsdf. */
+int consumer(void);
+
+int main(void) {
+    return consumer();
+}
