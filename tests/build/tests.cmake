@@ -28,3 +28,5 @@ add_test(
 # What users get who ask for nothing.
 add_test(NAME users_build COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/users_build
                                   -P ${CMAKE_CURRENT_LIST_DIR}/users_build.cmake)
+add_test(NAME setup COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/setup -P
+                            ${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
