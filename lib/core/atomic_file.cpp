@@ -1,5 +1,6 @@
 #include "core/atomic_file.hpp"
 
+#include "core/descriptor.hpp"
 #include "core/unfinished_files.hpp"
 
 #include <clsdf/error.hpp>
@@ -25,15 +26,6 @@ int standard_stream(const std::string& path) {
     return -1;
 }
 
-/// A new file of that name, listed among the unfinished ones; negative, with errno, where there is none.
-int create(const std::string& name) {
-    UnfinishedFiles& files = UnfinishedFiles::of_process();
-    const std::lock_guard lock(files.mutex);
-    const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor >= 0) files.names.insert(name);
-    return descriptor;
-}
-
 }  // namespace
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
@@ -56,7 +48,6 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
 }
 
 AtomicFile::~AtomicFile() {
-    file_.reset();
     if (!temporary_.empty()) remove_temporary();
 }
 
@@ -84,20 +75,15 @@ void AtomicFile::open_beside(const std::string& target) {
     if (!folder.empty() && !fs::is_directory(folder, error))
         throw Error(ErrorCode::output_failure,
                     fmt::format("cannot write '{}': there is no folder '{}'", path_, folder.string()));
-    for (unsigned attempt = 0;; ++attempt) {
-        // Not derived from the target's name, which may already have the greatest length.
-        const std::string name = (folder / fmt::format(".clsdf-{}-{}.part", ::getpid(), attempt)).string();
-        const int descriptor = create(name);
-        if (descriptor < 0 && errno == EEXIST) continue;
-        if (descriptor < 0) fail(errno);
-        temporary_ = name;
-        try {
-            open_directly(descriptor);
-        } catch (...) {
-            remove_temporary();
-            throw;
-        }
-        return;
+    std::string name;
+    const int descriptor = create_unfinished_file(folder, name);
+    if (descriptor < 0) fail(errno);
+    temporary_ = name;
+    try {
+        open_directly(descriptor);
+    } catch (...) {
+        remove_temporary();
+        throw;
     }
 }
 
@@ -127,6 +113,9 @@ const std::string& AtomicFile::temporary() const {
 }
 
 void AtomicFile::commit() {
+    // A second descriptor keeps the file locked until it has its name.
+    const Descriptor locked(temporary_.empty() ? -1 : ::fcntl(::fileno(file_.get()), F_DUPFD_CLOEXEC, 0));
+    if (!temporary_.empty() && locked.number() < 0) fail(errno);
     // Some file systems report a full disk only here.
     if (std::fclose(file_.release()) != 0) fail(errno);
     if (temporary_.empty()) return;

@@ -14,6 +14,9 @@ namespace clsdf {
 /// same folder, and commit() gives it its name. Without commit() nothing is left behind, and a file that had the name
 /// before is untouched. What is no regular file (/dev/null, /dev/stdout, a named pipe) is written directly.
 ///
+/// A process that is killed leaves its temporary file; a later one that writes into the folder removes it, see
+/// unfinished_files.hpp.
+///
 /// Every function throws Error(output_failure) that names the file and the system's reason.
 class AtomicFile {
 public:

@@ -119,14 +119,9 @@ void ProgramCache::prune(const fs::path& newest) const {
     std::error_code ignored;
     std::vector<StoredFile> files;
     std::uintmax_t total = 0;
-    const auto now = fs::file_time_type::clock::now();
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
         const fs::path& path = entry.path();
         const fs::file_time_type used = entry.last_write_time(ignored);
-        // What a process that was killed has left.
-        if (path.extension() == ".part" && path.filename().string().starts_with(".clsdf-") &&
-            now - used > std::chrono::hours(1))
-            fs::remove(path, ignored);
         std::error_code gone;
         const std::uintmax_t size = entry.file_size(gone);
         if (gone || path.extension() != ending) continue;

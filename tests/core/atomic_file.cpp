@@ -1,4 +1,5 @@
 #include "core/atomic_file.hpp"
+#include "core/unfinished_files.hpp"
 
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
@@ -9,9 +10,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
+#include <stdexcept>
 #include <thread>
+#include <vector>
 
 namespace clsdf {
 
@@ -63,6 +67,84 @@ BOOST_AUTO_TEST_CASE(abandoned_files_leave_nothing_and_are_not_committed_any_mor
     BOOST_TEST((WIFEXITED(status) && WEXITSTATUS(status) == 7));
     BOOST_TEST(folder.file_count() == 1U);
     BOOST_TEST(std::filesystem::exists(folder.file("third.raw")));
+}
+
+namespace {
+
+/// A process that writes half a file in the folder, and then waits to be killed.
+class HalfWriter {
+public:
+    explicit HalfWriter(const TemporaryFolder& folder) {
+        int ends[2];
+        BOOST_REQUIRE(::pipe(ends) == 0);
+        id_ = ::fork();
+        BOOST_REQUIRE(id_ >= 0);
+        if (id_ == 0) {
+            AtomicFile file(folder.file("half.raw"));
+            file.write("half a fie");
+            if (::write(ends[1], "!", 1) != 1) ::_exit(1);
+            while (true) ::pause();
+        }
+        char written = 0;
+        BOOST_REQUIRE(::read(ends[0], &written, 1) == 1);
+        for (const int end : ends) ::close(end);
+    }
+    ~HalfWriter() {
+        if (id_ > 0) kill();
+    }
+    HalfWriter(const HalfWriter&) = delete;
+    HalfWriter& operator=(const HalfWriter&) = delete;
+
+    std::string name() const { return ".clsdf-" + std::to_string(id_) + "-0.part"; }
+
+    void kill() {
+        ::kill(id_, SIGKILL);
+        ::waitpid(id_, nullptr, 0);
+        id_ = -1;
+    }
+
+private:
+    pid_t id_ = -1;
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_later_file_in_the_folder_removes_what_a_killed_writer_left_and_nothing_else) {
+    const TemporaryFolder folder;
+    const HalfWriter living(folder);
+    HalfWriter killed(folder);
+    const std::string left = killed.name();
+    killed.kill();
+    for (const char* name : {".clsdf-notes.part", ".clsdf-1-.part", ".clsdf-1-2-3.part", "clsdf-1-0.part"})
+        folder.file(name, "somebody's");
+    std::filesystem::create_directory(folder.file(".clsdf-1-0.part"));
+    BOOST_REQUIRE(folder.file_count() == 7U);
+    BOOST_TEST(std::filesystem::exists(folder.file(left)));
+
+    AtomicFile(folder.file("field.raw")).commit();
+    BOOST_TEST(!std::filesystem::exists(folder.file(left)));
+    BOOST_TEST(std::filesystem::exists(folder.file(living.name())));
+    BOOST_TEST(folder.file_count() == 7U);
+}
+
+BOOST_AUTO_TEST_CASE(a_file_that_is_being_written_is_never_taken_for_a_stale_one) {
+    const TemporaryFolder folder;
+    std::atomic<bool> done = false;
+    std::vector<std::thread> cleaners;
+    for (int i = 0; i < 2; ++i)
+        cleaners.emplace_back([&] {
+            while (!done) remove_stale_files(folder.file(""));
+        });
+    // Between its creation and its lock a file may be lost, and after its lock is gone it must have its name.
+    BOOST_CHECK_NO_THROW(for (int i = 0; i < 1000; ++i) {
+        AtomicFile file(folder.file("field.raw"));
+        file.write(std::to_string(i));
+        file.commit();
+        if (content_of(folder.file("field.raw")) != std::to_string(i)) throw std::runtime_error("another content");
+    });
+    done = true;
+    for (std::thread& cleaner : cleaners) cleaner.join();
+    BOOST_TEST(folder.file_count() == 1U);
 }
 
 BOOST_AUTO_TEST_CASE(an_earlier_file_stays_until_the_commit) {
