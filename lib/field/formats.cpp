@@ -1,5 +1,7 @@
 #include "field/formats.hpp"
 
+#include "core/quoted.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,7 +70,7 @@ std::string path_beside(const std::string& path, const std::string& name) {
     const fs::path file(name);
     if (name.empty() || file.filename() != file || name == "." || name == "..")
         throw Error(ErrorCode::unreadable_input,
-                    fmt::format("{}: '{}' is not the name of a file in the same folder", path, name));
+                    fmt::format("{}: {} is not the name of a file in the same folder", path, quoted(name, 80)));
     return (fs::path(path).parent_path() / file).string();
 }
 

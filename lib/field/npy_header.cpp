@@ -1,5 +1,7 @@
 #include "field/npy_header.hpp"
 
+#include "core/quoted.hpp"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -112,8 +114,8 @@ void set_type(NpyHeader& header, const InputFile& file, const std::string& type)
         {"f4", ValueType::float32}, {"f8", ValueType::float64}, {"u4", ValueType::uint32}};
     const auto found = type.empty() ? types.end() : types.find(type.substr(1));
     if (found == types.end() || (type[0] != '<' && type[0] != '>'))
-        file.fail(fmt::format("header field 'descr': '{}' is not read; save the array as float32 ('<f4')",
-                              type.substr(0, 80)));
+        file.fail(
+            fmt::format("header field 'descr': {} is not read; save the array as float32 ('<f4')", quoted(type, 80)));
     header.values.type = found->second;
     header.values.order = type[0] == '<' ? std::endian::little : std::endian::big;
 }
@@ -137,8 +139,8 @@ NpyHeader read_npy_header(InputFile& file) {
     const auto dictionary_text = std::string_view(text).substr(begin, static_cast<std::size_t>(length));
     const std::optional<Dictionary> dictionary = parse_dictionary(dictionary_text);
     if (!dictionary || !dictionary->type || !dictionary->fortran_order || !dictionary->shape)
-        file.fail(fmt::format("header '{}' does not state one 'descr', 'fortran_order' and 'shape' of a plain array",
-                              dictionary_text.substr(0, 80)));
+        file.fail(fmt::format("header {} does not state one 'descr', 'fortran_order' and 'shape' of a plain array",
+                              quoted(dictionary_text, 80)));
     if (*dictionary->fortran_order)
         file.fail("header field 'fortran_order': True is not read; save numpy.ascontiguousarray(field)");
 

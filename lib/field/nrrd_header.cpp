@@ -1,5 +1,7 @@
 #include "field/nrrd_header.hpp"
 
+#include "core/quoted.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -67,14 +69,14 @@ void NrrdHeader::parse_line(std::string_view line, std::size_t number) {
     const std::size_t colon = line.find(':');
     const std::size_t assignment = line.find(":=");
     if (colon == std::string_view::npos)
-        file_.fail(fmt::format(R"(header line {}: '{}' is neither "field: value" nor "key:=value")", number,
-                               line.substr(0, 80)));
+        file_.fail(
+            fmt::format(R"(header line {}: {} is neither "field: value" nor "key:=value")", number, quoted(line, 80)));
     const bool is_pair = assignment != std::string_view::npos && line.find(": ") > assignment;
     const std::string name = is_pair ? std::string(line.substr(0, assignment)) : normalised(line.substr(0, colon));
     const std::string value =
         is_pair ? unescaped(line.substr(assignment + 2)) : std::string(trimmed(line.substr(colon + 1)));
     if (!(is_pair ? pairs_ : fields_).emplace(name, value).second)
-        file_.fail(fmt::format("header line {}: '{}' is stated a second time", number, name.substr(0, 80)));
+        file_.fail(fmt::format("header line {}: {} is stated a second time", number, quoted(name, 80)));
 }
 
 const std::string* NrrdHeader::find(const std::string& field) const {
@@ -121,7 +123,7 @@ RawValues NrrdHeader::values() const {
 }
 
 void NrrdHeader::fail(const std::string& field, const std::string& text, const std::string& what) const {
-    file_.fail(fmt::format("field '{}': '{}': {}", field, std::string_view(text).substr(0, 80), what));
+    file_.fail(fmt::format("field '{}': {}: {}", field, quoted(text, 80), what));
 }
 
 std::string escaped(std::string_view text) {

@@ -1,3 +1,4 @@
+#include "core/quoted.hpp"
 #include "field/formats.hpp"
 
 #include <fmt/format.h>
@@ -35,7 +36,7 @@ const char* parse_number(const char* begin, const char* end, Number& value) {
 }
 
 [[noreturn]] void fail_number(const InputFile& file, const char* what, std::string_view word) {
-    file.fail(fmt::format("{}: '{}' is not a number", what, word.substr(0, 80)));
+    file.fail(fmt::format("{}: {} is not a number", what, quoted(word, 80)));
 }
 
 /// A file that is too long for the memory, in pieces of whole words.

@@ -1,5 +1,6 @@
 #include "mesh/ply_header.hpp"
 
+#include "core/quoted.hpp"
 #include "mesh/text_scanner.hpp"
 
 #include <fmt/format.h>

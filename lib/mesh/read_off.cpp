@@ -1,3 +1,4 @@
+#include "core/quoted.hpp"
 #include "mesh/mesh_readers.hpp"
 #include "mesh/text_scanner.hpp"
 

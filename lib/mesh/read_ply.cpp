@@ -1,3 +1,4 @@
+#include "core/quoted.hpp"
 #include "mesh/byte_order.hpp"
 #include "mesh/mesh_readers.hpp"
 #include "mesh/ply_header.hpp"

@@ -1,3 +1,5 @@
+#include "core/quoted.hpp"
+
 #include <clsdf/error.hpp>
 #include <clsdf/sign.hpp>
 #include <clsdf/topology.hpp>
@@ -57,7 +59,7 @@ SignRule parse_sign_rule(const std::string& text) {
     for (const auto& [rule, name] : names)
         if (text == name) return rule;
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("'{}' is no sign rule; there are auto, nonzero, parity and none", text));
+                fmt::format("{} is no sign rule; there are auto, nonzero, parity and none", quoted(text)));
 }
 
 ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {

@@ -1,5 +1,7 @@
 #include "mesh/text_scanner.hpp"
 
+#include "core/quoted.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -141,14 +143,6 @@ void TextScanner::fail_word(const char* what, std::string_view word) const {
     if (!word.empty()) fail(fmt::format("expected {}, found {}", what, quoted(word)));
     if (position_ == end_) fail(fmt::format("expected {}, but the file ends", what));
     fail(fmt::format("expected {}, but the line ends", what));
-}
-
-std::string quoted(std::string_view word) {
-    constexpr std::size_t limit = 40;
-    std::string text(word.substr(0, limit));
-    std::replace_if(
-        text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return fmt::format("'{}'{}", text, word.size() > limit ? "..." : "");
 }
 
 bool equals_ignoring_case(std::string_view word, std::string_view lower) {

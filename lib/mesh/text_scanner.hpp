@@ -64,9 +64,6 @@ private:
     bool before_first_line_ = true;
 };
 
-/// A word as it can be shown in a message: shortened, and without control characters or bytes that are no ASCII.
-std::string quoted(std::string_view word);
-
 /// Whether the words agree but for upper and lower case; `lower` is in lower case.
 bool equals_ignoring_case(std::string_view word, std::string_view lower);
 

@@ -91,6 +91,8 @@ BOOST_AUTO_TEST_CASE(with_a_header_that_says_something_else_is_refused) {
     refused(header("<f4", "False", "(4294967296, 4294967296, 4294967296)"), "truncated");
     refused(npy("{'descr': [('x', '<f4')], 'fortran_order': False, 'shape': (1, 2, 3)}") + six_bytes, "descr");
     refused(npy("{}") + six_bytes, "descr");
+    refused(npy(std::string("{\0}", 3)) + six_bytes, "'{?}' does not state");
+    refused(header(std::string("<f\0", 3), "False", "(1, 2, 3)"), "'<f?' is not read");
     refused(npy(dictionary, 9) + six_bytes, "version 9");
     refused(npy(dictionary).substr(0, 30), "truncated");
     refused("\x93NUMPY", "truncated");

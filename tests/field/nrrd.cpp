@@ -124,6 +124,12 @@ BOOST_AUTO_TEST_CASE(that_does_not_say_enough_is_refused_with_the_field_the_valu
     refused(whole + "clsdf_sign:=sometimes\n", {"sometimes"});
     refused(whole + "clsdf_triangle_file:=../secret\n", {"../secret"});
     refused("P6\n", {"not an NRRD file"});
+    // A NUL would end the message before it says what is wrong.
+    using namespace std::string_literals;
+    refused(whole + "ab\0cd\n"s, {"'ab?cd' is neither"});
+    refused(replaced(whole, "type: float", "type: fl\0oat"s), {"'fl?oat': a distance field is of float or double"});
+    refused(whole + "clsdf_sign:=some\0times\n"s, {"'some?times' is no sign rule"});
+    refused(whole + "clsdf_triangle_file:=../\0secret\n"s, {"'../?secret' is not the name"});
 }
 
 BOOST_AUTO_TEST_SUITE_END()
