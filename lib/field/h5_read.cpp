@@ -1,49 +1,52 @@
 #include "field/description.hpp"
 #include "field/formats.hpp"
 #include "field/hdf5.hpp"
+#include "field/hdf5_source.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <optional>
 
 namespace clsdf {
 namespace {
 
 using hdf5::Handle;
+using hdf5::StoredArray;
 
 constexpr std::size_t largest_description = std::size_t{1} << 20;
 constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
 
 /// HDF5 says where the values lie, in files whose structure has checksums: without them it trusts what it reads.
-class H5Reader {
+class WithChecksums : public hdf5::Source {
 public:
-    explicit H5Reader(InputFile& file) : file_(file), root_(open(file)) {}
+    explicit WithChecksums(InputFile& file) : file_(file), root_(open(file)) {}
 
-    bool has(const OutputKind& kind) const { return H5Lexists(root_.get(), kind.name, H5P_DEFAULT) > 0; }
+    bool has(const OutputKind& kind) const override { return H5Lexists(root_.get(), kind.name, H5P_DEFAULT) > 0; }
 
-    /// The place of an output's values; `shape` becomes theirs.
-    RawValues values(const OutputKind& kind, std::vector<std::int64_t>& shape) const {
+    StoredArray array(const OutputKind& kind) const override {
         if (!has(kind)) file_.fail(fmt::format("there is no dataset '/{}'", kind.name));
         const Handle array = opened(kind);
-        shape = shape_of(array, kind);
         const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
         if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.get()) != 0)
             fail(kind, "its values are in chunks, compressed or in another file; save it contiguous");
-        RawValues values = type_of(array, kind);
+        StoredArray stored;
+        stored.shape = shape_of(array, kind);
+        stored.values = type_of(array, kind);
         const haddr_t offset = H5Dget_offset(array.get());
         if (offset == HADDR_UNDEF) fail(kind, "it has no values");
-        values.offset = offset;
-        values.bytes = H5Dget_storage_size(array.get());
-        return values;
+        stored.values.offset = offset;
+        stored.values.bytes = H5Dget_storage_size(array.get());
+        return stored;
     }
 
-    /// Three numbers along x, y, z.
-    Vec3 triple(const OutputKind& kind, const char* name) const {
+    Vec3 triple(const OutputKind& kind, const std::string& name) const override {
         const Handle array = opened(kind);
-        if (H5Aexists(array.get(), name) <= 0)
+        if (H5Aexists(array.get(), name.c_str()) <= 0)
             fail(kind, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
-        const Handle attribute(H5Aopen(array.get(), name, H5P_DEFAULT), H5Aclose);
+        const Handle attribute(H5Aopen(array.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
         const Handle space(H5Aget_space(attribute.get()), H5Sclose);
         const Handle type(H5Aget_type(attribute.get()), H5Tclose);
         Vec3 result{};
@@ -55,9 +58,9 @@ public:
         return result;
     }
 
-    std::optional<std::string> text(const char* name) const {
-        if (H5Aexists(root_.get(), name) <= 0) return std::nullopt;
-        const Handle attribute(H5Aopen(root_.get(), name, H5P_DEFAULT), H5Aclose);
+    std::optional<std::string> text(const std::string& name) const override {
+        if (H5Aexists(root_.get(), name.c_str()) <= 0) return std::nullopt;
+        const Handle attribute(H5Aopen(root_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
         const Handle type(H5Aget_type(attribute.get()), H5Tclose);
         const Handle space(H5Aget_space(attribute.get()), H5Sclose);
         const std::size_t size = H5Tget_size(type.get());
@@ -71,13 +74,6 @@ public:
 
 private:
     static Handle open(InputFile& file) {
-        const std::string beginning = file.beginning(signature.size() + 1);
-        if (!beginning.starts_with(signature)) file.fail(R"(not an HDF5 file: it does not begin with "\x89HDF")");
-        if (beginning.size() == signature.size()) file.fail("the file is truncated");
-        if (beginning.back() < 2)
-            file.fail(
-                "its structure has no checksums; save it with HDF5's format of 1.8 or later "
-                "(h5py: File(name, \"w\", libver=\"latest\"))");
         const Handle access = hdf5::access();
         Handle root(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
         if (!root.is_valid()) file.fail("HDF5: " + hdf5::Session::reason());
@@ -126,38 +122,90 @@ private:
     Handle root_;
 };
 
-void read_array(InputFile& file, const H5Reader& reader, const OutputKind& kind, Field& field) {
-    std::vector<std::int64_t> shape;
-    const RawValues values = reader.values(kind, shape);
+/// The version of the superblock, 0 and 1 of which have no checksums.
+int version_of(InputFile& file) {
+    const std::string beginning = file.beginning(signature.size() + 1);
+    if (!beginning.starts_with(signature)) file.fail(R"(not an HDF5 file: it does not begin with "\x89HDF")");
+    if (beginning.size() == signature.size()) file.fail("the file is truncated");
+    return static_cast<unsigned char>(beginning.back());
+}
+
+using Place = std::array<std::size_t, 4>;  // the last axis has values side by side
+
+/// Three dimensions become the last three.
+template <class Numbers>
+Place padded(const Numbers& numbers, std::size_t dimensions, std::size_t padding) {
+    Place place;
+    place.fill(padding);
+    for (std::size_t i = 0; i < dimensions; ++i) place[4 - dimensions + i] = static_cast<std::size_t>(numbers[i]);
+    return place;
+}
+
+void read_chunks(InputFile& file, const StoredArray& array, ValueType wanted, std::span<std::byte> room) {
+    const std::size_t width = width_of(wanted);
+    const std::size_t dimensions = array.shape.size();
+    const Place shape = padded(array.shape, dimensions, 1);
+    const Place edges = padded(array.chunk_shape, dimensions, 1);
+    const std::size_t count = edges[0] * edges[1] * edges[2] * edges[3];
+    std::vector<std::byte> stored(count * width_of(array.values.type));
+    std::vector<std::byte> converted(count * width);
+    for (const StoredArray::Chunk& chunk : array.chunks) {
+        file.read(chunk.offset, stored);
+        convert_values(stored, array.values, wanted, converted);
+        const Place first = padded(chunk.first, dimensions, 0);
+        Place size;
+        for (std::size_t axis = 0; axis < 4; ++axis) size[axis] = std::min(edges[axis], shape[axis] - first[axis]);
+        for (std::size_t a = 0; a < size[0]; ++a)
+            for (std::size_t b = 0; b < size[1]; ++b)
+                for (std::size_t c = 0; c < size[2]; ++c) {
+                    const std::size_t from = ((a * edges[1] + b) * edges[2] + c) * edges[3];
+                    const std::size_t to =
+                        (((first[0] + a) * shape[1] + first[1] + b) * shape[2] + first[2] + c) * shape[3] + first[3];
+                    std::ranges::copy(std::span(converted).subspan(from * width, size[3] * width),
+                                      room.begin() + static_cast<std::ptrdiff_t>(to * width));
+                }
+    }
+}
+
+void read_array(InputFile& file, const hdf5::Source& source, const OutputKind& kind, Field& field) {
+    const StoredArray array = source.array(kind);
     for (std::size_t axis = 0; axis < 3; ++axis)
-        if (shape[2 - axis] != field.grid.size[axis] || (shape.size() > 3 && shape[3] != kind.components))
-            file.fail(
-                fmt::format("dataset '/{}': the shape ({}) is not the distance's", kind.name, fmt::join(shape, ", ")));
-    checked_count(file, values, shape);
-    read_output(file, values, kind, field);
+        if (array.shape[2 - axis] != field.grid.size[axis] ||
+            (array.shape.size() > 3 && array.shape[3] != kind.components))
+            file.fail(fmt::format("dataset '/{}': the shape ({}) is not the distance's", kind.name,
+                                  fmt::join(array.shape, ", ")));
+    if (array.chunks.empty()) {
+        checked_count(file, array.values, array.shape);
+        read_output(file, array.values, kind, field);
+    } else {
+        read_chunks(file, array, kind.type, kind.allocate(field, field.grid.sample_count()));
+    }
+}
+
+Field read_source(InputFile& file, const hdf5::Source& source) {
+    Field field;
+    field.band = Band::full();
+    field.sign = SignRule::automatic;
+    const std::vector<std::int64_t> shape = source.array(distance_kind()).shape;
+    field.grid.size = {shape[2], shape[1], shape[0]};
+    field.grid.origin = source.triple(distance_kind(), "origin");
+    field.grid.spacing = source.triple(distance_kind(), "spacing");
+    field.grid.validate();
+    if (const std::optional<std::string> text = source.text("clsdf"))
+        field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
+    read_array(file, source, distance_kind(), field);
+    for (const OutputKind& kind : extra_kinds())
+        if (source.has(kind)) read_array(file, source, kind, field);
+    return field;
 }
 
 }  // namespace
 
 Field read_h5(const std::string& path) {
     InputFile file(path);
+    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file));
     const hdf5::Session session;
-    const H5Reader reader(file);
-    Field field;
-    field.band = Band::full();
-    field.sign = SignRule::automatic;
-    std::vector<std::int64_t> shape;
-    reader.values(distance_kind(), shape);
-    field.grid.size = {shape[2], shape[1], shape[0]};
-    field.grid.origin = reader.triple(distance_kind(), "origin");
-    field.grid.spacing = reader.triple(distance_kind(), "spacing");
-    field.grid.validate();
-    if (const std::optional<std::string> text = reader.text("clsdf"))
-        field = parse_description(path + ": attribute 'clsdf'", *text, field.grid).field;
-    read_array(file, reader, distance_kind(), field);
-    for (const OutputKind& kind : extra_kinds())
-        if (reader.has(kind)) read_array(file, reader, kind, field);
-    return field;
+    return read_source(file, WithChecksums(file));
 }
 
 }  // namespace clsdf

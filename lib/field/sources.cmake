@@ -8,7 +8,9 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/h5_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/h5_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5_bytes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_layout.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5_old_format.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd_header.cpp

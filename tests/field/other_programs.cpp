@@ -195,13 +195,13 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(an_h5_field)
 
-BOOST_AUTO_TEST_CASE(without_checksums_is_refused_with_what_to_do) {
+BOOST_AUTO_TEST_CASE(that_says_it_has_no_checksums_but_is_of_the_newer_format_is_refused) {
     const TemporaryFolder folder;
     example_field().write(folder.file("a.h5"));
     std::string content = content_of(folder.file("a.h5"));
     BOOST_TEST(content[8] >= 2);  // the version of the superblock
     content[8] = 0;
-    check_throws(ErrorCode::unreadable_input, {"old.h5", "libver"},
+    check_throws(ErrorCode::unreadable_input, {"old.h5", "superblock"},
                  [&] { Field::read(folder.file("old.h5", content)); });
     check_throws(ErrorCode::unreadable_input, {"text.h5", "not an HDF5 file"},
                  [&] { Field::read(folder.file("text.h5", "text")); });

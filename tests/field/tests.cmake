@@ -1,7 +1,8 @@
 clsdf_test(field ${CMAKE_CURRENT_LIST_DIR}/round_trip.cpp ${CMAKE_CURRENT_LIST_DIR}/nrrd.cpp
            ${CMAKE_CURRENT_LIST_DIR}/npy.cpp ${CMAKE_CURRENT_LIST_DIR}/damaged.cpp ${CMAKE_CURRENT_LIST_DIR}/output.cpp
            ${CMAKE_CURRENT_LIST_DIR}/writer.cpp ${CMAKE_CURRENT_LIST_DIR}/other_programs.cpp
-           ${CMAKE_CURRENT_LIST_DIR}/vdb.cpp)
+           ${CMAKE_CURRENT_LIST_DIR}/hdf5_default_settings.cpp ${CMAKE_CURRENT_LIST_DIR}/vdb.cpp)
+target_link_libraries(test_field PRIVATE clsdf_hdf5)
 
 target_compile_definitions(test_field PRIVATE CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
 if(CLSDF_SANITIZE)

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "field/outputs.hpp"
+#include "field/raw_values.hpp"
+
+#include <clsdf/grid.hpp>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clsdf::hdf5 {
+
+/// An array of an HDF5 file: how its values are stored, and where. A contiguous one has no chunks, and its values lie
+/// in a row; one in chunks has each of them once.
+struct StoredArray {
+    struct Chunk {
+        std::array<std::uint64_t, 4> first{};  ///< in order of the shape; of three dimensions the last is 0
+        std::uint64_t offset = 0;
+    };
+
+    std::vector<std::int64_t> shape;  // z, y, x and, if there are several, the components
+    RawValues values;
+    std::vector<Chunk> chunks;
+    std::array<std::uint64_t, 4> chunk_shape{};  ///< of three dimensions the last is 1
+};
+
+/// What the reader of a field asks an HDF5 file. Everything throws Error(unreadable_input).
+class Source {
+public:
+    Source() = default;
+    Source(const Source&) = delete;
+    Source& operator=(const Source&) = delete;
+    virtual ~Source() = default;
+
+    virtual bool has(const OutputKind& kind) const = 0;
+    /// Its number of dimensions and the type of its values are those of the kind.
+    virtual StoredArray array(const OutputKind& kind) const = 0;
+    /// Three numbers along x, y, z: an attribute of an array.
+    virtual Vec3 triple(const OutputKind& kind, const std::string& name) const = 0;
+    /// A text of fixed length: an attribute of the file.
+    virtual std::optional<std::string> text(const std::string& name) const = 0;
+};
+
+/// A file in the format before HDF5 1.8, which HDF5 writes unless told otherwise (superblock of version 0 or 1).
+/// Nothing in it has a checksum, and HDF5 itself may crash if it is damaged; so this is read by a reader of its own,
+/// which knows as much of the format as fields need and trusts no byte. The file must outlive the source.
+std::unique_ptr<Source> open_without_checksums(InputFile& file);
+}  // namespace clsdf::hdf5
