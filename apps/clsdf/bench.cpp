@@ -2,6 +2,7 @@
 #include "command.hpp"
 #include "device_option.hpp"
 #include "option_values.hpp"
+#include "standard_streams.hpp"
 
 #include "benchmarks/machine.hpp"
 
@@ -63,7 +64,7 @@ void make_quick(const CLI::App& parser, BenchOptions& options) {
 
 void show_progress(BenchOptions& options) {
     if (options.quiet || isatty(STDERR_FILENO) == 0) return;
-    options.measure.progress = [](const std::string& method) { fmt::print(stderr, "\r\033[K{} ...\r", method); };
+    options.measure.progress = [](const std::string& method) { print_text("\r\033[K{} ...\r", method); };
 }
 
 }  // namespace

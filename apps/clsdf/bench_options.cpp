@@ -1,5 +1,6 @@
 #include "bench.hpp"
 #include "device_option.hpp"
+#include "standard_streams.hpp"
 #include "suggestion.hpp"
 
 #include <fmt/format.h>
@@ -40,7 +41,7 @@ std::vector<NamedMesh> BenchOptions::load_meshes(const std::vector<std::string>&
             loaded.push_back({clsdf::bench::short_name(name), clsdf::bench::load_mesh(name, folder, measure.seed)});
         } catch (const Error& error) {
             if (!meshes.empty() || error.code() != ErrorCode::unreadable_input) throw;
-            fmt::print(stderr, "left out: {}\n", error.what());
+            print_text("left out: {}\n", error.what());
         }
     return loaded;
 }
@@ -64,5 +65,5 @@ std::int64_t BenchOptions::scaled(std::int64_t resolution) const {
 }
 
 void BenchOptions::say(const std::string& line) const {
-    if (!quiet) fmt::print(stderr, "{}\n", line);
+    if (!quiet) print_text("{}\n", line);
 }

@@ -1,6 +1,7 @@
 #include "command.hpp"
 #include "option_values.hpp"
 #include "output.hpp"
+#include "standard_streams.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/reference.hpp>
@@ -56,24 +57,24 @@ std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field)
 }
 
 void print_human(const CheckReport& report, const clsdf::Field& field, double seconds) {
-    fmt::print(stderr, "grid      {}\nband      {}\nsign      {}\n", human(field.grid),
-               human(field.band, field.grid.voxel()), name_of(field.sign));
-    fmt::print(stderr, "looked at {} samples, {} of them within the band's limits, in {:.2f} s\n", report.samples,
+    print_text("grid      {}\nband      {}\nsign      {}\n", human(field.grid), human(field.band, field.grid.voxel()),
+               name_of(field.sign));
+    print_text("looked at {} samples, {} of them within the band's limits, in {:.2f} s\n", report.samples,
                report.band_samples, seconds);
-    fmt::print(stderr,
-               "error     at most {:.3g} voxels, and {:.3g} ulp (beyond one voxel from the surface); {:.3g} voxels in "
-               "the root mean square\n",
-               report.max_error_voxels, report.max_error_ulp, report.rms_error_voxels);
-    fmt::print(stderr, "found     {} wrong values, {} wrong signs, {} missed, {} leaked{}\n", report.wrong_values,
+    print_text(
+        "error     at most {:.3g} voxels, and {:.3g} ulp (beyond one voxel from the surface); {:.3g} voxels in "
+        "the root mean square\n",
+        report.max_error_voxels, report.max_error_ulp, report.rms_error_voxels);
+    print_text("found     {} wrong values, {} wrong signs, {} missed, {} leaked{}\n", report.wrong_values,
                report.wrong_signs, report.missed, report.leaked,
                field.triangle.empty() ? "" : fmt::format(", {} wrong triangles", report.wrong_triangles));
     for (const CheckReport::Finding& finding : report.findings) {
         const auto& [i, j, k] = finding.sample;
         const clsdf::Vec3 position = field.grid.position(i, j, k);
-        fmt::print(stderr, "  {} at sample ({}, {}, {}), position ({:.9g}, {:.9g}, {:.9g}): {:.9g} instead of {:.9g}\n",
+        print_text("  {} at sample ({}, {}, {}), position ({:.9g}, {:.9g}, {:.9g}): {:.9g} instead of {:.9g}\n",
                    finding.what, i, j, k, position[0], position[1], position[2], finding.found, finding.expected);
     }
-    fmt::print(stderr, "{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
+    print_text("{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
 }
 
 ExitStatus run(const Options& options, Report& report) {
@@ -90,7 +91,7 @@ ExitStatus run(const Options& options, Report& report) {
 
     const std::string note = found.passed() ? std::string() : note_on_the_mesh(options.mesh, field);
     if (!report.quiet || !found.passed()) print_human(found, field, seconds.count());
-    if (!note.empty()) fmt::print(stderr, "note: {}\n", note);
+    if (!note.empty()) print_text("note: {}\n", note);
     report.result = {{"mesh", options.mesh},
                      {"field", options.field},
                      {"grid", describe(field.grid)},

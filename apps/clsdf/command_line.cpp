@@ -2,6 +2,7 @@
 
 #include "option_values.hpp"
 #include "output.hpp"
+#include "standard_streams.hpp"
 #include "subcommands.hpp"
 #include "suggestion.hpp"
 #include "version_text.hpp"
@@ -126,7 +127,7 @@ void CommandLine::add_common_options(const Command& command) {
 
 ExitStatus CommandLine::run(int argument_count, char** arguments) {
     if (argument_count <= 1) {
-        fmt::print(stderr, "{}", program_.help());
+        print_text("{}", program_.help());
         return ExitStatus::usage;
     }
     try {

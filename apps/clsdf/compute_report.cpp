@@ -1,6 +1,7 @@
 #include "compute_report.hpp"
 
 #include "output.hpp"
+#include "standard_streams.hpp"
 
 #include <fmt/format.h>
 
@@ -162,33 +163,33 @@ std::string warning_of_stale_triangles(const ComputeLayout& layout, const Comput
 }
 
 void print_layout(const ComputeLayout& layout) {
-    fmt::print(stderr, "mesh    {}: {} vertices, {} triangles\n", layout.mesh_file, layout.mesh.vertices().size(),
+    print_text("mesh    {}: {} vertices, {} triangles\n", layout.mesh_file, layout.mesh.vertices().size(),
                layout.mesh.triangles().size());
-    fmt::print(stderr, "grid    {}\n", human(layout.grid));
-    fmt::print(stderr, "band    {}\n", human(layout.band, layout.grid.voxel()));
-    fmt::print(stderr, "sign    {}\n", meaning_of(layout.sign));
-    fmt::print(stderr, "method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
+    print_text("grid    {}\n", human(layout.grid));
+    print_text("band    {}\n", human(layout.band, layout.grid.voxel()));
+    print_text("sign    {}\n", meaning_of(layout.sign));
+    print_text("method  {} polyhedra, scanned by {}\n", name_of(layout.polyhedra), name_of(layout.scan));
 }
 
 void print_memory(const ComputeLayout& layout) {
     const SlabMemory memory = slab_memory(layout);
-    fmt::print(stderr, "memory  {} for {}, and about {} to compute\n", human_bytes(static_cast<double>(memory.bytes)),
+    print_text("memory  {} for {}, and about {} to compute\n", human_bytes(static_cast<double>(memory.bytes)),
                human_slabs(memory.slabs), human_bytes(static_cast<double>(working_bytes(layout))));
-    fmt::print(stderr, "file    {}\n", human_bytes(static_cast<double>(field_bytes(layout))));
+    print_text("file    {}\n", human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 void print_outcome(const ComputeLayout& layout, const Computation& computation) {
     const auto samples = static_cast<double>(layout.grid.sample_count());
-    fmt::print(stderr, "device  {} ({})\n", computation.device_name, computation.device_platform);
-    fmt::print(stderr, "done    in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
+    print_text("device  {} ({})\n", computation.device_name, computation.device_platform);
+    print_text("done    in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
                computation.compute_seconds, human_count(samples),
                human_count(static_cast<double>(computation.band_samples)),
                human_count(samples / computation.compute_seconds));
     const clsdf::TransformStatistics& statistics = computation.statistics;
-    fmt::print(stderr, "memory  {} of buffers on the device, {} on the host for {}\n",
+    print_text("memory  {} of buffers on the device, {} on the host for {}\n",
                human_bytes(static_cast<double>(statistics.device_bytes)),
                human_bytes(static_cast<double>(statistics.host_bytes)), human_slabs(statistics.slabs));
-    fmt::print(stderr, "wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
+    print_text("wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
 ordered_json describe_dry_run(const ComputeLayout& layout) {

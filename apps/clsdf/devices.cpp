@@ -1,5 +1,6 @@
 #include "command.hpp"
 #include "output.hpp"
+#include "standard_streams.hpp"
 
 #include <clsdf/clsdf.hpp>
 
@@ -72,14 +73,14 @@ ordered_json describe(const Devices& devices) {
 
 void print_human(const DeviceInfo& info) {
     const auto yes_or_no = [](bool yes) { return yes ? "yes" : "no"; };
-    fmt::print(stderr, "{}  {}\n", info.index, info.name);
-    fmt::print(stderr, "   platform  {}; {}, driver {}\n", info.platform, info.version, info.driver);
-    fmt::print(stderr, "   kind      {}: {} compute units at {} MHz, {} wide in float\n", name_of(info.kind),
+    print_text("{}  {}\n", info.index, info.name);
+    print_text("   platform  {}; {}, driver {}\n", info.platform, info.version, info.driver);
+    print_text("   kind      {}: {} compute units at {} MHz, {} wide in float\n", name_of(info.kind),
                info.compute_units, info.clock_megahertz, info.float_width);
-    fmt::print(stderr, "   memory    {}, the largest allocation {}\n", human_bytes(static_cast<double>(info.memory)),
+    print_text("   memory    {}, the largest allocation {}\n", human_bytes(static_cast<double>(info.memory)),
                human_bytes(static_cast<double>(info.largest_allocation)));
-    fmt::print(stderr, "   fp64      {}; 64-bit atomics {}\n", yes_or_no(info.fp64), yes_or_no(info.atomics64));
-    fmt::print(stderr, "   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
+    print_text("   fp64      {}; 64-bit atomics {}\n", yes_or_no(info.fp64), yes_or_no(info.atomics64));
+    print_text("   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
 }
 
 ExitStatus run(Report& report) {
@@ -87,7 +88,7 @@ ExitStatus run(Report& report) {
     if (!report.quiet) {
         for (const DeviceInfo& info : devices.all) print_human(info);
         if (devices.taken != nullptr)
-            fmt::print(stderr, "Taken is device {}: {}.\n", devices.taken->index, reason_of_choice(devices));
+            print_text("Taken is device {}: {}.\n", devices.taken->index, reason_of_choice(devices));
     }
     report.result = describe(devices);
     if (devices.failure) throw clsdf::Error(*devices.failure);

@@ -1,9 +1,8 @@
 #include "command.hpp"
+#include "standard_streams.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/reference.hpp>
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
@@ -84,27 +83,25 @@ void print_human(const Info& info) {
     const auto edges = [&](EdgeKind kind) { return info.kinds.count(kind); };
     const auto vertices = [&](VertexKind kind) { return info.kinds.count(kind); };
     const double part = 100.0 / static_cast<double>(std::max<std::size_t>(info.vertices, 1));
-    fmt::print(stderr, "mesh      {} vertices, {} triangles, {} {}; {}\n", info.vertices, info.triangles,
+    print_text("mesh      {} vertices, {} triangles, {} {}; {}\n", info.vertices, info.triangles,
                info.defects.components, info.defects.components == 1 ? "component" : "components",
                closedness(info.topology));
-    fmt::print(stderr, "saddles   {} ({:.1f}%), {} of them not regular\n", vertices(VertexKind::saddle),
+    print_text("saddles   {} ({:.1f}%), {} of them not regular\n", vertices(VertexKind::saddle),
                part * static_cast<double>(vertices(VertexKind::saddle)), info.saddles.irregular.size());
-    fmt::print(stderr, "gaps      {} by adjacent pairs of planes, {} by all pairs\n", info.saddles.adjacent_gaps.size(),
+    print_text("gaps      {} by adjacent pairs of planes, {} by all pairs\n", info.saddles.adjacent_gaps.size(),
                info.saddles.gaps.size());
-    fmt::print(stderr, "          {} decisions, {} of them beyond interval arithmetic\n", info.saddles.decisions,
+    print_text("          {} decisions, {} of them beyond interval arithmetic\n", info.saddles.decisions,
                info.saddles.exact_decisions);
-    fmt::print(stderr, "vertices  {} convex, {} concave, {} flat, {} boundary, {} non-manifold, {} unused\n",
+    print_text("vertices  {} convex, {} concave, {} flat, {} boundary, {} non-manifold, {} unused\n",
                vertices(VertexKind::convex), vertices(VertexKind::concave), vertices(VertexKind::flat),
                vertices(VertexKind::boundary), vertices(VertexKind::non_manifold), info.topology.unused_vertices);
-    fmt::print(stderr, "edges     {} convex, {} concave, {} flat, {} boundary, {} non-manifold, {} unoriented\n",
+    print_text("edges     {} convex, {} concave, {} flat, {} boundary, {} non-manifold, {} unoriented\n",
                edges(EdgeKind::convex), edges(EdgeKind::concave), edges(EdgeKind::flat), edges(EdgeKind::boundary),
                edges(EdgeKind::non_manifold), edges(EdgeKind::unoriented));
-    fmt::print(stderr,
-               "defects   {} faces without area, {} with repeated vertices, {} duplicate; {} coincident vertices\n",
+    print_text("defects   {} faces without area, {} with repeated vertices, {} duplicate; {} coincident vertices\n",
                info.defects.zero_area_faces, info.topology.repeated_vertex_faces, info.defects.duplicate_faces,
                info.topology.coincident_vertices);
-    if (info.self_intersections)
-        fmt::print(stderr, "          {} pairs of triangles intersect\n", *info.self_intersections);
+    if (info.self_intersections) print_text("          {} pairs of triangles intersect\n", *info.self_intersections);
 }
 
 ExitStatus run(const InfoOptions& options, Report& report) {

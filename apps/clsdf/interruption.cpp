@@ -1,15 +1,18 @@
 #include "interruption.hpp"
 
 #include "report.hpp"
+#include "standard_streams.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/unfinished_files.hpp>
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <mutex>
 #include <thread>
 
@@ -36,11 +39,24 @@ extern "C" void handle_signal(int) {
     errno = error;
 }
 
-void install_handlers() {
+// The signals that end the process: all of these, or all but SIGHUP. Set before any other thread starts.
+constexpr std::array known_signals{SIGINT, SIGTERM, SIGHUP};
+sigset_t ending_signals;
+
+void choose_signals() {
+    ::sigemptyset(&ending_signals);
+    for (const int signal : known_signals) ::sigaddset(&ending_signals, signal);
+    struct sigaction hangup {};
+    ::sigaction(SIGHUP, nullptr, &hangup);
+    if (hangup.sa_handler == SIG_IGN) ::sigdelset(&ending_signals, SIGHUP);  // nohup
+}
+
+void handle_signals_by(void (*handler)(int)) {
     struct sigaction action {};
-    action.sa_handler = handle_signal;
+    action.sa_handler = handler;
     action.sa_flags = SA_RESTART;
-    for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
+    for (const int signal : known_signals)
+        if (::sigismember(&ending_signals, signal) == 1) ::sigaction(signal, &action, nullptr);
 }
 
 // Whether something runs that ends in order, and had not been told to already.
@@ -51,7 +67,7 @@ bool stop_what_runs() {
 
 [[noreturn]] void end_now(bool json) {
     clsdf::abandon_unfinished_files();
-    if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\n");  // the terminal shows ^C, or a progress bar
+    if (::isatty(STDERR_FILENO) != 0) print_text("\n");  // the terminal shows ^C, or a progress bar
     Report report;
     report.json = json;
     ::_exit(static_cast<int>(
@@ -70,7 +86,27 @@ void listen(int pipe, bool json) {
     }
 }
 
+bool errors_are_json = false;
+std::atomic<bool> is_over = false;
+
+// Of all functions that run at the end, about the last.
+void explain_exit() {
+    if (is_over) return;
+    clsdf::abandon_unfinished_files();
+    Report report;
+    report.json = errors_are_json;
+    ::_exit(static_cast<int>(report.fail(
+        clsdf::ErrorCode::device_failure,
+        "a library has ended the program, most likely the compiler of the OpenCL driver, whose own message may stand "
+        "above; it needs room for files in its cache and in /tmp. --device chooses another device")));
+}
+
 }  // namespace
+
+void end_when_left_by_a_library(bool json) {
+    errors_are_json = json;
+    std::atexit(explain_exit);
+}
 
 void end_when_interrupted(bool json) {
     int ends[2];
@@ -78,14 +114,11 @@ void end_when_interrupted(bool json) {
         throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "no pipe can be opened to listen for Ctrl-C");
     signal_pipe = ends[1];
     // Blocked while the thread starts, so that it inherits that: the signals are for the main thread.
-    sigset_t both;
+    choose_signals();
     sigset_t before;
-    ::sigemptyset(&both);
-    ::sigaddset(&both, SIGINT);
-    ::sigaddset(&both, SIGTERM);
-    ::pthread_sigmask(SIG_BLOCK, &both, &before);
+    ::pthread_sigmask(SIG_BLOCK, &ending_signals, &before);
     std::thread([pipe = ends[0], json] { listen(pipe, json); }).detach();
-    install_handlers();
+    handle_signals_by(handle_signal);
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
@@ -94,7 +127,8 @@ void output_is_written() {
 }
 
 void ignore_interruptions() {
-    for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_IGN);
+    is_over = true;
+    handle_signals_by(SIG_IGN);
 }
 
 bool interrupted() {
@@ -109,5 +143,5 @@ Interruption::Interruption() {
 Interruption::~Interruption() {
     const std::lock_guard lock(mutex);
     active = nullptr;
-    install_handlers();  // the compilers of some devices have put theirs before these
+    handle_signals_by(handle_signal);  // the compilers of some devices have put theirs before these
 }

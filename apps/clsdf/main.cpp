@@ -1,5 +1,6 @@
 #include "command_line.hpp"
 #include "interruption.hpp"
+#include "standard_streams.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -22,11 +23,14 @@ bool asks_for_json(int argument_count, char** arguments) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
+    open_closed_streams();
+    let_writes_fail();
     Report report;
     report.json = asks_for_json(argument_count, arguments);
-    end_when_interrupted(report.json);
+    end_when_left_by_a_library(report.json);
     ExitStatus status = ExitStatus::device;
     try {
+        end_when_interrupted(report.json);
         status = CommandLine(report).run(argument_count, arguments);
         report.finish();
     } catch (const clsdf::Error& error) {

@@ -1,5 +1,7 @@
 #include "progress_bar.hpp"
 
+#include "standard_streams.hpp"
+
 #include <fmt/format.h>
 
 #include <unistd.h>
@@ -44,13 +46,13 @@ void ProgressBar::show(double fraction) {
     const std::string text =
         fmt::format("[{:<{}}] {:3.0f}%{}", std::string(static_cast<std::size_t>(clamped * width), '#'), width,
                     clamped * 100, time_left(elapsed.count(), clamped));
-    fmt::print(stderr, "\r{:<{}}", text, columns_);
+    print_text("\r{:<{}}", text, columns_);
     std::fflush(stderr);
     columns_ = static_cast<int>(text.size());
 }
 
 void ProgressBar::clear() {
     if (columns_ == 0) return;
-    fmt::print(stderr, "\r{:{}}\r", "", columns_);
+    print_text("\r{:{}}\r", "", columns_);
     columns_ = 0;
 }

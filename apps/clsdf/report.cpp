@@ -6,12 +6,12 @@ using clsdf::ErrorCode;
 
 void Report::warn(const std::string& warning) {
     warnings_.push_back(warning);
-    fmt::print(stderr, "warning: {}\n", warning);
+    print_text("warning: {}\n", warning);
 }
 
 ExitStatus Report::fail(ErrorCode code, const std::string& message) {
     const ExitStatus status = status_of(code);
-    fmt::print(stderr, "clsdf: {}\n", message);
+    print_text("clsdf: {}\n", message);
     result["error"] = {{"code", name_of(code)}, {"message", message}, {"exit_status", static_cast<int>(status)}};
     try {
         finish();

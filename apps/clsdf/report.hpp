@@ -1,13 +1,13 @@
 #pragma once
 
 #include "exit_status.hpp"
+#include "standard_streams.hpp"
 
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -24,7 +24,7 @@ struct Report {
     /// Human text; nothing with --quiet.
     template <class... Values>
     void print(fmt::format_string<const Values&...> format, const Values&... values) const {
-        if (!quiet) fmt::print(stderr, format, values...);
+        if (!quiet) print_text(format, values...);
     }
 
     /// Says it to people, also with --quiet, and in the result's member "warnings", which is always there.

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 using clsdf::test::check_refused;
+using clsdf::test::content_of;
 using clsdf::test::Outcome;
 using clsdf::test::Process;
 using clsdf::test::run_command;
@@ -37,6 +38,13 @@ void check_interrupted_by(int signal) {
     }
 }
 
+void wait_for_files(const TemporaryFolder& folder, std::size_t count) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+    while (folder.file_count() < count && std::chrono::steady_clock::now() < give_up)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    BOOST_REQUIRE(folder.file_count() == count);
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(an_interrupted_command)
@@ -49,6 +57,43 @@ BOOST_AUTO_TEST_CASE(ends_the_same_way_when_it_is_told_to_terminate) {
     check_interrupted_by(SIGTERM);
 }
 
+BOOST_AUTO_TEST_CASE(ends_the_same_way_when_its_terminal_hangs_up) {
+    check_interrupted_by(SIGHUP);
+}
+
+BOOST_AUTO_TEST_CASE(goes_on_when_its_terminal_hangs_up_if_it_was_told_to_by_nohup) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    // A pipe without a reader holds it up until the signal has arrived.
+    const std::string pipe = folder.file("field_triangle.npy");
+    BOOST_REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    Process process({"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle"}, {},
+                    {}, [] { ::signal(SIGHUP, SIG_IGN); });
+    wait_for_files(folder, 4);
+    process.send(SIGHUP);
+    BOOST_TEST(content_of(pipe).size() > 16U * 4);
+    BOOST_TEST(process.wait().status == 0);
+    BOOST_TEST(std::filesystem::exists(folder.file("field.npy")));
+}
+
+BOOST_AUTO_TEST_CASE(leaves_what_it_was_writing_to_the_next_one_if_it_is_killed) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    BOOST_REQUIRE(::mkfifo(folder.file("field_triangle.npy").c_str(), 0600) == 0);
+    Process process({"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle"});
+    wait_for_files(folder, 4);
+    const auto compute_another = [&](const std::string& name) {
+        BOOST_REQUIRE(run_command({"compute", mesh, "-o", folder.file(name), "--resolution", "16"}).status == 0);
+    };
+    compute_another("while_it_lives.nrrd");
+    BOOST_TEST(folder.file_count() == 5U);
+    process.send(SIGKILL);
+    BOOST_TEST(process.wait().status == -SIGKILL);
+    BOOST_TEST(folder.file_count() == 5U);
+    compute_another("afterwards.nrrd");
+    BOOST_TEST(folder.file_count() == 4U);
+}
+
 BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_was_writing) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);
@@ -56,10 +101,7 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_was_writing) {
     BOOST_REQUIRE(::mkfifo(folder.file("field_triangle.npy").c_str(), 0600) == 0);
     Process process(
         {"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle", "--json"});
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
-    while (folder.file_count() < 4 && std::chrono::steady_clock::now() < give_up)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    BOOST_REQUIRE(folder.file_count() == 4U);
+    wait_for_files(folder, 4);
     process.send(SIGINT);
     const Outcome outcome = process.wait();
     BOOST_TEST(outcome.status == 6);

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -37,13 +38,13 @@ struct Outcome {
 class Process {
 public:
     /// `environment` is added to this process' own, as "NAME=value". `out` names a file for standard output, e.g.
-    /// /dev/full.
+    /// /dev/full. `prepare` runs in the new process, with its own standard streams, before the command does.
     explicit Process(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
-                     const std::string& out = {})
+                     const std::string& out = {}, const std::function<void()>& prepare = {})
         : out_(out.empty() ? folder_.file("out") : out), error_(folder_.file("error")) {
         id_ = ::fork();
         BOOST_REQUIRE(id_ >= 0);
-        if (id_ == 0) execute(arguments, environment);
+        if (id_ == 0) execute(arguments, environment, prepare);
     }
 
     void send(int signal) const { ::kill(id_, signal); }
@@ -64,7 +65,8 @@ public:
 
 private:
     // The lists are this process' own copies, because exec takes pointers to what it could change.
-    [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment) const {
+    [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment,
+                              const std::function<void()>& prepare) const {
         arguments.insert(arguments.begin(), command_path());
         std::vector<char*> words;
         words.reserve(arguments.size() + 1);
@@ -73,6 +75,7 @@ private:
         for (std::string& variable : environment) ::putenv(variable.data());
         ::dup2(::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
         ::dup2(::open(error_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+        if (prepare) prepare();
         ::execv(words[0], words.data());
         ::_exit(127);
     }

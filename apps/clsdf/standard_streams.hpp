@@ -1,0 +1,27 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string_view>
+
+/// Standard input, output and error that are closed are opened on /dev/null, in the direction that they are not used
+/// in: otherwise the next file would take their number and get what is printed, and results that nobody can read would
+/// pass for written. Call it before anything opens a file.
+void open_closed_streams();
+
+/// From now on a write into a pipe without a reader, or beyond the limit on a file's size, fails with EPIPE or EFBIG;
+/// SIGPIPE and SIGXFSZ would end the process in the middle of a file.
+void let_writes_fail();
+
+/// Human text, on standard error. What cannot be written is dropped: a full disk changes no exit status.
+void write_to_standard_error(std::string_view text) noexcept;
+
+/// The same, formatted: how everything is printed that is not a result.
+template <class... Values>
+void print_text(fmt::format_string<const Values&...> format, const Values&... values) noexcept {
+    try {
+        write_to_standard_error(fmt::format(format, values...));
+    } catch (const std::exception&) {
+        // No memory to say it with.
+    }
+}
