@@ -27,7 +27,7 @@ struct RenderOptions {
     std::string field;
     std::string output;
     std::string view = "30,20";
-    std::string up = "z";
+    std::string up = "auto";
     std::string size = "1200";
     std::string colour = "CCC4B8";
     std::vector<std::string> cuts;
@@ -109,12 +109,14 @@ ExitStatus run(RenderOptions options, Report& report) {
     options.picture.stop = interruption.token();
     options.picture.progress = [&](double fraction) { progress.show(fraction); };
     double level = 0;
+    clsdf::picture::Axis upright{};
     std::string device_name;
     try {
         const clsdf::Device device = open_device(options.device);
         const SurfacePictures pictures(field, device, offset);
         pictures.write(options.picture, options.output);
         level = pictures.offset();
+        upright = pictures.upright();
         device_name = device.name();
     } catch (const Error&) {
         // The compilers of some devices listen to the same signals and fail then; the user's wish is the reason.
@@ -124,12 +126,11 @@ ExitStatus run(RenderOptions options, Report& report) {
     }
     progress.clear();
     output_is_written();
-    report.print("wrote {}\n", options.output);
-    report.result = {{"field", options.field},
-                     {"grid", describe(field.grid)},
-                     {"offset", level},
-                     {"device", device_name},
-                     {"picture", options.output}};
+    report.print("wrote {}{}\n", options.output,
+                 options.picture.view.up ? "" : fmt::format(", {} upwards (--up)", name_of(upright)));
+    report.result = {{"field", options.field}, {"grid", describe(field.grid)},
+                     {"offset", level},        {"up", options.picture.view.up ? options.up : name_of(upright)},
+                     {"device", device_name},  {"picture", options.output}};
     return ExitStatus::done;
 }
 
@@ -145,7 +146,10 @@ Command add_render(CLI::App& program) {
                      "from where: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
         ->type_name("VIEW")
         ->capture_default_str();
-    parser->add_option("--up", options->up, "what points upwards: x, y, z, -x, -y or -z")
+    parser
+        ->add_option(
+            "--up", options->up,
+            "what points upwards: auto (y or z, whichever the solid stands on more firmly), x, y, z, -x, -y or -z")
         ->type_name("AXIS")
         ->capture_default_str();
     parser->add_option("--perspective", options->picture.view.perspective, "angle of view in degrees; 0: parallel rays")
@@ -179,8 +183,8 @@ Command add_render(CLI::App& program) {
         "opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"
         "Examples:\n"
         "  clsdf render part.nrrd -o part.png\n"
-        "  clsdf render bunny.nrrd -o bunny.png --up y --view front --size 1600x1200\n"
-        "  clsdf render bunny.nrrd -o bunny.png --up y --cut z\n"
+        "  clsdf render bunny.nrrd -o bunny.png --view front --size 1600x1200\n"
+        "  clsdf render bunny.nrrd -o bunny.png --cut z\n"
         "  clsdf render part.nrrd -o corner.png --view iso --cut x=10 --cut y=10 --cut z\n"
         "  clsdf render part.nrrd -o grown.png --offset 0.5 --colour 7799BB");
     return {parser, [options](Report& report) { return run(*options, report); }};

@@ -77,6 +77,11 @@ void set_direction(View& view, const std::string& text) {
 }
 
 void set_up(View& view, const std::string& text) {
+    if (text == "auto") {
+        view.up.reset();
+        view.up_is_negative = false;
+        return;
+    }
     const bool is_negative = text.starts_with('-');
     for (const Axis axis : {Axis::x, Axis::y, Axis::z})
         if (text.substr(is_negative ? 1 : 0) == name_of(axis)) {
@@ -85,7 +90,7 @@ void set_up(View& view, const std::string& text) {
             return;
         }
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("\"{}\" is no direction upwards; choose x, y, z, -x, -y or -z", text));
+                fmt::format("\"{}\" is no direction upwards; choose auto, x, y, z, -x, -y or -z", text));
 }
 
 ViewFrame frame_of(const View& view) {
@@ -95,8 +100,9 @@ ViewFrame frame_of(const View& view) {
                                 "-90 to 90",
                                 view.azimuth, view.elevation));
     Vec3 up{};
-    up[static_cast<std::size_t>(view.up)] = view.up_is_negative ? -1 : 1;
-    const Vec3 right = view.up == Axis::x ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+    const Axis axis = view.up.value_or(Axis::z);
+    up[static_cast<std::size_t>(axis)] = view.up_is_negative ? -1 : 1;
+    const Vec3 right = axis == Axis::x ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
     const Vec3 front = cross(right, up);
     const double turn = view.azimuth * degree;
     const double rise = view.elevation * degree;

@@ -1,5 +1,7 @@
 #include "picture/scene.hpp"
 
+#include "picture/upright.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
@@ -92,13 +94,16 @@ void Scene::find_solid() {
         include(first[0], first[1], first[2]);
         include(last_x, first[1], first[2]);
     }
+    upright_ = upright_axis(points_, spacing);
 }
 
 Camera Scene::camera(const SurfaceOptions& options) const {
     check_options(options);
     // The surface lies up to a sample beyond those that are inside.
     const Vec3& spacing = field_.grid.spacing;
-    return {options.view, points_, std::max({spacing[0], spacing[1], spacing[2]}), options.width, options.height};
+    View view = options.view;
+    if (!view.up) view.up = upright_;
+    return {view, points_, std::max({spacing[0], spacing[1], spacing[2]}), options.width, options.height};
 }
 
 double Scene::position_of(const Cut& cut) const {

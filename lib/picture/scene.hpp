@@ -22,6 +22,7 @@ public:
     const Tracer& tracer() const { return tracer_; }
     double offset() const { return offset_; }
     const Vec3& origin() const { return origin_; }
+    Axis upright() const { return upright_; }
 
     /// Throws Error(invalid_argument) where an option makes no sense.
     Camera camera(const SurfaceOptions& options) const;
@@ -45,6 +46,7 @@ private:
     Vec3 origin_;               // of the field's first sample, in the mesh's space
     std::vector<Vec3> points_;  // what has to be in the picture
     Box solid_;                 // their box
+    Axis upright_ = Axis::z;
 };
 
 }  // namespace clsdf::picture

@@ -19,7 +19,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/surface_shading.cpp
           ${CMAKE_CURRENT_LIST_DIR}/text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/traced_samples.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/tracer.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/tracer.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/upright.cpp)
 # The renderer's kernel is one of the library's; it and the host share kernels/render.h.
 target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/kernels)
 target_compile_options(clsdf_picture PRIVATE -ffp-contract=off)

@@ -43,6 +43,10 @@ double SurfacePictures::offset() const {
     return scene_->offset();
 }
 
+Axis SurfacePictures::upright() const {
+    return scene_->upright();
+}
+
 Hits SurfacePictures::hits(const SurfaceOptions& options) const {
     const Camera camera = scene_->camera(options);
     const Manner manner = scene_->manner(camera);

@@ -51,6 +51,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     const std::string path = folder.file("surface.png");
     const Field field = two_balls();
     SurfaceOptions options = small(280);
+    options.view.up = Axis::z;
     options.cuts = {{Axis::x, 0.1}, {Axis::y, {}}};
     SurfacePictures(field, Device::best()).write(options, path);
     if (const char* target = std::getenv("CLSDF_NEW_GOLDEN_SURFACE"))

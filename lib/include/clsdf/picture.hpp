@@ -72,15 +72,17 @@ private:
 struct View {
     double azimuth = 30;    ///< degrees to the right of the front
     double elevation = 20;  ///< degrees above the horizon, -90 ... 90
-    /// What points upwards. Seen from the front, x points to the right (y where x is up).
-    Axis up = Axis::z;
+    /// What points upwards; none: SurfacePictures::upright(). Seen from the front, x points to the right (y where x is
+    /// up).
+    std::optional<Axis> up{};
     bool up_is_negative = false;
     /// Degrees between the directions to the opposite borders of the picture, below 120; 0: a parallel projection.
     double perspective = 0;
 };
 
 /// "front", "back", "left", "right", "side" (the right one), "top", "bottom", "iso", or "AZIMUTH,ELEVATION" in degrees.
-/// "x", "-x", "y", ... Both change a view's own members, and throw Error(invalid_argument) for anything else.
+/// "x", "-x", "y", ... or "auto". Both change a view's own members, and throw Error(invalid_argument) for anything
+/// else.
 void set_direction(View& view, const std::string& text);
 void set_up(View& view, const std::string& text);
 
@@ -141,6 +143,9 @@ public:
     ~SurfacePictures();
 
     double offset() const;
+
+    /// What is probably up: y or z, the axis along which the solid stands most firmly.
+    Axis upright() const;
 
     /// Throws Error(invalid_argument) where an option makes no sense, Error(cancelled), Error(device_failure).
     Hits hits(const SurfaceOptions& options) const;

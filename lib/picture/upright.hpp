@@ -1,0 +1,18 @@
+#pragma once
+
+#include <clsdf/picture.hpp>
+
+#include <span>
+
+namespace clsdf::picture {
+
+/// Which axis of a solid is probably up: y, as in most scanned and modelled meshes, or z, as in most machine parts and
+/// terrains. It is the one along which the solid stands firmly: the centre of mass lies well within the convex hull of
+/// the lowest twentieth, seen from above. If it stands on both, the firmer one, or z if there is no difference; if on
+/// neither, y.
+///
+/// The solid is given by the ends of its rows of samples along x, two points a row, at least one row; gaps within a row
+/// count as solid. `spacing`: of the samples.
+Axis upright_axis(std::span<const Vec3> row_ends, const Vec3& spacing);
+
+}  // namespace clsdf::picture
