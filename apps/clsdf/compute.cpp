@@ -3,6 +3,7 @@
 #include "compute_report.hpp"
 #include "device_option.hpp"
 #include "interruption.hpp"
+#include "prepare.hpp"
 #include "progress_bar.hpp"
 
 #include "core/stopwatch.hpp"
@@ -11,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -57,7 +59,7 @@ std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
 }
 
 Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
-                    const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer, const Report& report,
+                    const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer, Report& report,
                     const std::stop_token& stop) {
     Computation result;
     ProgressBar progress(!report.quiet);
@@ -71,10 +73,19 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     transform_options.count = report.json;
     transform_options.stop = stop;
     transform_options.progress = [&](double fraction) { progress.show(fraction); };
+    transform_options.compiling = [&](const clsdf::Compilation& step) { progress.show(text_of(step)); };
+    transform_options.log = [&](const std::string& message) {
+        if (message == layout.sign_warning) return;  // has been said
+        progress.clear();
+        report.warn(message);
+    };
     clsdf::DistanceTransform transform(device, layout.mesh, transform_options);
+    transform.compile(layout.grid, layout.band, layout.outputs);
     result.device_name = device.name();
     result.device_platform = device.platform();
-    result.setup_seconds = setup.seconds();
+    result.keeps_records = !device.record_folder().empty();
+    const double setup_seconds = setup.seconds();
+    progress.restart();
 
     // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
     const Stopwatch compute;
@@ -88,6 +99,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
                                 result.write_seconds += write.seconds();
                             });
     result.statistics = transform.statistics();
+    result.setup_seconds = std::max(0.0, setup_seconds - result.statistics.compile_seconds);
     result.field_seconds = compute.seconds();
     return result;
 }
@@ -96,7 +108,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 // same.
 Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
                                        const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer,
-                                       const Report& report) {
+                                       Report& report) {
     const Interruption interruption;
     try {
         Computation computation = compute(request, layout, named, writer, report, interruption.token());
@@ -129,8 +141,8 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     check_size(grid);
     const clsdf::Topology topology = describe_topology(mesh);
     const clsdf::ResolvedSignRule sign = resolve_sign_rule(request.sign, topology);
-    const ComputeLayout layout{mesh,      options.mesh,    topology,          grid,        band,
-                               sign.rule, request.outputs, request.polyhedra, request.scan};
+    const ComputeLayout layout{mesh,         options.mesh,    topology,          grid,        band, sign.rule,
+                               sign.warning, request.outputs, request.polyhedra, request.scan};
     warn(report, sign.warning);
     warn(report, warning_of_polyhedra(layout));
     warn(report, warning_of_format(layout, options.output));

@@ -181,11 +181,15 @@ void print_memory(const ComputeLayout& layout) {
 void print_outcome(const ComputeLayout& layout, const Computation& computation) {
     const auto samples = static_cast<double>(layout.grid.sample_count());
     print_text("device  {} ({})\n", computation.device_name, computation.device_platform);
-    print_text("done    in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
+    const clsdf::TransformStatistics& statistics = computation.statistics;
+    if (statistics.first_use)
+        print_text("setup   compiled the kernels for this device, {}, in {:.1f} s\n",
+                   computation.keeps_records ? "once" : "and do so in every run without a cache folder",
+                   statistics.compile_seconds);
+    print_text("done    computed in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
                computation.compute_seconds, human_count(samples),
                human_count(static_cast<double>(computation.band_samples)),
                human_count(samples / computation.compute_seconds));
-    const clsdf::TransformStatistics& statistics = computation.statistics;
     print_text("memory  {} of buffers on the device, {} on the host for {}\n",
                human_bytes(static_cast<double>(statistics.device_bytes)),
                human_bytes(static_cast<double>(statistics.host_bytes)), human_slabs(statistics.slabs));
@@ -206,10 +210,16 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
     const clsdf::TransformStatistics& statistics = computation.statistics;
     ordered_json result = describe_layout(layout);
     result["device"] = {{"name", computation.device_name}, {"platform", computation.device_platform}};
-    result["seconds"] = {{"read", computation.read_seconds},       {"setup", computation.setup_seconds},
-                         {"compute", computation.compute_seconds}, {"polyhedra", statistics.polyhedra_seconds},
-                         {"lists", statistics.lists_seconds},      {"field", statistics.field_seconds},
-                         {"write", computation.write_seconds},     {"compute_and_write", computation.field_seconds}};
+    result["seconds"] = {{"read", computation.read_seconds},
+                         {"setup", computation.setup_seconds},
+                         {"compile", statistics.compile_seconds},
+                         {"compute", computation.compute_seconds},
+                         {"polyhedra", statistics.polyhedra_seconds},
+                         {"lists", statistics.lists_seconds},
+                         {"field", statistics.field_seconds},
+                         {"write", computation.write_seconds},
+                         {"compute_and_write", computation.field_seconds}};
+    result["first_use"] = statistics.first_use;
     result["samples_per_second"] = static_cast<double>(layout.grid.sample_count()) / computation.compute_seconds;
     result["statistics"] = {
         {"samples", layout.grid.sample_count()},

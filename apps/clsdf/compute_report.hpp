@@ -14,6 +14,7 @@ struct ComputeLayout {
     clsdf::Grid grid;
     clsdf::Band band;
     clsdf::SignRule sign;
+    std::string sign_warning;
     clsdf::Outputs outputs;
     clsdf::Polyhedra polyhedra;
     clsdf::Scan scan;
@@ -26,7 +27,8 @@ struct Computation {
     clsdf::TransformStatistics statistics;
     std::size_t band_samples = 0;
     double read_seconds = 0;
-    double setup_seconds = 0;    ///< the device, its context, the program
+    double setup_seconds = 0;    ///< the device and its context, without its programs
+    bool keeps_records = true;   ///< of the programs' tests: they are tested once, not in every process
     double compute_seconds = 0;  ///< until the last slab was computed
     double write_seconds = 0;    ///< what the file took, beside the computation but for the last slab
     double field_seconds = 0;    ///< both, from the polyhedra to the complete file

@@ -1,5 +1,8 @@
 #include "command.hpp"
+#include "device_option.hpp"
+#include "option_values.hpp"
 #include "output.hpp"
+#include "prepare.hpp"
 #include "standard_streams.hpp"
 
 #include <clsdf/clsdf.hpp>
@@ -7,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -83,7 +87,30 @@ void print_human(const DeviceInfo& info) {
     print_text("   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
 }
 
-ExitStatus run(Report& report) {
+struct DevicesOptions {
+    std::string device;
+    bool prepare = false;
+    bool again = false;
+};
+
+/// Those that are to be prepared: the one that is named, else all that can be used.
+std::vector<DeviceInfo> chosen(const std::string& name) {
+    std::vector<DeviceInfo> infos = clsdf::Device::all();
+    std::optional<clsdf::Device> named;
+    // Without a usable device this says what to install.
+    if (!name.empty() || std::none_of(infos.begin(), infos.end(), [](const DeviceInfo& info) { return info.usable(); }))
+        named = open_device(name);
+    infos.erase(std::remove_if(infos.begin(), infos.end(),
+                               [&](const DeviceInfo& info) { return named ? info.id != named->id() : !info.usable(); }),
+                infos.end());
+    return infos;
+}
+
+ExitStatus run(const DevicesOptions& options, Report& report) {
+    if (options.prepare) {
+        prepare(report, chosen(options.device), options.again);
+        return ExitStatus::done;
+    }
     const Devices devices;
     if (!report.quiet) {
         for (const DeviceInfo& info : devices.all) print_human(info);
@@ -98,15 +125,28 @@ ExitStatus run(Report& report) {
 }  // namespace
 
 Command add_devices(CLI::App& program) {
+    const auto options = std::make_shared<DevicesOptions>();
     CLI::App* parser = program.add_subcommand("devices", "List what can compute here, and which one is taken");
+    CLI::Option* prepare = parser->add_flag("--prepare", options->prepare,
+                                            "instead: compile and test the kernels of usual calls, on all devices");
+    parser->add_flag("--again", options->again, "with --prepare: also what was tested before, or ended its process")
+        ->needs(prepare);
+    parser->add_option("--device", options->device, "with --prepare: this one alone [all]")
+        ->check(not_empty())
+        ->type_name("INDEX|NAME")
+        ->needs(prepare);
     parser->footer(
         "\"clsdf compute\" takes the device that --device names, else the one that the environment variable\n"
         "CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. A name is an index of\n"
         "this list, or a part of the name of one device or of its platform.\n\n"
+        "Kernels are compiled when they are needed first, which takes some seconds, and kept. --prepare does it now,\n"
+        "for the kernels of \"clsdf compute\", with and without --json and --with triangle, and of \"clsdf "
+        "render\".\n\n"
         "Examples:\n"
         "  clsdf devices\n"
         "  clsdf devices --json\n"
+        "  clsdf devices --prepare\n"
         "  CLSDF_DEVICE=portable clsdf devices\n"
         "  clsdf compute bunny.off -o bunny.nrrd --device 0");
-    return {parser, run};
+    return {parser, [options](Report& report) { return run(*options, report); }};
 }

@@ -43,9 +43,21 @@ void ProgressBar::show(double fraction) {
     next_ = now + interval;
     const double clamped = std::clamp(fraction, 0.0, 1.0);
     const std::chrono::duration<double> elapsed = now - begin_;
-    const std::string text =
-        fmt::format("[{:<{}}] {:3.0f}%{}", std::string(static_cast<std::size_t>(clamped * width), '#'), width,
-                    clamped * 100, time_left(elapsed.count(), clamped));
+    print(fmt::format("[{:<{}}] {:3.0f}%{}", std::string(static_cast<std::size_t>(clamped * width), '#'), width,
+                      clamped * 100, time_left(elapsed.count(), clamped)));
+}
+
+void ProgressBar::show(const std::string& text) {
+    if (enabled_ && Clock::now() >= next_) print(text);
+}
+
+void ProgressBar::restart() {
+    clear();
+    begin_ = Clock::now();
+    next_ = begin_ + interval;
+}
+
+void ProgressBar::print(const std::string& text) {
     print_text("\r{:<{}}", text, columns_);
     std::fflush(stderr);
     columns_ = static_cast<int>(text.size());

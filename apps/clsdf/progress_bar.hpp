@@ -15,11 +15,17 @@ public:
     ProgressBar& operator=(const ProgressBar&) = delete;
 
     void show(double fraction);
+    /// A line of text in its place.
+    void show(const std::string& text);
+    /// What follows is new work: the estimate of the time left begins anew.
+    void restart();
 
     /// Takes the bar away, so that a line can be printed in its place.
     void clear();
 
 private:
+    void print(const std::string& text);
+
     bool enabled_;
     int columns_ = 0;
     std::chrono::steady_clock::time_point begin_;

@@ -38,13 +38,21 @@ bool gathers_and_scatters_fast() {
 #endif
 }
 
-/// All that the compiled program depends on.
-std::string cache_key(const cl::Device& device, const std::string& options, const std::string& source) {
+/// What PoCL's compiler heeds.
+std::string compiler_environment() {
+    std::string values;
+    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION"})
+        if (const char* value = std::getenv(name)) values += fmt::format("{}={}\n", name, value);
+    return values;
+}
+
+/// All that a compiled program depends on beside its text and options.
+std::string identity_of(const cl::Device& device) {
     const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
-    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", platform.getInfo<CL_PLATFORM_NAME>(),
+    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", platform.getInfo<CL_PLATFORM_NAME>(),
                        platform.getInfo<CL_PLATFORM_VERSION>(), device.getInfo<CL_DEVICE_VENDOR>(),
                        device.getInfo<CL_DEVICE_NAME>(), device.getInfo<CL_DEVICE_VERSION>(),
-                       device.getInfo<CL_DRIVER_VERSION>(), options, source);
+                       device.getInfo<CL_DRIVER_VERSION>(), compiler_environment());
 }
 
 /// PoCL keeps what it compiles, with what it finds out at a first launch. To be asked for a binary makes it compile all
@@ -104,6 +112,8 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     guarded([&] {
         capabilities_ = capabilities_of(device_);
         cache_ = ProgramCache(default_cache_folder(keeps_programs(device_)));
+        records_ = BuildRecords(default_cache_folder(false));
+        identity_ = identity_of(device_);
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
             queue_ = cl::CommandQueue(context_, device_);
     });
@@ -117,6 +127,7 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
 
 void Context::set_cache_folder(std::filesystem::path folder) {
     const std::scoped_lock lock(programs_mutex_);
+    records_ = BuildRecords(folder);
     cache_ = ProgramCache(std::move(folder));
 }
 
@@ -125,20 +136,55 @@ std::filesystem::path Context::cache_folder() const {
     return cache_.folder();
 }
 
-cl::Program Context::program(std::string_view kernel_file, const std::string& options) {
+BuildRecords Context::records() const {
+    const std::scoped_lock lock(programs_mutex_);
+    return records_;
+}
+
+cl::Program Context::program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch) {
     const std::scoped_lock lock(programs_mutex_);
     const std::string name = fmt::format("{} {}", kernel_file, options);
-    if (const auto found = programs_.find(name); found != programs_.end()) return found->second;
+    if (const auto found = programs_.find(name); found != programs_.end()) return found->second.program;
+    return programs_.emplace(name, build(kernel_file, options, watch)).first->second.program;
+}
 
-    const std::string source = kernel_text(kernel_file);
-    const std::string key = cache_key(device_, options, source);
-    std::optional<cl::Program> program = from_binary(context_, device_, cache_.find(key), options);
-    if (!program) {
+Context::Built Context::build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch) const {
+    std::string source = kernel_text(kernel_file);
+    if (text_edit_) text_edit_(kernel_file, source);
+    const std::string key = fmt::format("{} {} {:016x}", kernel_file, options, hash_of(source));
+    const std::string name = fmt::format("{} with the options \"{}\"", kernel_file, options);
+    const BuildSubject subject{fmt::format("{}built {}\n", identity_, key), name, identity_};
+    std::optional<cl::Program> program;
+    const auto from_source = [&] {
+        if (watch.begins) watch.begins();
         program = compile(kernel_file, source, options);
-        if (!cache_.folder().empty()) cache_.store(key, binary_of(*program));
+    };
+    if (cache_.folder().empty()) {
+        build_once(records_, subject, watch, from_source);
+        // The driver has it.
+        if (!program) program = compile(kernel_file, source, options);
+        return {*program, key + " source"};
     }
-    programs_.emplace(name, *program);
-    return *program;
+    const std::string cache_key = fmt::format("{}{}\n{}", identity_, options, source);
+    std::optional<cl::Program> stored;
+    const auto is_stored = [&] {
+        stored = from_binary(context_, device_, cache_.find(cache_key), options);
+        return stored.has_value();
+    };
+    const auto compile_and_store = [&] {
+        from_source();
+        cache_.store(cache_key, binary_of(*program));
+        is_stored();  // what is tested now is what later processes take
+    };
+    build_once(records_, subject, watch, compile_and_store, is_stored);
+    return stored ? Built{*stored, key + " binary"} : Built{*program, key + " source"};
+}
+
+std::string Context::key_of(const cl::Program& program) const {
+    const std::scoped_lock lock(programs_mutex_);
+    for (const auto& [name, built] : programs_)
+        if (built.program() == program()) return built.key;
+    return {};
 }
 
 bool Context::is_first_use_of(const cl::Kernel& kernel) {

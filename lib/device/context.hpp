@@ -1,9 +1,13 @@
 #pragma once
 
+#include "device/build_records.hpp"
 #include "device/opencl.hpp"
 #include "device/program_cache.hpp"
 
+#include <array>
+#include <atomic>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <set>
@@ -36,19 +40,49 @@ public:
     };
     const Capabilities& capabilities() const { return capabilities_; }
 
-    /// Builds one of the library's kernel files, once per options, or takes it from the cache. Throws
-    /// Error(device_failure) with the build log.
-    cl::Program program(std::string_view kernel_file, const std::string& options);
+    /// Builds one of the library's kernel files, once per options, or takes it from the cache. Of several processes
+    /// that build the same, one does while the others wait. Throws Error(device_failure) with the build log, or if
+    /// earlier builds ended their processes.
+    cl::Program program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch = {});
+
+    /// All that the code of a program depends on beside the device, in a line: file, options, a hash of the text, and
+    /// whether it was built from source or from a stored binary.
+    std::string key_of(const cl::Program& program) const;
+
+    /// Platform, device and driver with their versions, a line each, the last one ended.
+    const std::string& identity() const { return identity_; }
+
+    /// Which cases of the self-test (transform/self_test.hpp) this process need not run any more.
+    static constexpr std::size_t test_cases = 512;
+    bool is_tested(std::size_t test_case) const { return tested_[test_case].load(std::memory_order_acquire); }
+    void set_tested(std::size_t test_case) { tested_[test_case].store(true, std::memory_order_release); }
+    void forget_tests() {
+        for (std::atomic<bool>& tested : tested_) tested.store(false, std::memory_order_release);
+    }
+    /// Held while a case is tested: other threads wait.
+    std::mutex& test_mutex() const { return test_mutex_; }
 
     /// Whether this is asked of the kernel's program for the first time; then it is no more. Compilers specialise a
     /// kernel at its first launch: after an empty one, the launch that counts need not wait for it.
     bool is_first_use_of(const cl::Kernel& kernel);
 
-    /// Where compiled programs are kept between runs; empty: nowhere.
+    /// Where compiled programs and records are kept between runs; empty: nowhere.
     void set_cache_folder(std::filesystem::path folder);
     std::filesystem::path cache_folder() const;
+    BuildRecords records() const;
+
+    /// Changes the kernels' text before it is compiled, for tests of what a wrong compiler makes.
+    using TextEdit = std::function<void(std::string_view kernel_file, std::string& text)>;
+    void set_text_edit(TextEdit edit) { text_edit_ = std::move(edit); }
 
 private:
+    /// From a stored binary or from the source, and which of both.
+    struct Built {
+        cl::Program program;
+        std::string key;
+    };
+
+    Built build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch) const;
     cl::Program compile(std::string_view kernel_file, const std::string& source, const std::string& options) const;
 
     cl::Context context_;
@@ -57,9 +91,14 @@ private:
     cl::CommandQueue queue_;
     Capabilities capabilities_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
-    std::map<std::string, cl::Program> programs_;
+    std::map<std::string, Built> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay
     ProgramCache cache_{{}};
+    BuildRecords records_{{}};
+    std::string identity_;
+    TextEdit text_edit_;
+    mutable std::mutex test_mutex_;
+    std::array<std::atomic<bool>, test_cases> tested_{};
 };
 
 /// Throws cl::Error.

@@ -36,8 +36,17 @@ std::string Device::program_cache() const {
     return context_->cache_folder().string();
 }
 
+std::string Device::record_folder() const {
+    return context_->records().folder().string();
+}
+
 void Device::set_program_cache(const std::string& folder) const {
     context_->set_cache_folder(folder);
+}
+
+void Device::forget_tests() const {
+    context_->records().forget(context_->identity());
+    context_->forget_tests();
 }
 
 cl_context Device::context() const {

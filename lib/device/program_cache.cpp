@@ -1,11 +1,10 @@
 #include "device/program_cache.hpp"
 
 #include "core/atomic_file.hpp"
+#include "device/build_records.hpp"
 
 #include <fmt/format.h>
 
-#include <sys/stat.h>
-#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -32,20 +31,6 @@ struct Header {
     std::uint64_t binary_size;
     std::uint64_t check_sum;
 };
-
-/// FNV-1a (Fowler, Noll, Vo) of 64 bits.
-std::uint64_t hash_of(std::string_view bytes) {
-    std::uint64_t hash = 0xCBF29CE484222325U;
-    for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001B3U;
-    return hash;
-}
-
-/// A program of somebody else's would be run by this user.
-bool is_trusted(const fs::path& path) {
-    struct stat status {};
-    return ::lstat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode) &&
-           (status.st_uid == ::geteuid() || status.st_uid == 0);
-}
 
 std::optional<ProgramCache::Binary> parse(std::string_view content, std::string_view key) {
     if (!content.starts_with(mark)) return std::nullopt;
@@ -85,7 +70,7 @@ std::optional<ProgramCache::Binary> ProgramCache::find(const std::string& key) c
     if (folder_.empty()) return std::nullopt;
     try {
         const fs::path path = path_of(key);
-        if (!is_trusted(path) || fs::file_size(path) > limit_) return std::nullopt;
+        if (!is_trusted_file(path) || fs::file_size(path) > limit_) return std::nullopt;
         std::ifstream file(path, std::ios::binary);
         const std::string content((std::istreambuf_iterator<char>(file)), {});
         std::optional<Binary> binary = parse(content, key);

@@ -1,6 +1,7 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/buffer_pool.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/build_records.cpp
           ${CMAKE_CURRENT_LIST_DIR}/context.cpp
           ${CMAKE_CURRENT_LIST_DIR}/device.cpp
           ${CMAKE_CURRENT_LIST_DIR}/device_choice.cpp

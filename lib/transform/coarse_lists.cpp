@@ -29,11 +29,6 @@ std::size_t coarse_group_count(const Layout& layout) {
     return count;
 }
 
-/// In a narrow band hardly any bound of a coarse brick is below the half width.
-bool has_uniform_caps(const Layout& layout) {
-    return layout.half_width <= 2 * layout.coarse_radius;
-}
-
 /// Touches of a cluster of polyhedra and a coarse brick that there is room for at first, for each polyhedron on average
 /// (measured, and rounded up). Where there are more, they are found twice.
 std::size_t expected_touches(const Layout& layout, std::size_t lanes) {
@@ -287,6 +282,10 @@ private:
 };
 
 }  // namespace
+
+bool has_uniform_caps(const Layout& layout) {
+    return layout.half_width <= 2 * layout.coarse_radius;
+}
 
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,

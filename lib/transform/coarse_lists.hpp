@@ -25,6 +25,10 @@ struct CoarseLists {
     std::vector<cl_uint> lengths;
 };
 
+/// Whether all coarse bricks are bounded by the half width alone: in a narrow band hardly any bound of their own is
+/// below it.
+bool has_uniform_caps(const Layout& layout);
+
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                               const cl::Buffer& polyhedra, std::size_t polyhedron_count, const ShortLaunches& launches);

@@ -2,11 +2,14 @@
 
 #include "core/scratch_memory.hpp"
 #include "core/stopwatch.hpp"
+#include "transform/coarse_lists.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
+#include "transform/self_test.hpp"
 #include "transform/slab_pipeline.hpp"
 #include "transform/slabs.hpp"
+#include "transform/slice_scan.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +17,7 @@
 #include <limits>
 #include <new>
 #include <optional>
+#include <utility>
 
 namespace clsdf {
 
@@ -24,6 +28,9 @@ struct DistanceTransform::State {
     Topology topology;
     SignRule sign = SignRule::none;
     Scan scan = Scan::bricks;
+    std::size_t compile_steps = 0;
+    double compile_seconds = 0;
+    bool first_use = false;
     transform::Programs programs;
     std::shared_ptr<device::BufferPool> pool;
     ScratchMemory scratch;
@@ -35,13 +42,51 @@ struct DistanceTransform::State {
           options(std::move(options_in)),
           topology(describe_topology(mesh)),
           scan(resolve_scan(options.polyhedra, options.scan)),
-          programs(device::guarded([&] { return transform::Programs(device.internal(), options.body); })),
+          programs(build_programs()),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
         // Edges between vertices that are equal but not one would be open ones: exact, but slow.
         if (topology.coincident_vertices > 0) mesh = weld(mesh);
         const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
         sign = resolved.rule;
         if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
+    }
+
+    transform::Programs build_programs() {
+        throw_if_stopped();
+        const Stopwatch watch;
+        transform::TestCase any;
+        any.scan = scan;
+        transform::Programs result = device::guarded([&] {
+            return transform::Programs(device.internal(), options.body, watch_steps(transform::step_count(any)));
+        });
+        compile_seconds += watch.seconds();
+        return result;
+    }
+
+    /// `variant_steps`: those of building beside the programs that all computations need.
+    device::BuildWatch watch_steps(std::size_t variant_steps) {
+        const std::size_t steps = transform::Programs::common_programs + variant_steps;
+        const auto call = [this, steps](bool is_waiting) {
+            throw_if_stopped();
+            const std::size_t step = std::min(std::max<std::size_t>(compile_steps, 1), steps);
+            if (options.compiling) options.compiling({step, steps, is_waiting});
+        };
+        return {[this, call] {
+                    ++compile_steps;
+                    call(false);
+                },
+                [call] { call(true); }, options.log};
+    }
+
+    /// Builds and tests, the first time, what such a computation runs on the device.
+    bool compile(const Grid& grid, const Band& band, const Outputs& outputs);
+    bool test(const transform::TestCase& test_case);
+    transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs) const;
+
+    void move_compilation_to(TransformStatistics& to) {
+        to.compile_seconds = std::exchange(compile_seconds, 0);
+        to.first_use = std::exchange(first_use, false);
+        compile_steps = 0;
     }
 
     std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
@@ -60,6 +105,12 @@ struct DistanceTransform::State {
                                            const Band& band, const Outputs& outputs) {
         auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), sweep_mesh, mesh, grid,
                                                   band, sign, outputs, options, [this] { throw_if_stopped(); });
+        // Only the sweep sees whether triangles are large.
+        if (sweep_mesh && sweep_mesh->has_large_triangles) {
+            transform::TestCase large = test_case_of(grid, band, outputs);
+            large.is_large = true;
+            test(large);
+        }
         pool->trim();
         return plan;
     }
@@ -133,10 +184,46 @@ void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabP
     plan.statistics.field_seconds = watch.seconds();
 }
 
+transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band,
+                                                           const Outputs& outputs) const {
+    const Layout layout = transform::layout_of(grid, band, sign);
+    transform::TestCase test_case;
+    test_case.body = programs.body;
+    test_case.scan = scan;
+    test_case.variant.brick = {outputs.triangle, options.count, transform::has_long_bricks(grid)};
+    test_case.is_signed = sign != SignRule::none;
+    if (scan == Scan::slices)
+        test_case.variant.key_64 =
+            transform::takes_64_bits(device.internal(), layout, outputs.triangle, options.slice_minimum);
+    else
+        test_case.is_wide = !transform::has_uniform_caps(layout);
+    return test_case;
+}
+
+bool DistanceTransform::State::test(const transform::TestCase& test_case) {
+    if (device.internal().is_tested(test_case.index())) return false;
+    const Stopwatch watch;
+    const bool is_tested_here =
+        transform::ensure_tested(device, programs, test_case, watch_steps(transform::step_count(test_case)));
+    first_use |= is_tested_here;
+    compile_seconds += watch.seconds();
+    return is_tested_here;
+}
+
+bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs) {
+    transform::TestCase test_case = test_case_of(grid, band, outputs);
+    transform::TestCase large = test_case;
+    large.is_large = true;
+    // It runs all that the other one runs.
+    if (device.internal().is_tested(large.index())) return false;
+    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh) ? large : test_case);
+}
+
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
                                        const HostOutputs& host, std::vector<Grid> slabs,
                                        transform::SlabPipeline& pipeline) {
     throw_if_stopped();
+    compile(grid, band, outputs);
     pool->restart_peak();
     const auto prepared = prepare(grid, band);
     std::optional<transform::SweepMesh> sweep_mesh;
@@ -174,6 +261,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         done += count;
     }
     pipeline.finish();
+    move_compilation_to(statistics);
     statistics.device_bytes = pool->peak();
     statistics.host_bytes = pipeline.host_bytes() + scratch.bytes();
     if (options.progress) options.progress(1.0);
@@ -201,9 +289,17 @@ void DistanceTransform::set_stop(std::stop_token stop) {
     state_->options.stop = std::move(stop);
 }
 
+bool DistanceTransform::compile(const Grid& grid, const Band& band, const Outputs& outputs) {
+    state_->throw_if_stopped();
+    return state_->compile(grid, band, outputs);
+}
+
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {
     std::optional<transform::SweepMesh> sweep_mesh;
-    Plan plan(state_->make_plan(state_->prepare(grid, band), sweep_mesh, grid, band, outputs));
+    state_->compile(grid, band, outputs);
+    auto plan_state = state_->make_plan(state_->prepare(grid, band), sweep_mesh, grid, band, outputs);
+    state_->move_compilation_to(plan_state->statistics);
+    Plan plan(std::move(plan_state));
     device::guarded([&] { state_->device.internal().queue().finish(); });  // what fails of the set-up fails here
     return plan;
 }

@@ -45,12 +45,18 @@ struct Programs {
     std::size_t group_size = 0;  ///< of the body by_group
     std::size_t lanes = 1;       ///< of a work-item's vectors
 
-    Programs(device::Context& context, KernelBody asked);
+    /// Programs that every computation needs.
+    static constexpr std::size_t common_programs = 4;
 
-    cl::Program bricks_by_vector(device::Context& context, const BrickVariant& variant) const;
-    cl::Program bricks_by_group(device::Context& context, const BrickVariant& variant) const;
+    Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch = {});
 
-    cl::Program slices(device::Context& context, const char* kernel_file, const SliceVariant& variant) const;
+    cl::Program bricks_by_vector(device::Context& context, const BrickVariant& variant,
+                                 const device::BuildWatch& watch = {}) const;
+    cl::Program bricks_by_group(device::Context& context, const BrickVariant& variant,
+                                const device::BuildWatch& watch = {}) const;
+
+    cl::Program slices(device::Context& context, const char* kernel_file, const SliceVariant& variant,
+                       const device::BuildWatch& watch = {}) const;
     SliceShape slice_shape() const;
 
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.

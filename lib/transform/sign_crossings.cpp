@@ -78,6 +78,7 @@ public:
             enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
         });
         SweepTotals totals = add_up(crossings);
+        crossings.has_large_triangles = totals.large > 0;
         if (totals.large > 0) {
             find_large(totals);
             totals = add_up(crossings);

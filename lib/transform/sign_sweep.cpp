@@ -62,6 +62,7 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
         }
         if (!sweep_mesh) sweep_mesh = make_sweep_mesh(context, pool, grid, mesh);
         const Crossings crossings = find_crossings(context, programs, pool, layout, *sweep_mesh, launches);
+        sweep_mesh->has_large_triangles |= crossings.has_large_triangles;
         const auto keys = keys_by_row(context, programs, pool, crossings, launches);
 
         cl::Kernel sweep(programs.sign_sweep, "sign_rows");

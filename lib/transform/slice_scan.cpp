@@ -28,18 +28,6 @@ std::size_t samples_of_slice(const Layout& layout) {
     return static_cast<std::size_t>(layout.size[0]) * static_cast<std::size_t>(layout.size[1]);
 }
 
-/// Without triangles the distances alone are the key, and 32 bits are enough.
-bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked) {
-    const bool has_atomics = has_64_bit_atomics(context.device());
-    if (asked == SliceMinimum::one_pass && !has_atomics)
-        throw Error(ErrorCode::unsupported,
-                    "the device has no 64-bit atomics (cl_khr_int64_extended_atomics), which SliceMinimum::one_pass "
-                    "needs; use two_passes");
-    if (!with_triangle || asked == SliceMinimum::two_passes) return false;
-    return asked == SliceMinimum::one_pass ||
-           (has_atomics && samples_of_slice(layout) * sizeof(cl_ulong) <= context.capabilities().largest_allocation);
-}
-
 class SliceScan final : public FieldScan {
 public:
     SliceScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
@@ -311,6 +299,17 @@ private:
 };
 
 }  // namespace
+
+bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked) {
+    const bool has_atomics = has_64_bit_atomics(context.device());
+    if (asked == SliceMinimum::one_pass && !has_atomics)
+        throw Error(ErrorCode::unsupported,
+                    "the device has no 64-bit atomics (cl_khr_int64_extended_atomics), which SliceMinimum::one_pass "
+                    "needs; use two_passes");
+    if (!with_triangle || asked == SliceMinimum::two_passes) return false;
+    return asked == SliceMinimum::one_pass ||
+           (has_atomics && samples_of_slice(layout) * sizeof(cl_ulong) <= context.capabilities().largest_allocation);
+}
 
 std::unique_ptr<FieldScan> make_slice_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,

@@ -6,11 +6,13 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/known_field.cpp
           ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prefix_sums.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/self_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign_crossings.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slab_pipeline.cpp

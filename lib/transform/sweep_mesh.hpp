@@ -17,7 +17,11 @@ struct SweepMesh {
     std::size_t triangle_count = 0;
     int bits_y = 0;  ///< of a snapped vertex, below a sample
     int bits_z = 0;
+    bool has_large_triangles = false;  ///< found by a sweep: more than CLSDF_LARGE_ROWS rows
 };
+
+/// Whether some of the mesh's triangles are large on the grid, guessed from a sample of them.
+bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 
 /// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
 SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,

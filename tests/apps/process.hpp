@@ -32,6 +32,7 @@ struct Outcome {
     std::string error;
     double seconds = 0;
     std::size_t peak_bytes = 0;  ///< of memory that was resident at once
+    double cpu_seconds = 0;      ///< of all its threads
 };
 
 /// The real command in a process of its own.
@@ -59,11 +60,19 @@ public:
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
         const bool exited = WIFEXITED(status);
         const bool own_output = out_ == folder_.file("out");
-        return {exited ? WEXITSTATUS(status) : -WTERMSIG(status), own_output ? content_of(out_) : std::string(),
-                content_of(error_), elapsed.count(), static_cast<std::size_t>(usage.ru_maxrss) * 1024};
+        return {exited ? WEXITSTATUS(status) : -WTERMSIG(status),
+                own_output ? content_of(out_) : std::string(),
+                content_of(error_),
+                elapsed.count(),
+                static_cast<std::size_t>(usage.ru_maxrss) * 1024,
+                seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime)};
     }
 
 private:
+    static double seconds_of(const struct timeval& time) {
+        return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+    }
+
     // The lists are this process' own copies, because exec takes pointers to what it could change.
     [[noreturn]] void execute(std::vector<std::string> arguments, std::vector<std::string> environment,
                               const std::function<void()>& prepare) const {

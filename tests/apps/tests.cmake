@@ -4,10 +4,15 @@ if(TARGET clsdf_command)
   list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
   list(TRANSFORM sources APPEND .cpp)
   clsdf_test(command ${sources})
-  add_dependencies(test_command clsdf_command)
-  target_compile_definitions(test_command PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
-                                                  CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")
-  target_link_libraries(test_command PRIVATE nlohmann_json::nlohmann_json)
+  # Compiles kernels for caches of its own, again and again.
+  clsdf_test(prepare ${CMAKE_CURRENT_LIST_DIR}/prepare.cpp)
+  set_tests_properties(prepare PROPERTIES TIMEOUT 900)
+  foreach(test command prepare)
+    add_dependencies(test_${test} clsdf_command)
+    target_compile_definitions(test_${test} PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
+                                                    CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")
+    target_link_libraries(test_${test} PRIVATE nlohmann_json::nlohmann_json)
+  endforeach()
 endif()
 
 # What the build makes from the options is what its readers understand; those that are not there cannot be asked.

@@ -78,18 +78,35 @@ bool computes(const Device& device, const cl::Program& program) {
     });
 }
 
-/// Programs that were taken from a binary have no source.
-bool is_compiled_here(const cl::Program& program) {
-    return !program.getInfo<CL_PROGRAM_SOURCE>().empty();
-}
+/// A program of a device, and whether its source was compiled for it.
+struct Built {
+    cl::Program program;
+    bool is_compiled = false;
+};
 
-fs::path only_file(const TemporaryFolder& folder) {
-    BOOST_REQUIRE(folder.file_count() == 1U);
-    return fs::directory_iterator(fs::path(folder.file("x")).parent_path())->path();
+Built build(const Device& device, const char* kernel_file, const std::string& with = options) {
+    Built built;
+    device::BuildWatch watch;
+    watch.begins = [&] { built.is_compiled = true; };
+    built.program = device.internal().program(kernel_file, with, watch);
+    return built;
 }
 
 std::string path_of(const TemporaryFolder& folder) {
     return fs::path(folder.file("x")).parent_path().string();
+}
+
+/// Of those programs that were built there are records, too.
+std::vector<fs::path> programs_in(const TemporaryFolder& folder) {
+    std::vector<fs::path> programs;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path_of(folder)))
+        if (entry.path().extension() == ".program") programs.push_back(entry.path());
+    return programs;
+}
+
+fs::path only_program(const TemporaryFolder& folder) {
+    BOOST_REQUIRE(programs_in(folder).size() == 1U);
+    return programs_in(folder).front();
 }
 
 }  // namespace
@@ -245,6 +262,8 @@ BOOST_AUTO_TEST_CASE(is_what_a_device_begins_with) {
     for (const std::optional<std::string>& own : {std::optional<std::string>("/own"), std::optional<std::string>()}) {
         const Variable variable("CLSDF_CACHE_DIR", own);
         BOOST_TEST(Device::best().program_cache() == device::default_cache_folder(is_pocl).string());
+        // Records are small: they are kept beside PoCL's own programs, too.
+        BOOST_TEST(Device::best().record_folder() == (own ? "/own" : "/xdg/clsdf"));
     }
 }
 
@@ -252,21 +271,22 @@ BOOST_AUTO_TEST_CASE(gets_each_program_once_and_gives_it_to_the_next_process) {
     const TemporaryFolder folder;
     for (const bool first : {true, false}) {
         const Device device = device_with(path_of(folder));
-        const cl::Program program = device.internal().program("scan.cl", options);
-        BOOST_TEST(is_compiled_here(program) == first);
-        BOOST_TEST(computes(device, program));
-        BOOST_TEST(folder.file_count() == 1U);
+        const Built built = build(device, "scan.cl");
+        BOOST_TEST(built.is_compiled == first);
+        BOOST_TEST(computes(device, built.program));
+        BOOST_TEST(programs_in(folder).size() == 1U);
     }
     const Device device = device_with(path_of(folder));
-    BOOST_TEST(is_compiled_here(device.internal().program("scan.cl", std::string(options) + " -DOTHER")));
-    BOOST_TEST(is_compiled_here(device.internal().program("sign_sweep.cl", options)));
-    BOOST_TEST(folder.file_count() == 3U);
+    BOOST_TEST(build(device, "scan.cl", std::string(options) + " -DOTHER").is_compiled);
+    BOOST_TEST(build(device, "sign_sweep.cl").is_compiled);
+    BOOST_TEST(programs_in(folder).size() == 3U);
 }
 
 BOOST_AUTO_TEST_CASE(is_not_touched_when_it_is_switched_off) {
     const TemporaryFolder folder;
     const Variable environment("CLSDF_CACHE_DIR", path_of(folder));
     const Device device = device_with("");
+    BOOST_TEST(device.record_folder().empty());
     BOOST_TEST(computes(device, device.internal().program("scan.cl", options)));
     BOOST_TEST(folder.file_count() == 0U);
 }
@@ -275,21 +295,21 @@ BOOST_AUTO_TEST_CASE(is_not_touched_when_it_is_switched_off) {
 BOOST_AUTO_TEST_CASE(is_mended_where_a_program_in_it_is_none) {
     const TemporaryFolder folder;
     device_with(path_of(folder)).internal().program("scan.cl", options);
-    const fs::path path = only_file(folder);
+    const fs::path path = only_program(folder);
     const std::string whole = content_of(path.string());
     // The key lies after the mark and three numbers of eight bytes.
     std::uint64_t key_size = 0;
     std::memcpy(&key_size, whole.data() + 16, sizeof key_size);
     ProgramCache(path_of(folder)).store(whole.substr(40, key_size), numbers(1000));
-    BOOST_REQUIRE(only_file(folder) == path);
+    BOOST_REQUIRE(only_program(folder) == path);
     for (const std::string& content : {content_of(path.string()), whole.substr(0, whole.size() / 2), std::string()}) {
         folder.file(path.filename().string(), content);
         const Device device = device_with(path_of(folder));
-        const cl::Program program = device.internal().program("scan.cl", options);
-        BOOST_TEST(is_compiled_here(program));
-        BOOST_TEST(computes(device, program));
+        const Built built = build(device, "scan.cl");
+        BOOST_TEST(built.is_compiled);
+        BOOST_TEST(computes(device, built.program));
         BOOST_TEST(content_of(path.string()).size() == whole.size());
-        BOOST_TEST(!is_compiled_here(device_with(path_of(folder)).internal().program("scan.cl", options)));
+        BOOST_TEST(!build(device_with(path_of(folder)), "scan.cl").is_compiled);
     }
 }
 
@@ -304,8 +324,8 @@ BOOST_AUTO_TEST_CASE(may_be_write_protected_or_impossible) {
     device_with(folder.file("protected")).internal().program("scan.cl", options);
     fs::permissions(folder.file("protected"), fs::perms::owner_read | fs::perms::owner_exec);
     const Device device = device_with(folder.file("protected"));
-    BOOST_TEST(!is_compiled_here(device.internal().program("scan.cl", options)));
-    BOOST_TEST(is_compiled_here(device.internal().program("sign_sweep.cl", options)));
+    BOOST_TEST(!build(device, "scan.cl").is_compiled);
+    BOOST_TEST(build(device, "sign_sweep.cl").is_compiled);
     fs::permissions(folder.file("protected"), fs::perms::owner_all);
 }
 

@@ -7,5 +7,5 @@ if(CLSDF_OCLGRIND AND NOT CLSDF_SANITIZE)
   add_test(NAME races COMMAND ${CLSDF_OCLGRIND} --data-races --check-api $<TARGET_FILE:test_races>)
   set_tests_properties(races PROPERTIES FAIL_REGULAR_EXPRESSION "data race;Invalid;Error;OCLGRIND"
                                         PASS_REGULAR_EXPRESSION "No errors detected"
-                                        ENVIRONMENT_MODIFICATION CLSDF_CACHE_DIR=set:)
+                                        ENVIRONMENT_MODIFICATION "CLSDF_CACHE_DIR=set:;CLSDF_SELF_TEST=set:0")
 endif()

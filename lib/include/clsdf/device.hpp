@@ -75,16 +75,25 @@ public:
     cl_command_queue queue() const;
 
     /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
-    /// variable CLSDF_CACHE_DIR where it is set, from the current folder where it is relative, else
-    /// $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty where the first is set and empty, where none is known,
-    /// and, unless the first is set, for PoCL, which keeps programs itself unless POCL_KERNEL_CACHE=0 forbids it:
-    /// nothing is kept then.
+    /// variable CLSDF_CACHE_DIR if it is set, from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf,
+    /// else $HOME/.cache/clsdf. Empty (no program is kept) if the first is set and empty, if none is known, or if the
+    /// driver is PoCL, which keeps programs itself, and the first is not set. The same folder, with PoCL also where
+    /// this is empty for that reason alone, is record_folder().
     std::string program_cache() const;
 
-    /// Another folder, for programs that are built from now on: call it before the first DistanceTransform is made.
-    /// With an empty one the library reads and writes nothing but the files it is told to. A folder that cannot be
-    /// written, or a damaged file in it, is no error: programs are compiled then.
+    /// The folder of small records of the programs that were tested on a device, and of markers of those that are being
+    /// compiled; empty: no file is written, and every process tests anew.
+    std::string record_folder() const;
+
+    /// Another folder for both, for programs that are built from now on: call it before the first
+    /// DistanceTransform is made. With an empty one the library reads and writes nothing but the files it is told to:
+    /// programs are tested once in every process then. A folder that cannot be written, or a damaged file in it, is no
+    /// error: programs are compiled and tested then.
     void set_program_cache(const std::string& folder) const;
+
+    /// Forgets which programs were tested on this device, and which of its compilations ended their process: they are
+    /// tested, or tried, again.
+    void forget_tests() const;
 
     /// For the library's own stages.
     device::Context& internal() const { return *context_; }

@@ -25,6 +25,13 @@ enum class KernelBody {
     by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
 };
 
+/// How far the device's programs are, see TransformOptions::compiling.
+struct Compilation {
+    std::size_t step = 0;     ///< from 1
+    std::size_t steps = 0;    ///< about; >= step
+    bool is_waiting = false;  ///< for another process that compiles the same
+};
+
 /// The method, how the sign is decided, and callbacks.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
@@ -33,7 +40,10 @@ struct TransformOptions {
     bool close_gaps = true;  ///< of Peikert & Sigg's polyhedra, as they do; else as they are before that
     KernelBody body = KernelBody::automatic;
     SliceMinimum slice_minimum = SliceMinimum::automatic;
-    std::function<void(double fraction)> progress{};        ///< called between launches, from the calling thread
+    std::function<void(double fraction)> progress{};  ///< called between launches, from the calling thread
+    /// Called before each step of building, loading and testing programs, from the calling thread; while another
+    /// process compiles them, again and again.
+    std::function<void(const Compilation& compilation)> compiling{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
     std::stop_token stop{};                                 ///< looked at between launches; Error(cancelled)
     bool count = false;                                     ///< fill the statistics counted on the device; costs time
@@ -66,6 +76,12 @@ struct TransformStatistics {
     std::size_t samples_covered = 0;      ///< of these, with the sample inside the polyhedron
     std::size_t band_samples = 0;         ///< samples that carry their distance, exact with leaned polyhedra
 
+    /// Building or loading the device's programs and testing them, since the transform was made or computed last; in
+    /// none of the times below.
+    double compile_seconds = 0;
+    /// Programs were used for the first time on this device and driver version, and tested: compile_seconds is what
+    /// their compilation took. Later computations and processes find them.
+    bool first_use = false;
     double polyhedra_seconds = 0;
     // By the host's clock. What the device has not done of a stage when the host goes on counts to the next one.
     double lists_seconds = 0;  ///< the sign's sweep included
@@ -127,7 +143,7 @@ private:
 /// The exact distance to a mesh, on any number of grids.
 class DistanceTransform {
 public:
-    /// Copies and checks the mesh, describes its topology and builds the device's program.
+    /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
     /// Throws Error(invalid_mesh, no_device or device_failure; unsupported for a scan that the polyhedra do not have).
     DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {});
     DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {});
@@ -138,6 +154,13 @@ public:
     const Topology& topology() const;
     /// The rule in use, never `automatic`.
     SignRule sign() const;
+
+    /// Builds the other programs that such a field needs and, the first time on this device and driver version, tests
+    /// them: a small known field is computed and compared. Computations do it by themselves; this is for programs that
+    /// want to choose when. Returns whether something was tested. Throws Error(device_failure) that names the device,
+    /// its platform and their versions if the device computes wrong values or if its compiler has ended earlier
+    /// processes; Error(cancelled).
+    bool compile(const Grid& grid, const Band& band, const Outputs& outputs = {});
 
     /// The field on the host. Grids whose field exceeds what the device can allocate are computed in slabs.
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {});

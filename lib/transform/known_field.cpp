@@ -1,0 +1,235 @@
+#include "transform/known_field.hpp"
+
+#include "polyhedra/vector.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace clsdf::transform {
+
+namespace {
+
+using polyhedra::to_vector;
+using polyhedra::Vector;
+
+// In voxels: what a field is held to (docs/accuracy.md), twice.
+constexpr double tolerance = 2e-5;
+
+constexpr std::uint32_t no_triangle = 0xFFFFFFFF;
+
+struct Surface {
+    std::vector<Vec3> vertices;
+    std::vector<Triangle> triangles;
+};
+
+/// A cube of 48 triangles, slightly sheared, that holds a whole brick deeper than the band.
+Surface make_cube() {
+    Surface cube;
+    std::array<std::uint32_t, 27> numbers{};
+    const auto place = [](const std::array<int, 3>& p) {
+        return static_cast<std::size_t>(p[0] + 3 * (p[1] + 3 * p[2]));
+    };
+    for (int z = 0; z < 3; ++z)
+        for (int y = 0; y < 3; ++y)
+            for (int x = 0; x < 3; ++x) {
+                if (x == 1 && y == 1 && z == 1) continue;
+                const double u = x - 1, v = y - 1, w = z - 1;
+                numbers[place({x, y, z})] = static_cast<std::uint32_t>(cube.vertices.size());
+                cube.vertices.push_back({-4.37 + 5.7 * (u + 0.05 * v - 0.03 * w),
+                                         -4.71 + 5.7 * (v - 0.04 * u + 0.05 * w),
+                                         -4.13 + 5.7 * (w + 0.03 * u - 0.05 * v)});
+            }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const int side : {0, 2})
+            for (int i = 0; i < 2; ++i)
+                for (int j = 0; j < 2; ++j) {
+                    const auto number = [&](int a, int b) {
+                        std::array<int, 3> p{};
+                        p[axis] = side;
+                        p[(axis + 1) % 3] = i + a;
+                        p[(axis + 2) % 3] = j + b;
+                        return numbers[place(p)];
+                    };
+                    // Outwards.
+                    const int a = side == 0 ? 0 : 1, b = 1 - a;
+                    cube.triangles.push_back({number(0, 0), number(a, b), number(1, 1)});
+                    cube.triangles.push_back({number(0, 0), number(1, 1), number(b, a)});
+                }
+    return cube;
+}
+
+/// Three closed, oriented surfaces that lie apart, in voxels. The first vertex of the second one is a saddle: samples
+/// beyond it lie in the polyhedron of no triangle. The third one has a sliver, 9 long and a few hundredths wide.
+Mesh make_mesh() {
+    Surface all = make_cube();
+    const auto add = [&](const Vec3& centre, double scale, const Surface& surface) {
+        const auto first = static_cast<std::uint32_t>(all.vertices.size());
+        for (const Vec3& p : surface.vertices)
+            all.vertices.push_back({centre[0] + scale * p[0], centre[1] + scale * p[1], centre[2] + scale * p[2]});
+        for (const Triangle& face : surface.triangles)
+            all.triangles.push_back({first + face[0], first + face[1], first + face[2]});
+    };
+    add({5.31, 4.22, 3.13}, 1.1,
+        {{{0, 0, 0}, {0, -1, -4}, {-1, -4, 1}, {-1, -4, 0}, {-4, 1, -1}, {-4, 0, -1}, {1, -1, -4}},
+         {{0, 2, 1},
+          {0, 3, 2},
+          {0, 4, 3},
+          {0, 5, 4},
+          {0, 6, 5},
+          {0, 1, 6},
+          {1, 2, 3},
+          {3, 4, 5},
+          {1, 3, 5},
+          {1, 5, 6}}});
+    add({0, 0, 0}, 1,
+        {{{-5.2, 1.9, 4.6}, {3.9, 3.1, 5.3}, {-0.6, 2.52, 4.99}, {-1.1, 3.0, 6.2}},
+         {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}});
+    return {std::move(all.vertices), std::move(all.triangles), "known field"};
+}
+
+/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks.
+Grid make_grid(const KnownFieldKind& kind) {
+    Grid grid;
+    grid.origin = {0.13, -0.21, 0.37};
+    grid.spacing = kind.large ? Vec3{0.55, 0.55, 0.55} : Vec3{1, 1, 1};
+    if (kind.long_bricks) grid.spacing[2] *= 1.7;
+    grid.first = {-11, -10, -9};
+    grid.size = {23, 21, 20};
+    return grid;
+}
+
+Band make_band(const KnownFieldKind& kind, double voxel) {
+    return kind.wide ? Band::full() : Band{1.3 * voxel, 1.6 * voxel};
+}
+
+/// Squared; the cases are the regions of the triangle's plane nearest to its corners, edges and face (C. Ericson,
+/// Real-Time Collision Detection, 2005, 5.1.5).
+double squared_distance(const Vector& p, const Vector& a, const Vector& b, const Vector& c) {
+    const Vector ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+    const double d1 = ab.dot(ap), d2 = ac.dot(ap);
+    if (d1 <= 0 && d2 <= 0) return ap.squaredNorm();
+    const double d3 = ab.dot(bp), d4 = ac.dot(bp);
+    if (d3 >= 0 && d4 <= d3) return bp.squaredNorm();
+    const double d5 = ab.dot(cp), d6 = ac.dot(cp);
+    if (d6 >= 0 && d5 <= d6) return cp.squaredNorm();
+    const double vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return (ap - d1 / (d1 - d3) * ab).squaredNorm();
+    const double vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - d2 / (d2 - d6) * ac).squaredNorm();
+    const double va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+        return (bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b)).squaredNorm();
+    const Vector normal = ab.cross(ac);
+    const double height = normal.dot(ap);
+    return height * height / normal.squaredNorm();
+}
+
+/// Where the row through (y, z) along x meets a triangle, and in which direction the surface faces there.
+struct Crossing {
+    double x;
+    int winding;
+};
+
+std::optional<Crossing> crossing_of(double y, double z, const Vector& a, const Vector& b, const Vector& c) {
+    const auto side = [&](const Vector& from, const Vector& to) {
+        return (to.y() - from.y()) * (z - from.z()) - (to.z() - from.z()) * (y - from.y());
+    };
+    const double of_c = side(a, b), of_a = side(b, c), of_b = side(c, a);
+    if ((of_a > 0) != (of_b > 0) || (of_b > 0) != (of_c > 0)) return std::nullopt;
+    return Crossing{(of_a * a.x() + of_b * b.x() + of_c * c.x()) / (of_a + of_b + of_c), of_a > 0 ? 1 : -1};
+}
+
+std::string text_of(const Vec3& p) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
+
+}  // namespace
+
+KnownField::KnownField(const KnownFieldKind& kind)
+    : kind_(kind), mesh_(make_mesh()), grid_(make_grid(kind)), band_(make_band(kind, grid_.voxel())) {}
+
+double KnownField::distance_to(std::uint32_t triangle, const Vec3& point) const {
+    const Triangle& t = mesh_.triangles()[triangle];
+    const std::vector<Vec3>& v = mesh_.vertices();
+    return std::sqrt(squared_distance(to_vector(point), to_vector(v[t[0]]), to_vector(v[t[1]]), to_vector(v[t[2]])));
+}
+
+void KnownField::find_signs(std::vector<double>& signs) const {
+    const std::vector<Vec3>& v = mesh_.vertices();
+    for (std::int64_t k = 0; k < grid_.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid_.size[1]; ++j) {
+            const Vec3 row = grid_.position(0, j, k);
+            std::vector<Crossing> crossings;
+            for (const Triangle& t : mesh_.triangles())
+                if (const auto crossing =
+                        crossing_of(row[1], row[2], to_vector(v[t[0]]), to_vector(v[t[1]]), to_vector(v[t[2]])))
+                    crossings.push_back(*crossing);
+            for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
+                const double x = grid_.position(i, j, k)[0];
+                int winding = 0;
+                for (const Crossing& crossing : crossings)
+                    if (crossing.x < x) winding += crossing.winding;
+                if (winding != 0) signs[grid_.offset(i, j, k)] = -1;
+            }
+        }
+}
+
+std::vector<double> KnownField::values() const {
+    std::vector<double> signs(grid_.sample_count(), 1);
+    if (kind_.is_signed) find_signs(signs);
+    std::vector<std::array<Vector, 3>> corners;
+    for (const Triangle& t : mesh_.triangles())
+        corners.push_back(
+            {to_vector(mesh_.vertices()[t[0]]), to_vector(mesh_.vertices()[t[1]]), to_vector(mesh_.vertices()[t[2]])});
+    std::vector<double> values(signs.size());
+    for (std::int64_t k = 0; k < grid_.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid_.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
+                const Vector p = to_vector(grid_.position(i, j, k));
+                double least = std::numeric_limits<double>::infinity();
+                for (const auto& [a, b, c] : corners) least = std::min(least, squared_distance(p, a, b, c));
+                const std::size_t at = grid_.offset(i, j, k);
+                values[at] = signs[at] * std::sqrt(least);
+            }
+    return values;
+}
+
+std::optional<std::string> KnownField::difference(std::span<const float> distance,
+                                                  std::span<const std::uint32_t> triangle) const {
+    const std::vector<double> known = values();
+    const double error = tolerance * grid_.voxel();
+    std::size_t wrong = 0;
+    std::string first;
+    for (std::int64_t k = 0; k < grid_.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid_.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
+                const std::size_t at = grid_.offset(i, j, k);
+                // Beyond the band a sample carries the band's limit.
+                const double expected = std::clamp(known[at], -band_.inside, band_.outside);
+                const auto found = static_cast<double>(distance[at]);
+                std::string what;
+                // A comparison that a NaN fails, too.
+                if (!(std::abs(found - expected) <= error)) {
+                    what = fmt::format("has the distance {} instead of {:.7g}", distance[at], expected);
+                } else if (!triangle.empty()) {
+                    const double limit = known[at] < 0 ? band_.inside : band_.outside, length = std::abs(known[at]);
+                    const bool is_none = triangle[at] == no_triangle;
+                    const bool is_nearest = triangle[at] < mesh_.triangles().size() &&
+                                            distance_to(triangle[at], grid_.position(i, j, k)) <= length + error;
+                    if ((is_none && length < limit - error) || (!is_none && (length > limit + error || !is_nearest)))
+                        what = fmt::format("has the triangle {}, which is not nearest", triangle[at]);
+                }
+                if (what.empty()) continue;
+                if (wrong++ == 0)
+                    first = fmt::format("sample ({}, {}, {}) at {} {}", grid_.first[0] + i, grid_.first[1] + j,
+                                        grid_.first[2] + k, text_of(grid_.position(i, j, k)), what);
+            }
+    if (wrong == 0) return std::nullopt;
+    return fmt::format("{}; {} of {} samples are wrong", first, wrong, known.size());
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,162 @@
+#include "transform/self_test.hpp"
+
+#include "transform/known_field.hpp"
+#include "transform/layout_of.hpp"
+#include "transform/plan_state.hpp"
+#include "transform/prepared_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <mutex>
+#include <string_view>
+
+namespace clsdf::transform {
+
+namespace {
+
+// Part of the records' keys: with another known field, all is tested again.
+constexpr int known_field_number = 1;
+
+bool is_switched_off() {
+    const char* const value = std::getenv("CLSDF_SELF_TEST");
+    return value != nullptr && std::string_view(value) == "0";
+}
+
+TransformOptions options_of(const TestCase& test_case) {
+    TransformOptions options;
+    options.sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
+    options.scan = test_case.scan;
+    options.body = test_case.body;
+    options.count = test_case.variant.brick.count;
+    options.slice_minimum = test_case.variant.key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes;
+    return options;
+}
+
+/// The counters that a counting variant must agree with the field in.
+std::optional<std::string> wrong_counts(const KnownField& known, const std::vector<float>& distance,
+                                        const TransformStatistics& statistics) {
+    std::size_t in_band = 0;
+    const auto inside = -static_cast<float>(known.band().inside), outside = static_cast<float>(known.band().outside);
+    for (const float value : distance) in_band += static_cast<std::size_t>(inside < value && value < outside);
+    if (statistics.band_samples == in_band && statistics.samples_covered >= in_band &&
+        statistics.lanes_evaluated >= statistics.samples_covered)
+        return std::nullopt;
+    return fmt::format("{} samples of the band were counted, {} covered and {} evaluated, and the field has {}",
+                       statistics.band_samples, statistics.samples_covered, statistics.lanes_evaluated, in_band);
+}
+
+/// All keys of the programs that a case runs.
+std::string key_of(const device::Context& context, const Programs& programs, const TestCase& test_case,
+                   const std::vector<cl::Program>& variants) {
+    std::string key = fmt::format("{}known field {} {}\n", context.identity(), known_field_number, test_case.name());
+    for (const cl::Program* program : {&programs.scan, &programs.coarse_lists, &programs.sign_sweep, &programs.fill})
+        key += context.key_of(*program) + '\n';
+    for (const cl::Program& program : variants) key += context.key_of(program) + '\n';
+    return key;
+}
+
+}  // namespace
+
+std::size_t TestCase::index() const {
+    std::size_t index = 0;
+    for (const bool bit :
+         {body == KernelBody::by_group, scan == Scan::slices, variant.brick.triangle, variant.brick.count,
+          variant.brick.long_bricks, variant.key_64, is_signed, is_wide, is_large})
+        index = 2 * index + static_cast<std::size_t>(bit);
+    return index;
+}
+
+std::string TestCase::name() const {
+    return fmt::format("{} {}{}{}{}{} {} {}{}", body == KernelBody::by_group ? "by_group" : "by_vector",
+                       scan == Scan::slices ? "slices" : "bricks", variant.brick.triangle ? " NEAREST" : "",
+                       variant.brick.count ? " COUNT" : "", variant.brick.long_bricks ? " LONG_BRICKS" : "",
+                       variant.key_64 ? " KEY_64" : "", is_signed ? "signed" : "unsigned", is_wide ? "wide" : "narrow",
+                       is_large ? " large" : "");
+}
+
+std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
+                                          const device::BuildWatch& watch) {
+    if (test_case.scan != Scan::slices)
+        return {test_case.body == KernelBody::by_group
+                    ? programs.bricks_by_group(context, test_case.variant.brick, watch)
+                    : programs.bricks_by_vector(context, test_case.variant.brick, watch)};
+    std::vector<cl::Program> result;
+    for (const char* file : {"slices_active.cl", "slices_scan.cl", "slices_finish.cl"})
+        result.push_back(programs.slices(context, file, test_case.variant, watch));
+    return result;
+}
+
+std::size_t step_count(const TestCase& test_case) {
+    const std::size_t variants = test_case.scan == Scan::slices ? 3 : 1;
+    const std::size_t sweep = test_case.is_signed ? (test_case.is_large ? 4 : 3) : 0;
+    // Of such a small mesh there is room for fewer touches than it has: they are found twice.
+    const std::size_t lists = test_case.scan == Scan::slices ? 0 : test_case.is_wide ? 4 : 3;
+    const std::size_t scan = test_case.scan == Scan::slices && !test_case.variant.key_64 ? 2 : 1;
+    return variants + sweep + lists + scan;
+}
+
+std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
+                                         const device::BuildWatch& watch) {
+    const KnownField known(
+        {test_case.is_wide, test_case.is_signed, test_case.variant.brick.long_bricks, test_case.is_large});
+    const TransformOptions options = options_of(test_case);
+    const Outputs outputs{.triangle = test_case.variant.brick.triangle};
+    device::Context& context = device.internal();
+    const cl::CommandQueue& queue = context.queue();
+    const auto pool = std::make_shared<device::BufferPool>(device.shared());
+    ScratchMemory scratch;
+    const auto prepared = std::make_shared<const PreparedMesh>(
+        prepare_mesh(context, pool, scratch, known.mesh(), known.grid(),
+                     layout_of(known.grid(), known.band(), options.sign), options, test_case.scan));
+    std::optional<SweepMesh> sweep_mesh;
+    Plan::State plan(device, pool, programs, prepared, sweep_mesh, known.mesh(), known.grid(), known.band(),
+                     options.sign, outputs, options, watch.begins);
+    return device::guarded([&] {
+        std::vector<float> distance(known.grid().sample_count());
+        std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);
+        const auto distances = pool->lease(distance.size() * sizeof(float), "samples of the self-test");
+        const auto triangles = pool->lease(distance.size() * sizeof(float), "samples of the self-test");
+        const auto between = [&](double) {
+            if (watch.begins) watch.begins();
+        };
+        plan.enqueue(queue, *distances, outputs.triangle ? *triangles : cl::Buffer(), {}, between);
+        queue.enqueueReadBuffer(*distances, CL_TRUE, 0, distance.size() * sizeof(float), distance.data());
+        if (outputs.triangle)
+            queue.enqueueReadBuffer(*triangles, CL_TRUE, 0, triangle.size() * sizeof(std::uint32_t), triangle.data());
+        plan.read_counters();
+        std::optional<std::string> difference = known.difference(distance, triangle);
+        if (!difference && options.count) difference = wrong_counts(known, distance, plan.statistics);
+        return difference;
+    });
+}
+
+bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
+                   const device::BuildWatch& watch) {
+    device::Context& context = device.internal();
+    if (context.is_tested(test_case.index())) return false;
+    const std::scoped_lock lock(context.test_mutex());
+    if (context.is_tested(test_case.index())) return false;
+    const std::vector<cl::Program> variants =
+        device::guarded([&] { return variant_programs(context, programs, test_case, watch); });
+    bool is_run = false;
+    if (!is_switched_off()) {
+        const device::BuildSubject subject{key_of(context, programs, test_case, variants),
+                                           fmt::format("the kernels \"{}\"", test_case.name()), context.identity()};
+        device::build_once(context.records(), subject, watch, [&] {
+            is_run = true;
+            const std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
+            if (!difference) return;
+            throw Error(
+                ErrorCode::device_failure,
+                fmt::format("{} computes wrong fields, so it is not used: of a small field that is known, computed by "
+                            "the kernels \"{}\", {}. Its OpenCL compiler or driver is at fault: update it, or take "
+                            "another device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",
+                            device::one_line(context.identity()), test_case.name(), *difference));
+        });
+    }
+    context.set_tested(test_case.index());
+    return is_run;
+}
+
+}  // namespace clsdf::transform

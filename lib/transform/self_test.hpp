@@ -1,0 +1,44 @@
+#pragma once
+
+#include "transform/programs.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// What decides which code a computation runs on the device.
+struct TestCase {
+    KernelBody body = KernelBody::by_vector;  ///< never automatic
+    Scan scan = Scan::bricks;                 ///< never automatic
+    SliceVariant variant;                     ///< of the scan by bricks, its part `brick`
+    bool is_signed = true;                    ///< the sign is swept
+    bool is_wide = false;                     ///< coarse bricks have bounds of their own
+    bool is_large = false;  ///< triangles with many rows of samples are swept by a kernel of their own
+
+    /// Below device::Context::test_cases.
+    std::size_t index() const;
+    /// For messages and records, e.g. "by_vector bricks NEAREST signed narrow".
+    std::string name() const;
+};
+
+/// The programs of a case that a computation builds beside those that all have.
+std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
+                                          const device::BuildWatch& watch = {});
+
+/// How often `begins` of a watch is called by ensure_tested() for a case that has not been tested, about.
+std::size_t step_count(const TestCase& test_case);
+
+/// Builds a case's programs, and, the first time on this device and driver version, computes a small known field with
+/// them, with the launches of real computations, and compares it with its values. Compilers that specialise kernels at
+/// their first launch do it then. Returns whether it was tested here. Throws Error(device_failure) that says what
+/// differs; with CLSDF_SELF_TEST=0 in the environment nothing is computed.
+bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
+                   const device::BuildWatch& watch = {});
+
+/// What the device computes wrong, in a sentence; nothing if all is right.
+std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
+                                         const device::BuildWatch& watch = {});
+
+}  // namespace clsdf::transform

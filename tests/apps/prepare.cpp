@@ -1,0 +1,179 @@
+#include "apps/process.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+using namespace clsdf::test;
+using nlohmann::json;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Caches of clsdf and of PoCL that nobody else uses, as a user has them who has set nothing: all is compiled anew.
+class FreshCaches {
+public:
+    std::vector<std::string> environment() const {
+        // A name alone removes the variable.
+        return {"CLSDF_CACHE_DIR", "XDG_CACHE_HOME=" + fs::path(folder_.file("x")).parent_path().string(),
+                "POCL_CACHE_DIR=" + folder_.file("pocl")};
+    }
+    /// Without files of clsdf's.
+    std::vector<std::string> environment_without_files() const {
+        return {"CLSDF_CACHE_DIR=", "POCL_CACHE_DIR=" + folder_.file("pocl")};
+    }
+    std::vector<std::string> compute(const std::string& name) const {
+        return {"compute", folder_.file("mesh.off", tetrahedron), "-o", folder_.file(name), "--resolution", "24"};
+    }
+    std::vector<fs::path> files(const std::string& ending) const {
+        std::vector<fs::path> found;
+        std::error_code none;
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder_.file("clsdf"), none))
+            if (entry.path().extension() == ending) found.push_back(entry.path());
+        return found;
+    }
+
+private:
+    TemporaryFolder folder_;
+};
+
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+constexpr const char* compiled = "compiled the kernels for this device, once, in ";
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(kernels)
+
+BOOST_AUTO_TEST_CASE(are_said_to_be_compiled_when_they_are) {
+    const FreshCaches caches;
+    const Outcome first = run_command(caches.compute("a.nrrd"), caches.environment());
+    BOOST_TEST(first.status == 0);
+    BOOST_TEST(has(first.error, compiled), first.error);
+    BOOST_TEST(has(first.error, "computed in "), first.error);
+    const Outcome second = run_command(caches.compute("b.nrrd"), caches.environment());
+    BOOST_TEST(!has(second.error, "compiled"), second.error);
+    BOOST_TEST(has(second.error, "computed in "), second.error);
+
+    // Another variant of the kernels, which counts.
+    std::vector<std::string> with_json = caches.compute("c.nrrd");
+    with_json.insert(with_json.end(), {"--json", "--quiet"});
+    for (const bool is_first : {true, false}) {
+        const Outcome outcome = run_command(with_json, caches.environment());
+        const json result = json::parse(outcome.out);
+        BOOST_TEST(result["first_use"] == is_first);
+        // Compilation is in none of the other times.
+        const double compile = result["seconds"]["compile"], compute = result["seconds"]["compute"],
+                     setup = result["seconds"]["setup"];
+        BOOST_TEST(compile > 0);
+        BOOST_TEST(compile + compute + setup <= outcome.seconds);
+        BOOST_TEST(result["samples_per_second"].get<double>() ==
+                   result["statistics"]["samples"].get<double>() / compute);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(are_compiled_by_one_of_many_processes_that_start_at_once) {
+    const FreshCaches alone;
+    const double seconds = run_command(alone.compute("a.nrrd"), alone.environment()).cpu_seconds;
+    const FreshCaches caches;
+    std::vector<std::unique_ptr<Process>> processes;
+    constexpr int count = 4;
+    for (int i = 0; i < count; ++i)
+        processes.push_back(
+            std::make_unique<Process>(caches.compute(std::to_string(i) + ".nrrd"), caches.environment()));
+    double all_seconds = 0;
+    int compiling = 0;
+    for (const auto& process : processes) {
+        const Outcome outcome = process->wait();
+        BOOST_TEST(outcome.status == 0, outcome.error);
+        all_seconds += outcome.cpu_seconds;
+        compiling += has(outcome.error, compiled) ? 1 : 0;
+    }
+    BOOST_TEST_MESSAGE("one process alone: " << seconds << " s of processors, four at once: " << all_seconds << " s");
+    BOOST_TEST(compiling == 1);
+    BOOST_TEST(all_seconds < 2.5 * seconds);
+    BOOST_TEST(caches.files(".building").empty());
+}
+
+BOOST_AUTO_TEST_CASE(whose_compilation_ends_the_process_are_tried_twice) {
+    const FreshCaches caches;
+    for (const char* attempt : {"attempts 1\n", "attempts 2\n"}) {
+        Process process(caches.compute("a.nrrd"), caches.environment());
+        const auto has_begun = [&] {
+            const std::vector<fs::path> markers = caches.files(".building");
+            return std::any_of(markers.begin(), markers.end(),
+                               [&](const fs::path& path) { return has(content_of(path.string()), attempt); });
+        };
+        while (!has_begun()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        process.send(SIGKILL);
+        BOOST_TEST(process.wait().status == -SIGKILL);
+    }
+    const std::vector<fs::path> markers = caches.files(".building");
+    BOOST_REQUIRE(!markers.empty());
+    const Outcome refused = run_command(caches.compute("a.nrrd"), caches.environment());
+    check_refused(refused, 4, {"2 attempts in a row", markers.front().string(), "--prepare --again", "--device"});
+
+    fs::remove(markers.front());
+    const Outcome again = run_command(caches.compute("a.nrrd"), caches.environment());
+    BOOST_TEST(again.status == 0, again.error);
+    BOOST_TEST(caches.files(".building").empty());
+}
+
+BOOST_AUTO_TEST_CASE(of_usual_calls_are_prepared_for_later_calls) {
+    const FreshCaches caches;
+    const Outcome prepared = run_command({"devices", "--prepare", "--json"}, caches.environment());
+    BOOST_TEST(prepared.status == 0, prepared.error);
+    const json devices = json::parse(prepared.out)["prepared"];
+    BOOST_REQUIRE(!devices.empty());
+    for (const json& device : devices)
+        for (const json& step : device["steps"]) {
+            BOOST_TEST(step["seconds"].get<double>() > 0);
+            BOOST_TEST(step["tested"].get<bool>() == (step["name"] != "render"));
+            BOOST_TEST(has(prepared.error, step["name"].get<std::string>()));
+        }
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{}, {"--band", "full"}, {"--with", "triangle"}}) {
+        std::vector<std::string> arguments = caches.compute("a.nrrd");
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        for (const bool counts : {false, true}) {
+            if (counts) arguments.push_back("--json");
+            const Outcome outcome = run_command(arguments, caches.environment());
+            BOOST_TEST(outcome.status == 0);
+            BOOST_TEST(!has(outcome.error, "compiled"), outcome.error);
+        }
+    }
+    // Nothing is left to do, unless that is asked for.
+    const auto tested = [&](std::vector<std::string> arguments) {
+        const json result = json::parse(run_command(arguments, caches.environment()).out)["prepared"][0]["steps"][0];
+        return result["tested"].get<bool>();
+    };
+    BOOST_TEST(!tested({"devices", "--prepare", "--json", "--quiet"}));
+    BOOST_TEST(tested({"devices", "--prepare", "--again", "--json", "--quiet", "--device", "0"}));
+}
+
+BOOST_AUTO_TEST_CASE(are_tested_in_every_process_without_files) {
+    const FreshCaches caches;
+    for (int i = 0; i < 2; ++i) {
+        const Outcome outcome = run_command(caches.compute("a.nrrd"), caches.environment_without_files());
+        BOOST_TEST(outcome.status == 0);
+        BOOST_TEST(has(outcome.error, "compiled the kernels for this device"), outcome.error);
+        BOOST_TEST(!has(outcome.error, "once"), outcome.error);
+    }
+    BOOST_TEST(caches.files(".tested").empty());
+}
+
+BOOST_AUTO_TEST_CASE(are_prepared_on_a_device_that_is_there) {
+    check_refused(run_command({"devices", "--prepare", "--device", "xyzzy"}), 4, {"xyzzy"});
+    check_refused(run_command({"devices", "--device", "0"}), 2, {"--prepare"});
+    check_refused(run_command({"devices", "--again"}), 2, {"--prepare"});
+    check_refused(run_command({"devices", "--prepare"}, no_devices), 4, {"pocl-opencl-icd"});
+}
+
+BOOST_AUTO_TEST_SUITE_END()

@@ -1,0 +1,285 @@
+#include "support/exact_field.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+#include "transform/known_field.hpp"
+#include "transform/self_test.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+using namespace clsdf;
+using namespace clsdf::test;
+using transform::KnownField;
+using transform::KnownFieldKind;
+using transform::TestCase;
+
+namespace {
+
+constexpr KernelBody vector_body = KernelBody::by_vector, group_body = KernelBody::by_group;
+
+TestCase bricks(KernelBody body, bool triangle, bool count, bool long_bricks = false) {
+    TestCase test_case;
+    test_case.body = body;
+    test_case.variant.brick = {triangle, count, long_bricks};
+    return test_case;
+}
+
+TestCase slices(KernelBody body, bool triangle, bool count, bool key_64) {
+    TestCase test_case = bricks(body, triangle, count);
+    test_case.scan = Scan::slices;
+    test_case.variant.key_64 = key_64;
+    return test_case;
+}
+
+TestCase wide(TestCase test_case) {
+    test_case.is_wide = true;
+    return test_case;
+}
+TestCase large(TestCase test_case) {
+    test_case.is_large = true;
+    return test_case;
+}
+TestCase without_sign(TestCase test_case) {
+    test_case.is_signed = false;
+    return test_case;
+}
+
+/// A device with programs of its own, whose kernels' text is changed, and which keeps records in `folder`.
+struct Changed {
+    std::string file;  ///< empty: nothing is changed
+    std::string from;
+    std::string to;
+    bool is_found = false;
+
+    Device device(const std::string& folder) {
+        Device device = Device::best();
+        device.set_program_cache(folder);
+        device.internal().set_text_edit([this](std::string_view name, std::string& text) {
+            if (name != file) return;
+            const std::size_t at = text.find(from);
+            if (at == std::string::npos) return;
+            is_found = true;
+            text.replace(at, from.size(), to);
+        });
+        return device;
+    }
+};
+
+std::string message_of_test(const Device& device, const TestCase& test_case) {
+    try {
+        const transform::Programs programs(device.internal(), test_case.body);
+        transform::ensure_tested(device, programs, test_case);
+    } catch (const Error& error) {
+        BOOST_TEST((error.code() == ErrorCode::device_failure));
+        return error.what();
+    }
+    return {};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(the_known_field)
+
+BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
+    for (const KnownFieldKind& kind : {KnownFieldKind{}, KnownFieldKind{.long_bricks = true},
+                                       KnownFieldKind{.large = true}, KnownFieldKind{.wide = true}}) {
+        const KnownField known(kind);
+        DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
+        const Field field = transform(known.grid(), known.band(), {.triangle = true});
+        BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 500U);
+        const std::optional<std::string> difference = known.difference(field.distance, field.triangle);
+        BOOST_TEST(!difference.has_value(), difference.value_or(""));
+        // What it is made for.
+        BOOST_TEST(transform.statistics().point_sites == 1U);
+        BOOST_TEST(transform.statistics().saddle_vertices > 0U);
+        BOOST_TEST(transform.statistics().coarse_bricks == 8U);
+        const auto has = [&](const auto& is) { return std::ranges::any_of(field.distance, is); };
+        if (kind.wide) continue;
+        BOOST_TEST(has([&](float d) { return d == static_cast<float>(known.band().outside); }));
+        BOOST_TEST(has([&](float d) { return d == -static_cast<float>(known.band().inside); }));
+        BOOST_TEST(has([&](float d) { return d > 0 && d < 0.5F; }));
+        BOOST_TEST(has([&](float d) { return d < 0 && d > -0.5F; }));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
+    const KnownField known({});
+    DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
+    const Field right = transform(known.grid(), known.band(), {.triangle = true});
+    const auto differs = [&](auto&& change) {
+        Field field = right;
+        change(field);
+        return known.difference(field.distance, field.triangle).has_value();
+    };
+    std::size_t in_band = 0, beyond = 0;
+    while (right.triangle[in_band] == 0xFFFFFFFFU) ++in_band;
+    while (right.triangle[beyond] != 0xFFFFFFFFU) ++beyond;
+    BOOST_TEST(!differs([](Field&) {}));
+    BOOST_TEST(differs([&](Field& field) { field.distance[in_band] += 1e-4F; }));
+    BOOST_TEST(differs([&](Field& field) { field.distance[beyond] = -field.distance[beyond]; }));
+    BOOST_TEST(differs([&](Field& field) { field.distance[0] = std::numeric_limits<float>::quiet_NaN(); }));
+    BOOST_TEST(differs([&](Field& field) { field.triangle[in_band] = 0xFFFFFFFFU; }));
+    BOOST_TEST(differs([&](Field& field) { field.triangle[in_band] = 1000; }));
+    BOOST_TEST(differs([&](Field& field) { field.triangle[beyond] = 0; }));
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_SUITE(the_self_test)
+
+BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
+    for (const TestCase& test_case :
+         {bricks(vector_body, false, false), bricks(vector_body, true, true), bricks(vector_body, true, false, true),
+          bricks(group_body, true, true), bricks(group_body, false, false, true), slices(vector_body, true, true, true),
+          slices(vector_body, true, false, false), slices(group_body, false, false, false),
+          wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
+          large(bricks(vector_body, false, false)), large(bricks(group_body, true, true)),
+          without_sign(bricks(vector_body, false, false))}) {
+        const transform::Programs programs(test_device().internal(), test_case.body);
+        const auto difference = transform::run_self_test(test_device(), programs, test_case);
+        BOOST_TEST(!difference.has_value(), test_case.name() << ": " << difference.value_or(""));
+    }
+}
+
+// Each line of a kernel that is changed stands for what a wrong compiler makes of a right line.
+BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
+    const TemporaryFolder folder;
+    struct Mutation {
+        const char* what;
+        TestCase test_case;
+        Changed changed;
+    };
+    const std::string vector_file = "bricks_by_vector.cl", group_file = "bricks_by_group.cl";
+    std::vector<Mutation> mutations{
+        {"wrong distance at the face",
+         bricks(vector_body, false, false),
+         {vector_file, "outward = GREATER(r, 0.0f)", "outward = GREATER(r, 0.01f)"}},
+        {"wrong sign", bricks(vector_body, false, false), {vector_file, "? -length : length)", "? length : length)"}},
+        {"a missed brick",
+         bricks(vector_body, false, false),
+         {vector_file, "used |= (ulong)has_distances(minima + b) << b",
+          "used |= (ulong)(b && has_distances(minima + b)) << b"}},
+        {"the lane beside it",
+         bricks(vector_body, false, false),
+         {vector_file, "sample_i = samples & 31u", "sample_i = (samples + 1u) & 31u"}},
+        {"the polyhedron of the lane beside it",
+         bricks(vector_body, true, false, true),
+         {vector_file, "polyhedra + queue->numbers[n];", "polyhedra + queue->numbers[n == 5 ? 4 : n];"}},
+        {"wrong sign beyond the band",
+         bricks(vector_body, false, false),
+         {"fill.cl", "inside ? layout.inside_fill : layout.outside_fill", "layout.outside_fill"}},
+        {"a crossing of the surface too few",
+         bricks(vector_body, false, false),
+         {"sign_sweep.cl", "if (orientation == 0) return;",
+          "if (orientation == 0 || rows.begin_z == rows.end_z) return;"}},
+        {"a missed brick",
+         bricks(group_body, true, false),
+         {group_file, "if (any(relative_brick < 0)", "if (b == 0 || any(relative_brick < 0)"}},
+        {"the lane beside it",
+         bricks(group_body, true, false),
+         {group_file, "sample_of(b, number % SUBBLOCK_SAMPLES)) - 3.5f",
+          "sample_of(b, (number + 1) % SUBBLOCK_SAMPLES)) - 3.5f"}},
+        {"a wrong triangle",
+         bricks(group_body, true, false),
+         {group_file, "nearest = better ? triangle : nearest",
+          "nearest = better ? triangle + (triangle == 3) : nearest"}},
+        {"a row too few",
+         slices(vector_body, false, false, false),
+         {"slices_scan.cl", "int end = layout.first[1] + (int)(LESSER(high, last) - first) + 1",
+          "int end = layout.first[1] + (int)(LESSER(high, last) - first)"}},
+        {"a wrong counter",
+         bricks(vector_body, true, true),
+         {vector_file, "counters[CLSDF_COUNT_BAND] += popcount", "counters[CLSDF_COUNT_BAND] += 1 + popcount"}},
+    };
+    for (Mutation& mutation : mutations) {
+        const Device device = mutation.changed.device(folder.file("cache"));
+        const std::string message = message_of_test(device, mutation.test_case);
+        BOOST_TEST_CONTEXT(mutation.what << " in " << mutation.changed.file) {
+            BOOST_TEST(mutation.changed.is_found, "the text to be changed is no longer there");
+            BOOST_TEST_MESSAGE(message);
+            for (const std::string& part : {device.name(), device.platform(), std::string("driver"),
+                                            std::string("sample"), std::string("clsdf devices")})
+                BOOST_TEST(message.find(part) != std::string::npos, "no '" << part << "' in '" << message << "'");
+            // Neither a second computation nor a second process takes it.
+            BOOST_TEST(!message_of_test(device, mutation.test_case).empty());
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
+    Changed changed{"fill.cl", "inside ? layout.inside_fill : layout.outside_fill", "layout.outside_fill"};
+    const Device device = changed.device("");
+    const Mesh mesh = make_shape("cube");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh);
+    const auto message = [&](auto&& call) {
+        try {
+            call();
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const Grid grid = Grid::around(mesh, 16, band);
+    BOOST_TEST(message([&] { transform(grid, band); }).find("computes wrong fields") != std::string::npos);
+    BOOST_TEST(message([&] { transform.plan(grid, band); }).find("computes wrong fields") != std::string::npos);
+    BOOST_TEST(message([&] { transform.compile(grid, band); }).find("computes wrong fields") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
+    const TemporaryFolder folder;
+    const Mesh mesh = make_shape("sphere3");
+    const Band band = Band::symmetric(0.1);
+    const Grid grid = Grid::around(mesh, 40, band);
+    for (const bool first : {true, false}) {
+        Changed nothing;
+        const Device device = nothing.device(folder.file("cache"));
+        DistanceTransform transform(device, mesh);
+        transform(grid, band);
+        BOOST_TEST(transform.statistics().first_use == first);
+        BOOST_TEST(transform.statistics().compile_seconds > 0);
+        transform(grid, band);
+        BOOST_TEST(!transform.statistics().first_use);
+        BOOST_TEST(transform.statistics().compile_seconds < 1e-3);
+    }
+    // Without files once in every process, and for each device that is opened.
+    for (int i = 0; i < 2; ++i) {
+        Changed nothing;
+        const Device device = nothing.device("");
+        DistanceTransform transform(device, mesh);
+        BOOST_TEST(transform.compile(grid, band));
+        BOOST_TEST(!transform.compile(grid, band));
+    }
+    // Again where that is asked for.
+    Changed nothing;
+    const Device device = nothing.device(folder.file("cache"));
+    device.forget_tests();
+    BOOST_TEST(DistanceTransform(device, mesh).compile(grid, band));
+}
+
+BOOST_AUTO_TEST_CASE(is_run_for_large_triangles_also_where_a_sweep_finds_them_first) {
+    // Two large triangles among ten thousand, which a sample of them does not show.
+    Mesh sphere = make_shape("sphere5");
+    std::vector<Vec3> vertices = sphere.vertices();
+    std::vector<Triangle> triangles = sphere.triangles();
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Vec3& p : {Vec3{2, -1, -1}, Vec3{2, 1, -1}, Vec3{2, 1, 1}, Vec3{3, 0, 0}}) vertices.push_back(p);
+    for (const Triangle& t : {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{2, 0, 3}})
+        triangles.insert(triangles.begin() + 30, {first + t[0], first + t[1], first + t[2]});
+    const Mesh mesh(vertices, triangles);
+    Changed nothing;
+    const Device device = nothing.device("");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh);
+    transform(Grid::around(mesh, 64, band), band);
+    TestCase test_case = bricks(KernelBody::automatic, false, false);
+    test_case.body = transform::Programs(device.internal(), KernelBody::automatic).body;
+    BOOST_TEST(device.internal().is_tested(test_case.index()));
+    BOOST_TEST(device.internal().is_tested(large(test_case).index()));
+}
+
+BOOST_AUTO_TEST_SUITE_END()
