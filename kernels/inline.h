@@ -1,13 +1,16 @@
-// How small functions and comparisons are written, so that compilers make of them what is meant.
+// INLINE, LESSER, GREATER: forms that compile to single instructions.
 #ifndef CLSDF_INLINE_H
 #define CLSDF_INLINE_H
 
-// Arguments in memory cost more than these functions' own work. Where a work-item is a lane, compilers for GPUs inline
-// everything by themselves; forced to, or free to by "static", oclgrind's leaves in the code what it does not know.
-#if LANES == 1
+// With vectors, arguments in memory cost more than these functions' own work. With LANES 1, compilers for GPUs inline
+// by themselves; "static" keeps a body for the calls of those that do not. The host defines PLAIN_INLINE for a compiler
+// that needs C99's "inline" alone.
+#if LANES != 1
+#define INLINE static inline __attribute__((always_inline))
+#elif defined(PLAIN_INLINE)
 #define INLINE inline
 #else
-#define INLINE static inline __attribute__((always_inline))
+#define INLINE static inline
 #endif
 
 // A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.

@@ -38,6 +38,10 @@ bool gathers_and_scatters_fast() {
 #endif
 }
 
+std::string platform_name(const cl::Device& device) {
+    return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
+}
+
 /// What PoCL's compiler heeds.
 std::string compiler_environment() {
     std::string values;
@@ -58,8 +62,7 @@ std::string identity_of(const cl::Device& device) {
 /// PoCL keeps what it compiles, with what it finds out at a first launch. To be asked for a binary makes it compile all
 /// kernels once more: measured, 3.6 of 8.4 seconds.
 bool keeps_programs(const cl::Device& device) {
-    return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>() ==
-           "Portable Computing Language";
+    return platform_name(device) == "Portable Computing Language";
 }
 
 /// Nothing where there is no binary, or the driver does not take it.
@@ -95,6 +98,10 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.float_width = device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>();
     capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
     capabilities.scattered_access = capabilities.is_processor && gathers_and_scatters_fast();
+    capabilities.rounds_roots =
+        (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    // Of static functions Oclgrind's compiler makes instructions that its simulator does not know.
+    capabilities.plain_inline = platform_name(device) == "Oclgrind";
     capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();

@@ -33,6 +33,8 @@ public:
         unsigned float_width = 1;       ///< native vector width of float; 1 on most GPUs
         bool is_processor = false;      ///< shares the host's memory and runs one work-item a core
         bool scattered_access = false;  ///< has instructions that gather and scatter, and they are fast
+        bool rounds_roots = false;      ///< can round quotients and square roots of float correctly
+        bool plain_inline = false;      ///< its compiler needs helper functions without "static"
         std::size_t largest_group = 1;  ///< work-items
         std::size_t largest_allocation = 0;
         std::size_t memory = 0;

@@ -1,6 +1,7 @@
 #include "peikert_sigg/surface.hpp"
 
 #include "core/parallel.hpp"
+#include "polyhedra/edges_of_vertex.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -39,12 +40,13 @@ Classification classify(const Mesh& mesh) {
         if (!counts) kind = result.vertices[representatives[vertex]];
         result.vertex_counts[static_cast<std::size_t>(kind)] += counts;
     }
-    for (std::uint32_t face = 0; face < surface.triangles().size(); ++face)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const Corner edge{face, k};
-            if (surface.edges_at(edge).front().packed() == edge.packed())
-                ++result.edge_counts[static_cast<std::size_t>(surface.kind(edge))];
-        }
+    std::vector<EdgeEntry> entries;
+    for (std::uint32_t vertex = 0; vertex < result.vertices.size(); ++vertex) {
+        edges_above(surface.triangles(), surface.rings(), vertex, entries);
+        for_each_edge(entries, [&](std::span<const EdgeEntry> faces) {
+            ++result.edge_counts[static_cast<std::size_t>(surface.kind(faces.front().edge()))];
+        });
+    }
     return result;
 }
 

@@ -31,7 +31,7 @@ Tracer::Tracer(const Field& field, const TracedSamples& samples, const Device& d
                                 "device, or compute the field with a lower resolution",
                                 size_text(bytes), device.name(), size_text(most)));
     device::guarded([&] {
-        program_ = context_->program("render.cl", "-cl-std=CL1.2");
+        program_ = context_->program(tracer_kernel_file, tracer_options);
         samples_ = cl::Buffer(context_->context(), CL_MEM_READ_ONLY, bytes);
         copy_to_device(field, samples);
     });

@@ -15,6 +15,9 @@
 
 namespace clsdf::picture {
 
+inline constexpr const char* tracer_kernel_file = "render.cl";
+inline constexpr const char* tracer_options = "-cl-std=CL1.2";
+
 /// A field's samples on the device, and the rays that are traced through them.
 class Tracer {
 public:

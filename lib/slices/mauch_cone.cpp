@@ -6,12 +6,47 @@
 namespace clsdf::slices {
 
 using polyhedra::ConvexPolyhedron;
+using polyhedra::HalfSpace;
 using polyhedra::Vector;
 
 namespace {
 
 constexpr std::size_t cube_caps = 6;
 constexpr std::size_t most_walls = CLSDF_MOST_PLANES - cube_caps;
+
+/// Time is proportional to the square of the half-spaces up to this number, and to the number above it.
+constexpr std::size_t most_cuts_by_all = 256;
+constexpr std::size_t most_deepest_cuts = 32;
+
+ConvexPolyhedron part_of_cube(std::span<const HalfSpace> half_spaces) {
+    return polyhedra::clip({{-1, -1, -1}, {1, 1, 1}}, half_spaces);
+}
+
+double height_over(const HalfSpace& half_space, const ConvexPolyhedron& solid) {
+    double highest = 0;
+    for (const Vector& vertex : solid.vertices) highest = std::max(highest, half_space.normal.dot(vertex));
+    return highest;
+}
+
+/// A few of the half-spaces, which leave little more than all of them: each is the one that cuts most from what those
+/// before it have left.
+std::vector<HalfSpace> deepest_cuts(std::span<const HalfSpace> half_spaces) {
+    std::vector<HalfSpace> chosen;
+    ConvexPolyhedron solid = part_of_cube(chosen);
+    while (chosen.size() < most_deepest_cuts && !solid.is_empty()) {
+        double highest = 0;
+        const HalfSpace* deepest = nullptr;
+        for (const HalfSpace& half_space : half_spaces)
+            if (const double height = height_over(half_space, solid); height > highest) {
+                highest = height;
+                deepest = &half_space;
+            }
+        if (deepest == nullptr) break;
+        chosen.push_back(*deepest);
+        solid = part_of_cube(chosen);
+    }
+    return chosen;
+}
 
 /// Rays to the far corners of what is left of a cube around the vertex.
 std::vector<Vector> rays_of(const ConvexPolyhedron& solid) {
@@ -35,7 +70,8 @@ void MauchCone::add_caps_around(const Vector& axis) {
 
 bool MauchCone::build() {
     bounds_.clear();
-    const ConvexPolyhedron solid = polyhedra::clip({{-1, -1, -1}, {1, 1, 1}}, half_spaces_);
+    if (half_spaces_.size() > most_cuts_by_all) half_spaces_ = deepest_cuts(half_spaces_);
+    const ConvexPolyhedron solid = part_of_cube(half_spaces_);
     std::vector<std::size_t> walls;
     for (const ConvexPolyhedron::Face& face : solid.faces)
         if (face.half_space != ConvexPolyhedron::start_box) walls.push_back(face.half_space);

@@ -21,7 +21,8 @@ public:
     void start() { half_spaces_.clear(); }
     void add(const polyhedra::Vector& neighbour) { half_spaces_.push_back({neighbour, 0}); }
 
-    /// False where the cone is empty, or thinner than 2e-13; its bounds are then those of what may be left of it.
+    /// False where the cone is empty, or thinner than 2e-13; its bounds are then those of what may be left of it. Of
+    /// very many neighbours a few are kept, which bound the cone and little more.
     bool build();
 
     /// CLSDF_MOST_PLANES at most, which may leave more than the cone where it has very many neighbours: a vertex is a

@@ -17,7 +17,7 @@ public:
                       variant.count ? inputs.lists.order.size() * groups_per_coarse_brick : 0),
           with_triangle_(variant.triangle),
           group_size_(programs.group_size),
-          kernel_(programs.bricks_by_group(context, variant), "bricks_by_group") {
+          kernel_(programs.bricks(context, variant), "bricks_by_group") {
         const CoarseLists& lists = inputs.lists;
         kernel_.setArg(arg_layout, inputs.layout);
         kernel_.setArg(arg_order, order_);

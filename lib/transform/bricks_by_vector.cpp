@@ -33,7 +33,7 @@ public:
                       variant.count ? work_items(context, variant) : 0),
           work_items_(work_items(context, variant)),
           with_triangle_(variant.triangle),
-          kernel_(programs.bricks_by_vector(context, variant), "bricks_by_vector") {
+          kernel_(programs.bricks(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
         scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");

@@ -78,9 +78,7 @@ std::string TestCase::name() const {
 std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
                                           const device::BuildWatch& watch) {
     if (test_case.scan != Scan::slices)
-        return {test_case.body == KernelBody::by_group
-                    ? programs.bricks_by_group(context, test_case.variant.brick, watch)
-                    : programs.bricks_by_vector(context, test_case.variant.brick, watch)};
+        return {programs.bricks(context, test_case.variant.brick, watch)};
     std::vector<cl::Program> result;
     for (const char* file : {"slices_active.cl", "slices_scan.cl", "slices_finish.cl"})
         result.push_back(programs.slices(context, file, test_case.variant, watch));

@@ -10,6 +10,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/program_sources.cpp
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prefix_sums.cpp
           ${CMAKE_CURRENT_LIST_DIR}/self_test.cpp

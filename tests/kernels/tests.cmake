@@ -1,0 +1,16 @@
+# The programs as a GPU's compiler gets them, for the test below and for scripts/gpu-compile.
+add_executable(write_programs ${CMAKE_CURRENT_LIST_DIR}/write_programs.cpp)
+target_include_directories(write_programs PRIVATE $<TARGET_PROPERTY:clsdf,INCLUDE_DIRECTORIES>)
+target_link_libraries(write_programs PRIVATE clsdf::clsdf clsdf_warnings OpenCL::OpenCL fmt::fmt)
+if(CLSDF_BUILD_PICTURE)
+  target_compile_definitions(write_programs PRIVATE CLSDF_TEST_PICTURE)
+  target_link_libraries(write_programs PRIVATE clsdf::picture)
+endif()
+
+# A compiler that inlines nothing finds every function that a kernel calls.
+find_program(CLSDF_CLANG NAMES clang clang-21 clang-20 clang-19 clang-18 clang-17 clang-16 clang-15 clang-14)
+mark_as_advanced(CLSDF_CLANG)
+add_test(NAME without_inlining
+         COMMAND ${CMAKE_COMMAND} -DCLANG=${CLSDF_CLANG} -DWRITE_PROGRAMS=$<TARGET_FILE:write_programs>
+                 -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}/programs -P ${CMAKE_CURRENT_LIST_DIR}/without_inlining.cmake)
+set_tests_properties(without_inlining PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: clang is not installed")
