@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,16 @@ struct Fan {
     std::size_t size() const { return neighbours.size(); }
     std::size_t before(std::size_t i) const { return i == 0 ? size() - 1 : i - 1; }
     std::size_t after(std::size_t i) const { return i + 1 == size() ? 0 : i + 1; }
+};
+
+/// The planes at a fan: one at each edge, or those of the faces.
+enum class PlaneKind { bisector, face };
+
+/// The direction A_i x A_j times `weight`, A_i and A_j the normals of two planes.
+struct PlaneLine {
+    std::size_t i;
+    std::size_t j;
+    double weight;
 };
 
 /// The bisector planes of a fan's edges in an arithmetic: a Number, its square_root(), and whether one
@@ -68,11 +79,34 @@ public:
 
     /// The component of face i's normal along the average of the faces' unit normals. Faces without area have none.
     Number facing(std::size_t i) const {
-        Number result(0);
-        for (std::size_t k = 0; k < normals_.size(); ++k) {
-            if (!Arithmetic::is_surely_zero(areas_[k])) result = result + dot(normals_[i], normals_[k]) / areas_[k];
+        if (!average_) {
+            Vector& average = average_.emplace(zero());
+            for (std::size_t k = 0; k < normals_.size(); ++k)
+                for (std::size_t axis = 0; axis < 3 && !Arithmetic::is_surely_zero(areas_[k]); ++axis)
+                    average[axis] = average[axis] + normals_[k][axis] / areas_[k];
+        }
+        return dot(normals_[i], *average_);
+    }
+
+    /// The bisector planes' normals, or those of the faces.
+    const std::vector<Vector>& normals(PlaneKind kind) const {
+        return kind == PlaneKind::bisector ? planes_ : normals_;
+    }
+
+    /// The sum of lines in which planes of a kind meet.
+    Vector sum_of_lines(PlaneKind kind, std::span<const PlaneLine> lines) const {
+        Vector result = zero();
+        for (const PlaneLine& line : lines) {
+            const Vector direction = cross(normals(kind)[line.i], normals(kind)[line.j]);
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                result[axis] = result[axis] + Number(line.weight) * direction[axis];
         }
         return result;
+    }
+
+    /// The component of a direction along the normal of plane k, times that normal's length.
+    Number component(PlaneKind kind, const Vector& direction, std::size_t k) const {
+        return dot(direction, normals(kind)[k]);
     }
 
 private:
@@ -88,6 +122,7 @@ private:
         return std::ldexp(1.0, std::clamp(-std::ilogb(size), -limit, limit));
     }
 
+    static Vector zero() { return {Number(0), Number(0), Number(0)}; }
     static Vector cross(const Vector& a, const Vector& b) {
         return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     }
@@ -99,6 +134,7 @@ private:
     std::vector<Vector> normals_;
     std::vector<Number> areas_;
     std::vector<Vector> planes_;
+    mutable std::optional<Vector> average_;  // of the faces' unit normals
 };
 
 }  // namespace clsdf::peikert_sigg

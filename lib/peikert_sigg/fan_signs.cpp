@@ -4,7 +4,10 @@
 
 #include <CGAL/Interval_nt.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+#include <vector>
 
 namespace clsdf::peikert_sigg {
 
@@ -53,6 +56,13 @@ struct FanSigns::Exact {
     BisectorPlanes<ExactArithmetic> planes;
 };
 
+struct FanSigns::Direction {
+    PlaneKind kind;
+    std::vector<PlaneLine> lines;
+    BisectorPlanes<IntervalArithmetic>::Vector filtered;
+    std::optional<BisectorPlanes<ExactArithmetic>::Vector> exact;  // made when it is needed
+};
+
 FanSigns::FanSigns(const Fan& fan) : fan_(fan), filter_(std::make_unique<Filter>(fan)) {}
 
 FanSigns::~FanSigns() = default;
@@ -66,8 +76,12 @@ int FanSigns::decide(const Value& value) {
     }();
     if (sign) return *sign;
     ++exact_decisions_;
+    return value(exact().planes).sign();
+}
+
+const FanSigns::Exact& FanSigns::exact() {
     if (!exact_) exact_ = std::make_unique<Exact>(fan_);
-    return value(exact_->planes).sign();
+    return *exact_;
 }
 
 int FanSigns::side(std::size_t i, std::size_t j, std::size_t k) {
@@ -76,6 +90,34 @@ int FanSigns::side(std::size_t i, std::size_t j, std::size_t k) {
 
 int FanSigns::side_of_face(std::size_t i, std::size_t j, std::size_t k) {
     return decide([&](const auto& planes) { return planes.normal_determinant(i, j, k); });
+}
+
+double FanSigns::line_weight(PlaneKind kind, std::size_t i, std::size_t j) const {
+    const Rounding rounding;
+    const PlaneLine line{i, j, 1};
+    double longest = 0;
+    for (const IntervalArithmetic::Number& component : filter_->planes.sum_of_lines(kind, std::span(&line, 1)))
+        longest = std::max(longest, std::max(std::abs(component.inf()), std::abs(component.sup())));
+    constexpr int limit = 1000;
+    return longest > 0 ? std::ldexp(1.0, std::clamp(-std::ilogb(longest), -limit, limit)) : 1;
+}
+
+void FanSigns::set_direction(PlaneKind kind, std::span<const PlaneLine> lines) {
+    const Rounding rounding;
+    direction_ = std::make_unique<Direction>(
+        Direction{kind, {lines.begin(), lines.end()}, filter_->planes.sum_of_lines(kind, lines), std::nullopt});
+}
+
+int FanSigns::side_of_direction(std::size_t k) {
+    ++decisions_;
+    const std::optional<int> sign = [&] {
+        const Rounding rounding;
+        return sign_of(filter_->planes.component(direction_->kind, direction_->filtered, k));
+    }();
+    if (sign) return *sign;
+    ++exact_decisions_;
+    if (!direction_->exact) direction_->exact = exact().planes.sum_of_lines(direction_->kind, direction_->lines);
+    return exact().planes.component(direction_->kind, *direction_->exact, k).sign();
 }
 
 int FanSigns::facing(std::size_t i) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 
 namespace clsdf::peikert_sigg {
 
@@ -24,6 +25,15 @@ public:
     /// The same of the faces' planes, moved to the vertex, with their normals.
     int side_of_face(std::size_t i, std::size_t j, std::size_t k);
 
+    /// A power of two by which the line in which two planes of a kind meet is about as long as others.
+    double line_weight(PlaneKind kind, std::size_t i, std::size_t j) const;
+
+    /// Chooses a direction for side_of_direction(): the sum of lines in which planes of a kind meet.
+    void set_direction(PlaneKind kind, std::span<const PlaneLine> lines);
+
+    /// On which side of plane k of that kind the chosen direction lies: 1 where the normal points, -1, or 0 on it.
+    int side_of_direction(std::size_t k);
+
     /// Whether face i is seen from its front (1), from its back (-1) or edgewise (0) along the average of the faces'
     /// unit normals.
     int facing(std::size_t i);
@@ -34,14 +44,17 @@ public:
 private:
     struct Filter;
     struct Exact;
+    struct Direction;
 
     /// The sign of what `value` computes from the planes in either arithmetic.
     template <typename Value>
     int decide(const Value& value);
+    const Exact& exact();
 
     const Fan& fan_;
     std::unique_ptr<Filter> filter_;
     std::unique_ptr<Exact> exact_;  // made when it is needed
+    std::unique_ptr<Direction> direction_;
     std::size_t decisions_ = 0;
     std::size_t exact_decisions_ = 0;
 };

@@ -7,7 +7,8 @@ if(TARGET clsdf_command)
   # Compiles kernels for caches of its own, again and again.
   clsdf_test(prepare ${CMAKE_CURRENT_LIST_DIR}/prepare.cpp)
   set_tests_properties(prepare PROPERTIES TIMEOUT 900)
-  foreach(test command prepare)
+  clsdf_test(growth ${CMAKE_CURRENT_LIST_DIR}/growth.cpp)
+  foreach(test command prepare growth)
     add_dependencies(test_${test} clsdf_command)
     target_compile_definitions(test_${test} PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
                                                     CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")

@@ -1,0 +1,149 @@
+// No subcommand takes time that grows with the square of the faces at a vertex or an edge. Processor time is compared at
+// three sizes, each four times the one before: what is added grows by 4 if time is linear, by 16 if it is quadratic.
+#include "apps/process.hpp"
+
+#include <clsdf/mesh.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+using clsdf::Mesh;
+using clsdf::Triangle;
+using clsdf::Vec3;
+using clsdf::test::Outcome;
+using clsdf::test::run_command;
+using clsdf::test::TemporaryFolder;
+
+namespace {
+
+constexpr std::array<std::uint32_t, 3> sizes{1000, 4000, 16000};
+
+Vec3 on_circle(std::uint32_t i, std::uint32_t count, double height) {
+    const double angle = 2 * std::numbers::pi * i / count;
+    return {std::cos(angle), std::sin(angle), height};
+}
+
+/// `pages` triangles at one edge.
+Mesh book(std::uint32_t pages) {
+    std::vector<Vec3> vertices{{0, 0, 0}, {0, 0, 1}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < pages; ++i) {
+        vertices.push_back(on_circle(i, pages, 0.5));
+        triangles.push_back({0, 1, i + 2});
+    }
+    return {std::move(vertices), std::move(triangles), "book"};
+}
+
+/// `faces` triangles between a vertex and a ring around it.
+template <typename Height>
+Mesh ring(std::uint32_t faces, const Height& height) {
+    std::vector<Vec3> vertices{{0, 0, 0}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < faces; ++i) {
+        vertices.push_back(on_circle(i, faces, height(2 * std::numbers::pi * i / faces)));
+        triangles.push_back({0, 1 + i, 1 + (i + 1) % faces});
+    }
+    return {std::move(vertices), std::move(triangles), "ring"};
+}
+
+Mesh cone(std::uint32_t faces) {
+    return ring(faces, [](double) { return -1; });
+}
+
+Mesh disc(std::uint32_t faces) {
+    return ring(faces, [](double) { return 0; });
+}
+
+Mesh saddle(std::uint32_t faces) {
+    return ring(faces, [](double angle) { return 0.6 * std::cos(3 * angle); });
+}
+
+Mesh zigzag(std::uint32_t faces) {
+    return ring(faces, [faces](double angle) { return static_cast<double>(std::lround(angle * faces / (2 * std::numbers::pi)) % 2); });
+}
+
+/// One triangle, over and over.
+Mesh pile(std::uint32_t faces) {
+    return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(faces, Triangle{0, 1, 2}), "pile"};
+}
+
+/// An OBJ file with one polygon of 3 `turns` corners at three vertices.
+std::string polygon(std::uint32_t turns) {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (std::uint32_t i = 0; i < turns; ++i) text += " 1 2 3";
+    return text + "\n";
+}
+
+std::vector<std::vector<std::string>> commands(const std::string& mesh, const TemporaryFolder& folder) {
+    const std::string field = folder.file("field.nrrd");
+    const std::vector<std::string> compute{"compute", mesh, "-o", field, "--resolution", "8", "--quiet"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), compute.begin(), compute.end());
+        return more;
+    };
+    return {{"info", mesh, "--quiet"},
+            with({"--polyhedra", "mauch"}),
+            with({"--polyhedra", "peikert-sigg"}),
+            compute,
+            {"check", mesh, field, "--samples", "100", "--quiet"},
+            {"polyhedra", mesh, "-o", folder.file("all.ply"), "--quiet"},
+            {"polyhedra", mesh, "-o", folder.file("papers.ply"), "--polyhedra", "peikert-sigg", "--around", "0", "--quiet"}};
+}
+
+void check_growth(const char* name, const std::function<std::string(std::uint32_t, const TemporaryFolder&)>& write) {
+    const TemporaryFolder folder;
+    std::vector<std::array<double, sizes.size()>> seconds;
+    std::vector<std::vector<std::string>> asked;
+    for (std::size_t size = 0; size < sizes.size(); ++size) {
+        asked = commands(write(sizes[size], folder), folder);
+        seconds.resize(asked.size());
+        for (std::size_t i = 0; i < asked.size(); ++i) {
+            const Outcome outcome = run_command(asked[i]);
+            BOOST_TEST_CONTEXT(name << ", " << asked[i][0] << ": " << outcome.error) BOOST_TEST(outcome.status == 0);
+            seconds[i][size] = outcome.cpu_seconds;
+        }
+    }
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        const auto& [small, middle, large] = seconds[i];
+        std::string words;
+        for (const std::string& word : asked[i]) words += word + " ";
+        BOOST_TEST_CONTEXT(name << ": " << words << "took " << small << ", " << middle << " and " << large << " s") {
+            // Below a tenth of a second the start of the program counts.
+            BOOST_TEST(large - middle < 8 * std::max(middle - small, 0.1));
+        }
+    }
+}
+
+void check_mesh_growth(const char* name, Mesh (*make)(std::uint32_t)) {
+    check_growth(name, [make](std::uint32_t size, const TemporaryFolder& folder) {
+        const std::string path = folder.file("mesh.ply");
+        write_mesh(make(size), path);
+        return path;
+    });
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(faces_at_an_edge) {
+    check_mesh_growth("a book", book);
+    check_mesh_growth("a pile", pile);
+}
+
+BOOST_AUTO_TEST_CASE(faces_at_a_regular_vertex) {
+    check_mesh_growth("a cone", cone);
+    check_mesh_growth("a disc", disc);
+}
+
+BOOST_AUTO_TEST_CASE(faces_at_a_saddle_vertex) {
+    check_mesh_growth("a saddle", saddle);
+    check_mesh_growth("a zigzag", zigzag);
+}
+
+BOOST_AUTO_TEST_CASE(corners_of_a_polygon) {
+    check_growth("a polygon", [](std::uint32_t size, const TemporaryFolder& folder) {
+        return folder.file("mesh.obj", polygon(size));
+    });
+}
