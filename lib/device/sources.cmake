@@ -8,5 +8,6 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/device_info.cpp
           ${CMAKE_CURRENT_LIST_DIR}/host_filling.cpp
           ${CMAKE_CURRENT_LIST_DIR}/kernel_text.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/known_faults.cpp
           ${CMAKE_CURRENT_LIST_DIR}/opencl.cpp
           ${CMAKE_CURRENT_LIST_DIR}/program_cache.cpp)

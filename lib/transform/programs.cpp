@@ -1,5 +1,7 @@
 #include "transform/programs.hpp"
 
+#include "device/known_faults.hpp"
+
 #include <algorithm>
 
 namespace clsdf::transform {
@@ -9,6 +11,13 @@ namespace {
 // Counters of all histograms together: enough for a GPU's work-items, and a few megabytes.
 constexpr std::size_t histogram_budget = std::size_t{1} << 22;
 
+/// Refuses what is known to fail before anything is built: a compiler that fails may end the process.
+ProgramSources usable_sources(const device::Context& context, KernelBody asked) {
+    ProgramSources sources(context.capabilities(), asked);
+    device::refuse_known_fault(context.device(), sources.body == KernelBody::by_vector ? "by_vector" : "by_group");
+    return sources;
+}
+
 cl::Program compiled(device::Context& context, const ProgramSource& source, const device::BuildWatch& watch) {
     return context.program(source.kernel_file, source.options, watch);
 }
@@ -16,7 +25,7 @@ cl::Program compiled(device::Context& context, const ProgramSource& source, cons
 }  // namespace
 
 Programs::Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch)
-    : ProgramSources(context.capabilities(), asked),
+    : ProgramSources(usable_sources(context, asked)),
       scan(compiled(context, scan_source(), watch)),
       coarse_lists(compiled(context, coarse_lists_source(), watch)),
       sign_sweep(compiled(context, sign_sweep_source(), watch)),

@@ -1,0 +1,33 @@
+#include "device/known_faults.hpp"
+
+#include <boost/test/unit_test.hpp>
+
+using namespace clsdf;
+
+namespace {
+
+// As PyPI's pocl-binary-distribution answers on a Zen 4.
+const device::Implementation pocl_30_on_zen_4{"Portable Computing Language",
+                                              "OpenCL 3.0 PoCL 3.0-rc2  Linux, Release, RELOC, LLVM 14.0.6, SLEEF",
+                                              "pthread-AMD EPYC", 16};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(pocl_30_is_refused_where_its_compiler_ends_the_process) {
+    const device::KnownFault* fault = device::known_fault(pocl_30_on_zen_4, "by_vector");
+    BOOST_REQUIRE(fault != nullptr);
+    BOOST_TEST(fault->remedy.find("PoCL 3.1") != std::string_view::npos);
+}
+
+BOOST_AUTO_TEST_CASE(what_works_is_not_refused) {
+    BOOST_TEST(device::known_fault(pocl_30_on_zen_4, "by_group") == nullptr);
+    device::Implementation other = pocl_30_on_zen_4;
+    other.float_width = 8;
+    BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
+    other = pocl_30_on_zen_4;
+    other.version = "OpenCL 3.0 PoCL 3.1+debian  Linux, None+Asserts, RELOC, SPIR, LLVM 14.0.6, SLEEF, DISTRO";
+    BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
+    other = pocl_30_on_zen_4;
+    other.device = "pthread-Intel(R) Xeon(R) Platinum 8481C";
+    BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
+}
