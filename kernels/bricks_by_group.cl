@@ -40,20 +40,21 @@ static inline uint touched_subblocks(__global const Polyhedron* p, Place place, 
     return touched;
 }
 
-// Exclusive prefix sum of one value a work-item; `sums` holds 2 GROUP values, and sums[2 GROUP - 1] the total
-// afterwards.
-static inline uint group_scan(uint value, __local uint* sums) {
+// Exclusive prefix sum of one value a work-item, and the total. Each step reads one half of `sums`, of 2 GROUP values,
+// and writes the other: no value read before a barrier is used after it. The next scan may begin after a barrier.
+static inline uint group_scan(uint value, __local uint* sums, __private uint* total) {
     const uint item = get_local_id(0);
-    sums[item] = 0;
-    sums[GROUP + item] = value;
+    uint from = 0;
+    sums[item] = value;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint step = 1; step < GROUP; step *= 2) {
-        const uint other = sums[GROUP + item - step];
-        barrier(CLK_LOCAL_MEM_FENCE);
-        sums[GROUP + item] += other;
+        const uint other = item >= step ? sums[from + item - step] : 0;
+        sums[(GROUP - from) + item] = sums[from + item] + other;
+        from = GROUP - from;
         barrier(CLK_LOCAL_MEM_FENCE);
     }
-    return sums[GROUP + item] - value;
+    *total = sums[from + GROUP - 1];
+    return sums[from + item] - value;
 }
 
 // The least of one value a work-item.
@@ -193,7 +194,6 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     for (uint e = list_begin; e < list_end; e += GROUP) {
         uint subblocks = 0;
         uint polyhedron = 0;
-        Offsets o;
         if (e + item < list_end) {
             polyhedron = entries[e + item];
             __global const Polyhedron* p = polyhedra + polyhedron;
@@ -201,15 +201,15 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
             const Reach reach = reach_of_cube(p, 0.5f * (CLSDF_BRICK - 1));
             if (touched_blocks(p, place, centres_of(p, place, 0.0f, 0.0f, 0.0f), widened(reach, slack), cap))
                 subblocks = touched_subblocks(p, place, slopes_of(p, place.z, reach.z, slack), cap, slack);
-            if (subblocks != 0) o = offsets_at(p, x, y, z);
         }
-        const uint slot = count + group_scan(subblocks != 0, sums);
+        uint total;
+        const uint slot = count + group_scan(subblocks != 0, sums, &total);
         if (subblocks != 0) {
-            compacted.offsets[slot] = o;
+            compacted.offsets[slot] = offsets_at(polyhedra + polyhedron, x, y, z);
             compacted.polyhedron[slot] = polyhedron;
             compacted.subblocks[slot] = subblocks;
         }
-        count += sums[2 * GROUP - 1];
+        count += total;
         barrier(CLK_LOCAL_MEM_FENCE);
         if (count + GROUP > CAPACITY || e + GROUP >= list_end) {
 #ifdef COUNT
@@ -221,8 +221,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
                      layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
 #endif
             );
-            count = 0;
-            barrier(CLK_LOCAL_MEM_FENCE);
+            count = 0;  // the next scan's barriers come before what is compacted next
         }
     }
 
