@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <map>
 
 namespace {
 
@@ -29,7 +30,11 @@ struct Options {
     std::string only;
     std::string commit;
     std::uint64_t seed = 1;
+    KernelBody body = KernelBody::automatic;
 };
+
+const std::map<std::string, KernelBody> bodies{
+    {"automatic", KernelBody::automatic}, {"by_vector", KernelBody::by_vector}, {"by_group", KernelBody::by_group}};
 
 void append(std::vector<Case>& cases, std::vector<Case> more) {
     std::move(more.begin(), more.end(), std::back_inserter(cases));
@@ -58,17 +63,17 @@ void print_line(const std::string& text) {
     std::fflush(stdout);
 }
 
-void run_list(const Device& device, const std::vector<Case>& cases, Record& record) {
+void run_list(const Device& device, const std::vector<Case>& cases, KernelBody body, Record& record) {
     print_line(heading());
     for (const Case& example : cases) {
-        record.results.push_back(run(device, example));
+        record.results.push_back(run(device, example, body));
         print_line(row(record.results.back()));
         fmt::print(stderr, "{}", explain(record.results.back()));
     }
     const std::string bunny = "bunny00, 256, 10%";
     const auto found =
         std::find_if(cases.begin(), cases.end(), [&](const Case& example) { return example.name == bunny; });
-    if (found == cases.end()) return;
+    if (found == cases.end() || body != KernelBody::automatic) return;
     print_line("\nHow well the polyhedra fit: " + bunny);
     record.costs = bunny_costs(device, found->make());
     for (const CostLimit& limit : record.costs) print_line(row(limit));
@@ -88,7 +93,7 @@ int run_all(const Options& options, std::string command) {
     const Device device = Device::best();
     record.device = fmt::format("{} ({})", device.name(), device.platform());
     print_line(fmt::format("{} fields on {}; * marks what is checked at every sample\n", cases.size(), record.device));
-    run_list(device, cases, record);
+    run_list(device, cases, options.body, record);
     record.seconds = stopwatch.seconds();
 
     const auto failed = std::count_if(record.results.begin(), record.results.end(),
@@ -113,6 +118,8 @@ int main(int argument_count, char** arguments) {
     meshes->check(CLI::ExistingDirectory);
     app.add_option("--only", options.only, "Fields whose name holds this text, or of this kind");
     app.add_option("--seed", options.seed, "First seed of the random meshes")->capture_default_str();
+    app.add_option("--body", options.body, "The kernels' body: automatic, by_vector or by_group")
+        ->transform(CLI::CheckedTransformer(bodies));
     app.add_option("--commit", options.commit, "For the record: the commit that was built");
     app.add_option("--record", options.record, "Write the record to this Markdown file");
     app.add_flag("--list", options.list, "Only list the fields");

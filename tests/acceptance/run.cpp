@@ -1,7 +1,6 @@
 #include "acceptance/run.hpp"
 #include "core/stopwatch.hpp"
 
-#include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>
 
 namespace clsdf::acceptance {
@@ -21,13 +20,13 @@ bool is_within_bound(const reference::CheckReport& report) {
            report.max_error_voxels <= judged_voxels;
 }
 
-void compute_and_check(const Device& device, const Case& example, Result& result) {
+void compute_and_check(const Device& device, const Case& example, KernelBody body, Result& result) {
     const Problem problem = example.make();
     result.triangles = problem.mesh.triangles().size();
     result.size = problem.grid.size;
     result.half_width_voxels = problem.band.outside / problem.grid.voxel();
 
-    DistanceTransform transform(device, problem.mesh, {.sign = problem.sign});
+    DistanceTransform transform(device, problem.mesh, {.sign = problem.sign, .body = body});
     const Stopwatch computing;
     const Field field = transform(problem.grid, problem.band, {.triangle = true});
     result.compute_seconds = computing.seconds();
@@ -49,12 +48,12 @@ void compute_and_check(const Device& device, const Case& example, Result& result
 
 }  // namespace
 
-Result run(const Device& device, const Case& example) {
+Result run(const Device& device, const Case& example, KernelBody body) {
     Result result;
     result.kind = example.kind;
     result.name = example.name;
     try {
-        compute_and_check(device, example, result);
+        compute_and_check(device, example, body, result);
     } catch (const Error& error) {
         result.error = error.what();
     }

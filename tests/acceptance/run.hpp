@@ -3,6 +3,7 @@
 #include "acceptance/case.hpp"
 
 #include <clsdf/device.hpp>
+#include <clsdf/distance_transform.hpp>
 #include <clsdf/reference.hpp>
 
 namespace clsdf::acceptance {
@@ -30,6 +31,6 @@ struct Result {
     bool passed() const { return error.empty() && judged.band_samples > 0 && judged.passed(); }
 };
 
-Result run(const Device& device, const Case& example);
+Result run(const Device& device, const Case& example, KernelBody body);
 
 }  // namespace clsdf::acceptance
