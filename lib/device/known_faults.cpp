@@ -55,4 +55,12 @@ void refuse_known_fault(const cl::Device& device, std::string_view body) {
                                 body, fault->remedy));
 }
 
+std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file) {
+    // With optimisation, coarse bricks' lists hold numbers of polyhedra that do not exist; with LLVM 14, 18 and 21 they
+    // are right. Counting by vectors alone is wrong; what is optimised there takes a small part of a call.
+    const bool makes_wrong_lists = has(implementation.platform, "Portable Computing Language") &&
+                                   has(implementation.version, "PoCL 7.") && has(implementation.version, "LLVM 19");
+    return makes_wrong_lists && kernel_file == "coarse_lists.cl" ? " -cl-opt-disable" : "";
+}
+
 }  // namespace clsdf::device

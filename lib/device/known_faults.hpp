@@ -37,4 +37,8 @@ const KnownFault* known_fault(const Implementation& implementation, std::string_
 /// program of a kernel body is built, because a compiler that fails may end the process.
 void refuse_known_fault(const cl::Device& device, std::string_view body);
 
+/// Build options, beginning with a space, that work around what this implementation makes wrong of a kernel file;
+/// mostly empty. The bytes of fields are those of other implementations.
+std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file);
+
 }  // namespace clsdf::device

@@ -18,6 +18,15 @@ ProgramSources usable_sources(const device::Context& context, KernelBody asked) 
     return sources;
 }
 
+/// With options that work around the implementation's faults, which concern programs for vectors alone.
+ProgramSource around_faults(const device::Context& context, ProgramSource source, std::size_t lanes) {
+    if (lanes == 1) return source;
+    const device::Implementation implementation =
+        device::guarded([&] { return device::implementation_of(context.device()); });
+    source.options += device::options_around_faults(implementation, source.kernel_file);
+    return source;
+}
+
 cl::Program compiled(device::Context& context, const ProgramSource& source, const device::BuildWatch& watch) {
     return context.program(source.kernel_file, source.options, watch);
 }
@@ -27,7 +36,7 @@ cl::Program compiled(device::Context& context, const ProgramSource& source, cons
 Programs::Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch)
     : ProgramSources(usable_sources(context, asked)),
       scan(compiled(context, scan_source(), watch)),
-      coarse_lists(compiled(context, coarse_lists_source(), watch)),
+      coarse_lists(compiled(context, around_faults(context, coarse_lists_source(), lanes), watch)),
       sign_sweep(compiled(context, sign_sweep_source(), watch)),
       fill(compiled(context, fill_source(), watch)) {}
 

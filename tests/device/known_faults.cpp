@@ -31,3 +31,12 @@ BOOST_AUTO_TEST_CASE(what_works_is_not_refused) {
     other.device = "pthread-Intel(R) Xeon(R) Platinum 8481C";
     BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
 }
+
+BOOST_AUTO_TEST_CASE(lists_are_compiled_plainly_by_the_one_compiler_that_makes_them_wrong) {
+    device::Implementation pocl{"Portable Computing Language",
+                                "OpenCL 3.0 PoCL 7.1  Linux, Release, LLVM 19.1.7, SLEEF", "cpu-znver4-AMD EPYC", 16};
+    BOOST_TEST(device::options_around_faults(pocl, "coarse_lists.cl") == " -cl-opt-disable");
+    BOOST_TEST(device::options_around_faults(pocl, "bricks_by_vector.cl") == "");
+    pocl.version = "OpenCL 3.0 PoCL 7.1+debian  Linux, None+Asserts, RELOC, SPIR-V, LLVM 21.1.8, SLEEF, DISTRO";
+    BOOST_TEST(device::options_around_faults(pocl, "coarse_lists.cl") == "");
+}
