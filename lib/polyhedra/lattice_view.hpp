@@ -2,6 +2,11 @@
 
 #include <clsdf/box.hpp>
 
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
 namespace clsdf::polyhedra {
 
 /// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
@@ -10,6 +15,25 @@ struct LatticeView {
     Vec3 origin{};                   ///< of the lattice, in the mesh's units
     double unit = 1;                 ///< in the mesh's units
     Vec3 spacing_in_units{1, 1, 1};  ///< per axis
+
+    /// On an axis, in units from sample (0, 0, 0). Beyond, one double is too coarse for a position.
+    static constexpr double far = 0x1p24;
+
+    /// From sample number `sample` of an axis to a position on it, in units. Where both are far from sample (0, 0, 0),
+    /// each is the sum of two doubles, and the rounding is relative to the result.
+    double from_sample(std::size_t axis, double position, double sample) const {
+        const double head = position - origin[axis];
+        const double place = sample * spacing_in_units[axis];
+        if (!(std::abs(head / unit) > far)) return head / unit - place;
+        const double subtracted = head - position;
+        const double tail = (position - (head - subtracted)) - (origin[axis] + subtracted);
+        const double place_tail = std::fma(sample, spacing_in_units[axis], -place);
+        return (head / unit - place) + (tail / unit - place_tail);
+    }
+    Vec3 from_sample(const Vec3& position, const std::array<std::int32_t, 3>& sample) const {
+        return {from_sample(0, position[0], sample[0]), from_sample(1, position[1], sample[1]),
+                from_sample(2, position[2], sample[2])};
+    }
 };
 
 }  // namespace clsdf::polyhedra

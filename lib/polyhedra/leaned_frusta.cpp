@@ -96,7 +96,8 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
             if (options.lean) lean(frame, stretch.slopes(face));
             if (frame.is_box) ++boxes;
             // Constructed in its place rather than copied there.
-            new (&records[face]) Polyhedron(pack(frame, stretch.slopes(face), order[face], lattice));
+            new (&records[face])
+                Polyhedron(pack(frame, stretch.slopes(face), order[face], faces, faces.triangles[face]));
             if (has_non_manifold_edge(edges.faces[face])) records[face].flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
         }
         screens.local().look_at(stretch);
@@ -123,7 +124,8 @@ LeanedCounts leaned_frusta(const Mesh& mesh, const LatticeView& lattice, double 
     if (result.records > room) records = memory(result.records);
     for_each_index(gaps.size(), [&](std::size_t i) {
         const PointSite site = point_site(faces, order, ordered.vertices, rings, gaps[i], open);
-        new (&records[count + i]) Polyhedron(pack(site.frame, site.slopes, order[site.face], lattice));
+        new (&records[count + i])
+            Polyhedron(pack(site.frame, site.slopes, order[site.face], faces, {gaps[i], gaps[i], gaps[i]}));
     });
     return result;
 }

@@ -89,7 +89,7 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
             frames[face] = stretch.frame(face);
             lean(frames[face], stretch.slopes(face));
             slopes[face] = stretch.slopes(face);
-            records[face] = pack(frames[face], slopes[face], order[face], lattice);
+            records[face] = pack(frames[face], slopes[face], order[face], faces, triangles[face]);
         }
     });
 

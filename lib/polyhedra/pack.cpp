@@ -1,5 +1,7 @@
 #include "polyhedra/pack.hpp"
 
+#include "polyhedra/one_rings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -32,14 +34,31 @@ bool is_near(const TriangleFrame& frame, const Polyhedron& polyhedron) {
            std::all_of(polyhedron.foot, polyhedron.foot + 3, is_short);
 }
 
-void pack_origin(const TriangleFrame& frame, const LatticeView& lattice, Polyhedron& polyhedron) {
-    const Vector spacing = to_vector(lattice.spacing_in_units);
+/// The foot of the altitude from a sample, in units.
+Vector foot_from(const Vector& sample, const TriangleFrame& frame, const MeshFaces& faces, const Triangle& corners) {
+    const LatticeView& lattice = faces.lattice;
+    Vector foot = frame.foot - sample.cwiseProduct(to_vector(lattice.spacing_in_units));
+    if (frame.foot.cwiseAbs().maxCoeff() <= LatticeView::far) return foot;
+    // From the end of the base that is nearer; the base runs from its left end to its right one, the next corner.
+    const bool is_right = frame.base[CLSDF_HALF_RIGHT] <= frame.base[CLSDF_HALF_LEFT];
+    const double to_foot = is_right ? -frame.base[CLSDF_HALF_RIGHT] : frame.base[CLSDF_HALF_LEFT];
+    const Vec3& end = faces.position(corners[is_right ? next_of_three(frame.base_edge) : frame.base_edge]);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(std::abs(frame.foot[axis]) > LatticeView::far)) continue;
+        const auto a = static_cast<std::size_t>(axis);
+        foot[axis] = lattice.from_sample(a, end[a], sample[axis]) + to_foot * frame.along[axis];
+    }
+    return foot;
+}
+
+void pack_origin(const TriangleFrame& frame, const MeshFaces& faces, const Triangle& corners, Polyhedron& polyhedron) {
+    const Vector spacing = to_vector(faces.lattice.spacing_in_units);
     const Vector samples = frame.foot.cwiseQuotient(spacing);
     polyhedron.origin_x = nearest_sample(samples.x());
     polyhedron.origin_y = nearest_sample(samples.y());
     polyhedron.origin_z = nearest_sample(samples.z());
     const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
-    const Vector offset = frame.foot - origin.cwiseProduct(spacing);
+    const Vector offset = foot_from(origin, frame, faces, corners);
     for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
     const Vector constant(-frame.along.dot(offset), -frame.across().dot(offset), -frame.normal.dot(offset));
     for (int i = 0; i < 3; ++i)
@@ -60,12 +79,12 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
 
 }  // namespace
 
-Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
-                const LatticeView& lattice) {
+Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle, const MeshFaces& faces,
+                const Triangle& corners) {
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every member is set below; clearing first costs as much
     Polyhedron polyhedron;
-    pack_origin(frame, lattice, polyhedron);
-    pack_gradients(frame, lattice, polyhedron);
+    pack_origin(frame, faces, corners, polyhedron);
+    pack_gradients(frame, faces.lattice, polyhedron);
     polyhedron.exact_altitude = frame.altitude;
     for (std::size_t half = 0; half < 2; ++half) {
         store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);

@@ -36,9 +36,6 @@ struct Faces {
         });
     }
 
-    Vector position(std::uint32_t vertex) const {
-        return (to_vector(mesh.vertices()[vertex]) - to_vector(lattice.origin)) / lattice.unit;
-    }
     Vector direction(std::uint32_t from, std::uint32_t to) const {
         return ((to_vector(mesh.vertices()[to]) - to_vector(mesh.vertices()[from])) / lattice.unit).normalized();
     }
@@ -191,8 +188,7 @@ public:
         const Polyhedron& record = records_[lowest.face];
         const std::array<std::int32_t, 3> origin{record.origin_x, record.origin_y, record.origin_z};
         const Vector spacing = to_vector(faces_.lattice.spacing_in_units);
-        const Vector from_origin =
-            faces_.position(vertex) - Vector(origin[0], origin[1], origin[2]).cwiseProduct(spacing);
+        const Vector from_origin = to_vector(faces_.lattice.from_sample(faces_.mesh.vertices()[vertex], origin));
         PieceBounds bounds;
         for (const MauchCone::Bound& bound : cone.bounds())
             bounds.add({bound.normal.cwiseProduct(spacing),
@@ -244,10 +240,11 @@ private:
 MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double half_width, const Layout& grid) {
     const Faces faces(mesh, lattice);
     const OneRings rings(faces.triangles, mesh.vertices().size());
+    const MeshFaces seen{mesh.vertices(), faces.triangles, lattice};
     MauchPieces result;
     result.polyhedra.resize(faces.order.size());
     for_each_index(faces.order.size(), [&](std::size_t face) {
-        result.polyhedra[face] = pack(faces.frames[face], FaceSlopes{}, faces.order[face], lattice);
+        result.polyhedra[face] = pack(faces.frames[face], FaceSlopes{}, faces.order[face], seen, faces.triangles[face]);
     });
 
     struct State {

@@ -25,6 +25,7 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
                                       const Layout& grid) {
     const peikert_sigg::Polyhedra paper =
         peikert_sigg::peikert_sigg_polyhedra(mesh, half_width * lattice.unit, close_gaps);
+    const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
     PeikertSiggPieces result;
     result.closed_gaps = paper.closings.size();
     result.polyhedra.resize(paper.polyhedra.size());
@@ -32,17 +33,15 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
         const std::uint32_t index = paper.polyhedra[i].triangle;
         const auto& [a, b, c] = mesh.triangles()[index];
         const std::array<Vec3, 3> corners{mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]};
-        result.polyhedra[i] =
-            polyhedra::pack(polyhedra::triangle_frame(corners, lattice), polyhedra::FaceSlopes{}, index, lattice);
+        result.polyhedra[i] = polyhedra::pack(polyhedra::triangle_frame(corners, lattice), polyhedra::FaceSlopes{},
+                                              index, faces, mesh.triangles()[index]);
     });
     result.pieces = collect_pieces(paper.polyhedra.size(), grid, [&](std::size_t i, PieceCollector& collector) {
         const peikert_sigg::Polyhedron& polyhedron = paper.polyhedra[i];
         const Polyhedron& record = result.polyhedra[i];
         const std::array<std::int32_t, 3> origin{record.origin_x, record.origin_y, record.origin_z};
-        const Vector from_origin =
-            Vector(origin[0], origin[1], origin[2]).cwiseProduct(to_vector(lattice.spacing_in_units));
         const auto in_units = [&](const Vector& position) {
-            return Vector((position - to_vector(lattice.origin)) / lattice.unit - from_origin);
+            return to_vector(lattice.from_sample({position.x(), position.y(), position.z()}, origin));
         };
         const Vector corner = in_units(polyhedron.corners[0]);
         std::array<PiecePlane, 5> planes{plane_of(polyhedron.normal, corner, half_width, lattice),

@@ -46,8 +46,10 @@ public:
           large_(pool->lease(mesh.triangle_count * sizeof(cl_uint), "large triangles of the sign's sweep")),
           small_kernel_(programs.sign_sweep, "sign_crossings"),
           large_kernel_(programs.sign_sweep, "sign_crossings_of_large") {
+        Layout seen = layout;  // from where the mesh's x is counted
+        seen.brick_first[0] -= mesh.first_x / CLSDF_BRICK;
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(arg_layout, layout);
+            kernel->setArg(arg_layout, seen);
             kernel->setArg(arg_triangles, *mesh.triangles);
             kernel->setArg(arg_vertices, *mesh.vertices);
             kernel->setArg(arg_bits_y, cl_int{mesh.bits_y});

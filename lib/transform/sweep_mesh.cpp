@@ -1,6 +1,8 @@
 #include "transform/sweep_mesh.hpp"
 
+#include "layout.h"
 #include "sweep.h"
+#include "transform/layout_of.hpp"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -24,6 +26,31 @@ int bits_of(double ratio) {
     return snap_bits + static_cast<int>(std::ceil(std::log2(std::max(ratio, 1.0))));
 }
 
+/// A place on an axis of the lattice, in samples: the sum of both.
+struct Place {
+    double sample;  // 0 unless far; else the nearest whole number, up to a rounding
+    double past;
+};
+
+Place place_of(double position, const Grid& grid, const polyhedra::LatticeView& lattice, std::size_t axis) {
+    const double samples = (position - grid.origin[axis]) / grid.spacing[axis];
+    const double spacing = lattice.spacing_in_units[axis];
+    if (!(std::abs(samples) * spacing > polyhedra::LatticeView::far)) return {0, samples};
+    const double sample = std::nearbyint(samples);
+    return {sample, lattice.from_sample(axis, position, sample) / spacing};
+}
+
+/// The sample that x is counted from: 0, or, of a mesh that lies far from it, one at the mesh's near end. A row's
+/// crossing with a triangle is rounded as coarsely as the numbers that it is formed from.
+std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const polyhedra::LatticeView& lattice) {
+    const auto samples = [&](double position) { return (position - grid.origin[0]) / grid.spacing[0]; };
+    const double nearest = std::max(samples(mesh.box().lower[0]), std::min(samples(mesh.box().upper[0]), 0.0));
+    if (!(std::abs(nearest) * lattice.spacing_in_units[0] > polyhedra::LatticeView::far)) return 0;
+    // No grid reaches farther, and its samples' distances from here fit 32 bits.
+    constexpr double limit = 1 << 30;
+    return CLSDF_BRICK * static_cast<std::int32_t>(std::clamp(nearest, -limit, limit) / CLSDF_BRICK);
+}
+
 void lower(std::atomic<std::size_t>& least, std::size_t value) {
     for (std::size_t known = least; value < known && !least.compare_exchange_weak(known, value);) {
     }
@@ -44,27 +71,32 @@ device::BufferPool::Lease sweep_triangles(const device::Context& context,
 }
 
 device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const std::shared_ptr<device::BufferPool>& pool,
-                                         const Grid& grid, const Mesh& mesh, int bits_y, int bits_z) {
+                                         const Grid& grid, const Mesh& mesh, int bits_y, int bits_z,
+                                         std::int32_t first_x) {
     const std::vector<Vec3>& positions = mesh.vertices();
     const std::size_t bytes = positions.size() * sizeof(SweepVertex);
     auto lease = pool->lease(bytes, "vertices of the sign's sweep");
     auto* vertices =
         static_cast<SweepVertex*>(queue.enqueueMapBuffer(*lease, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes));
     const double scale_y = std::ldexp(1.0, bits_y), scale_z = std::ldexp(1.0, bits_z);
+    const polyhedra::LatticeView lattice = lattice_of(grid);
     std::atomic<std::size_t> too_far{positions.size()};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
         for (std::size_t v = range.begin(); v != range.end(); ++v) {
-            const auto sample = [&](std::size_t axis) {
-                return (positions[v][axis] - grid.origin[axis]) / grid.spacing[axis];
-            };
-            const double y = std::nearbyint(sample(1) * scale_y);
-            const double z = std::nearbyint(sample(2) * scale_z);
+            const auto place = [&](std::size_t axis) { return place_of(positions[v][axis], grid, lattice, axis); };
+            const Place on_x = place(0), on_y = place(1), on_z = place(2);
+            const double y = std::nearbyint((on_y.sample + on_y.past) * scale_y);
+            const double z = std::nearbyint((on_z.sample + on_z.past) * scale_z);
             // A vertex that is not finite is in no triangle, or the mesh would not be.
             if (!(std::abs(y) < snapped_limit) || !(std::abs(z) < snapped_limit)) {
                 if (std::isfinite(y) && std::isfinite(z)) lower(too_far, v);
                 continue;
             }
-            vertices[v] = {static_cast<std::int64_t>(y), static_cast<std::int64_t>(z), sample(0)};
+            const auto snapped = [](const Place& at, double scale) {
+                return static_cast<std::int64_t>(at.sample * scale) +
+                       static_cast<std::int64_t>(std::nearbyint(at.past * scale));
+            };
+            vertices[v] = {snapped(on_y, scale_y), snapped(on_z, scale_z), (on_x.sample - first_x) + on_x.past};
         }
     });
     queue.enqueueUnmapMemObject(*lease, vertices);
@@ -104,9 +136,13 @@ SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<
                           const Grid& grid, const Mesh& mesh) {
     return device::guarded([&] {
         const int bits_y = bits_of(grid.spacing[1] / grid.voxel()), bits_z = bits_of(grid.spacing[2] / grid.voxel());
+        const std::int32_t first_x = first_x_of(mesh, grid, lattice_of(grid));
         return SweepMesh{sweep_triangles(context, pool, mesh),
-                         sweep_vertices(context.queue(), pool, grid, mesh, bits_y, bits_z), mesh.triangles().size(),
-                         bits_y, bits_z};
+                         sweep_vertices(context.queue(), pool, grid, mesh, bits_y, bits_z, first_x),
+                         mesh.triangles().size(),
+                         bits_y,
+                         bits_z,
+                         first_x};
     });
 }
 

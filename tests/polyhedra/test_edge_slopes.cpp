@@ -38,7 +38,7 @@ struct Edges {
             for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
                 lean(stretch.frame(face), stretch.slopes(face));
                 slopes.push_back(stretch.slopes(face));
-                records.push_back(pack(stretch.frame(face), slopes.back(), 0, faces.lattice));
+                records.push_back(pack(stretch.frame(face), slopes.back(), 0, faces, faces.triangles[face]));
             }
         }
     }

@@ -2,6 +2,7 @@
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace clsdf;
@@ -24,6 +25,39 @@ Mesh long_prism(double size) {
                      return Vec3{v[0] + 3 * v[1] / size, v[1], v[2]};
                  });
 }
+
+/// A lattice whose sample (0, 0, 0) is far away, and of it a block that begins with sample `first`. The block's middle
+/// is at (0, 0, 0), as nearly as the origin's doubles allow.
+struct FarLattice {
+    Vec3 spacing;
+    Index3 first;
+
+    Grid block(const Index3& size) const {
+        Grid grid;
+        grid.spacing = spacing;
+        grid.first = first;
+        grid.size = size;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            grid.origin[axis] =
+                -spacing[axis] * (static_cast<double>(first[axis]) + 0.5 * static_cast<double>(size[axis] - 1));
+        return grid;
+    }
+
+    /// A mesh in the block, one unit of which becomes a sample on every axis.
+    Mesh in_samples(const Mesh& mesh) const {
+        return moved(mesh, [&](const Vec3& v) {
+            return Vec3{spacing[0] * v[0], spacing[1] * v[1], spacing[2] * v[2]};
+        });
+    }
+};
+
+/// In the smallest spacing, 7e5 to 7e11 from sample (0, 0, 0).
+const std::vector<FarLattice> far_lattices{
+    {{0.138, 0.138, 13.8}, {-1, -233306, -708969157}},
+    {{0.073, 0.51, 0.00073}, {1000000007, -999999937, 812345678}},
+    {{51.1, 0.0731, 0.0731}, {-1073741000, 12345, 1073000000}},
+    {{1, 1, 1}, {1073000000, -1073000000, 600000000}},
+};
 
 }  // namespace
 
@@ -108,4 +142,60 @@ BOOST_AUTO_TEST_CASE(a_tip_of_a_thousand_triangles_is_exact) {
     check_exact(mesh, grid, Band::symmetric(4 * grid.voxel()));
     const Vec3 tip = mesh.vertices()[0];
     check_exact(mesh, grid_at(tip, 0.01, 12), Band::symmetric(0.08), guaranteed);
+}
+
+// Where the lattice's sample (0, 0, 0) is plays no part: the difference from it is not rounded.
+BOOST_AUTO_TEST_CASE(a_lattice_that_begins_a_billion_samples_away_is_exact) {
+    for (const FarLattice& lattice : far_lattices)
+        for (const char* shape : {"knot", "cube", "sphere3"}) {
+            const Mesh mesh = lattice.in_samples(scaled(tilted(make_shape(shape)), 7));
+            const Grid grid = lattice.block({29, 27, 25});
+            for (const double half_width : {3 * grid.voxel(), 2 * grid.spacing[0], 3 * grid.spacing[2]})
+                check_exact(mesh, grid, Band::symmetric(half_width), guaranteed);
+            check_exact(mesh, grid, Band::full(), guaranteed);
+        }
+}
+
+BOOST_AUTO_TEST_CASE(a_lattice_that_begins_a_billion_samples_away_is_exact_by_every_method) {
+    for (const FarLattice& lattice : far_lattices) {
+        const Mesh mesh = lattice.in_samples(scaled(tilted(make_shape("cube")), 7));
+        const Grid grid = lattice.block({29, 27, 25});
+        const Band band = Band::symmetric(2 * *std::max_element(grid.spacing.begin(), grid.spacing.end()));
+        check_exact(mesh, compute(mesh, grid, band, KernelBody::by_group), guaranteed);
+        check_exact(mesh, compute(mesh, grid, band, TransformOptions{.scan = Scan::slices}), guaranteed);
+        check_exact(mesh, compute(mesh, grid, band, TransformOptions{.polyhedra = Polyhedra::mauch}), guaranteed);
+    }
+}
+
+// Walls that pass samples by a few millionths of a voxel, on one side and on the other.
+BOOST_AUTO_TEST_CASE(the_sign_beside_walls_is_exact_a_billion_samples_away) {
+    for (const FarLattice& lattice : far_lattices) {
+        const Grid grid = lattice.block({12, 11, 10});
+        const Vec3 low = grid.position(3, 3, 3), high = grid.position(8, 7, 6);
+        for (const double by : {-4e-6, 4e-6}) {
+            const auto beyond = [&](double sign, const Vec3& corner) {
+                const double step = sign * by * grid.voxel();
+                return Vec3{corner[0] + step, corner[1] + step, corner[2] + step};
+            };
+            const Mesh mesh = box(beyond(-1, low), beyond(1, high));
+            check_exact(mesh, compute(mesh, grid, Band::symmetric(2 * grid.voxel())), guaranteed);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_part_of_a_far_lattice_has_the_bytes_of_the_whole) {
+    for (const FarLattice& lattice : far_lattices) {
+        const Mesh mesh = lattice.in_samples(scaled(tilted(make_shape("knot")), 7));
+        const Grid grid = lattice.block({29, 27, 25});
+        const Band band = Band::symmetric(3 * *std::max_element(grid.spacing.begin(), grid.spacing.end()));
+        const Field whole = compute(mesh, grid, band);
+        const Index3 offset{5, 9, 3}, size{17, 10, 14};
+        const Field part = compute(mesh, grid.part(offset, size), band);
+        std::vector<float> cut;
+        for (std::int64_t k = 0; k < size[2]; ++k)
+            for (std::int64_t j = 0; j < size[1]; ++j)
+                for (std::int64_t i = 0; i < size[0]; ++i)
+                    cut.push_back(whole.distance[grid.offset(offset[0] + i, offset[1] + j, offset[2] + k)]);
+        BOOST_TEST((bits_of(cut) == bits_of(part.distance)));
+    }
 }

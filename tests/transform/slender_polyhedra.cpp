@@ -102,7 +102,9 @@ std::vector<Polyhedron> random_polyhedra(Random& random, const polyhedra::Lattic
             slopes.above[edge] = static_cast<float>(random.uniform(0, steepest));
             slopes.below[edge] = static_cast<float>(random.uniform(0, steepest));
         }
-        result.push_back(polyhedra::pack(frame, slopes, static_cast<std::uint32_t>(result.size()), lattice));
+        const Triangle triangle{0, 1, 2};
+        result.push_back(polyhedra::pack(frame, slopes, static_cast<std::uint32_t>(result.size()),
+                                         {corners, {&triangle, 1}, lattice}, triangle));
     }
     return result;
 }
@@ -181,8 +183,10 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
     polyhedra::Vector middle(first[0], first[1], first[2]);
     middle += 16 * polyhedra::to_vector(lattice.spacing_in_units);
     const auto site = static_cast<cl_uint>(polyhedra.size());
+    const std::array<Vec3, 1> position{Vec3{middle.x(), middle.y(), middle.z()}};
     polyhedra.push_back(polyhedra::pack(polyhedra::point_frame(middle, polyhedra::Vector(0, 0, 1)),
-                                        polyhedra::FaceSlopes{{1, 1, 1}, {1, 1, 1}}, site, lattice));
+                                        polyhedra::FaceSlopes{{1, 1, 1}, {1, 1, 1}}, site, {position, {}, lattice},
+                                        {0, 0, 0}));
     std::string options = seed % 2 == 0 ? "" : "-DMOST_SAMPLES=8";  // lists that one polyhedron fills several times
     if (seed / 2 % 2 == 0) options += " -DSCATTERED_ACCESS";        // matters where the processor has AVX-512
     const bool has_nearest = seed % 3 == 0;

@@ -28,7 +28,8 @@ struct GridOptions {
 /// A regular grid: sample (i, j, k) of the lattice lies at origin + (i hx, j hy, k hz), a real number formed from the
 /// stored doubles. A Grid is the block of samples first <= (i, j, k) < first + size of that lattice; x runs fastest in
 /// memory. Bricks and all snapping are anchored to the lattice's sample (0, 0, 0), never to `first`: a part of a grid
-/// has the same bytes as the whole.
+/// has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it; blocks of it end
+/// within 2^30 - 128 samples of that one, and a mesh within 1e14 times the smallest spacing.
 struct Grid {
     Vec3 origin{};
     Vec3 spacing{1, 1, 1};
