@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
 namespace clsdf {
@@ -12,7 +13,11 @@ Band Band::full() {
 }
 
 void Band::validate() const {
-    // Written so that a NaN fails.
+    if (std::isnan(inside) || std::isnan(outside))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("band: the half widths are {} inside and {} outside, and one that is nan was not set; "
+                                "give both, e.g. Band::symmetric(3 * grid.voxel()), or Band::full() for a full field",
+                                inside, outside));
     if (!(inside >= 0) || !(outside >= 0))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("band: the half widths are {} inside and {} outside; each must be 0 or more (infinite "

@@ -1,5 +1,6 @@
 #include <clsdf/device.hpp>
 
+#include "core/moved_from.hpp"
 #include "device/context.hpp"
 
 namespace clsdf {
@@ -23,17 +24,26 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
     });
 }
 
+device::Context& Device::internal() const {
+    return held_by(context_, "Device");
+}
+
+const std::shared_ptr<device::Context>& Device::shared() const {
+    internal();
+    return context_;
+}
+
 std::string Device::name() const {
-    return device::guarded([&] { return context_->device().getInfo<CL_DEVICE_NAME>(); });
+    return device::guarded([&] { return internal().device().getInfo<CL_DEVICE_NAME>(); });
 }
 
 std::string Device::platform() const {
     return device::guarded(
-        [&] { return cl::Platform(context_->device().getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>(); });
+        [&] { return cl::Platform(internal().device().getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>(); });
 }
 
 std::string Device::program_cache() const {
-    return context_->cache_folder().string();
+    return internal().cache_folder().string();
 }
 
 std::string Device::record_folder() const {
@@ -41,7 +51,7 @@ std::string Device::record_folder() const {
 }
 
 void Device::set_program_cache(const std::string& folder) const {
-    context_->set_cache_folder(folder);
+    internal().set_cache_folder(folder);
 }
 
 void Device::forget_tests() const {
@@ -50,13 +60,13 @@ void Device::forget_tests() const {
 }
 
 cl_context Device::context() const {
-    return context_->context()();
+    return internal().context()();
 }
 cl_device_id Device::id() const {
-    return context_->device()();
+    return internal().device()();
 }
 cl_command_queue Device::queue() const {
-    return context_->callers_queue()();
+    return internal().callers_queue()();
 }
 
 }  // namespace clsdf

@@ -1,3 +1,4 @@
+#include "core/moved_from.hpp"
 #include "picture/colour_bar.hpp"
 #include "picture/picture_file.hpp"
 #include "picture/scene.hpp"
@@ -40,7 +41,7 @@ SurfacePictures& SurfacePictures::operator=(SurfacePictures&&) noexcept = defaul
 SurfacePictures::~SurfacePictures() = default;
 
 double SurfacePictures::offset() const {
-    return scene_->offset();
+    return held_by(scene_, "SurfacePictures").offset();
 }
 
 Axis SurfacePictures::upright() const {
@@ -48,19 +49,20 @@ Axis SurfacePictures::upright() const {
 }
 
 Hits SurfacePictures::hits(const SurfaceOptions& options) const {
-    const Camera camera = scene_->camera(options);
-    const Manner manner = scene_->manner(camera);
-    const RenderView view = scene_->view(options, camera, scene_->shading(options, camera, manner), 1);
-    const double voxel = scene_->field().grid.voxel();
+    const Scene& scene = held_by(scene_, "SurfacePictures");
+    const Camera camera = scene.camera(options);
+    const Manner manner = scene.manner(camera);
+    const RenderView view = scene.view(options, camera, scene.shading(options, camera, manner), 1);
+    const double voxel = scene.field().grid.voxel();
     Hits hits{camera.width(), camera.height(), {}};
-    scene_->tracer().trace(view, options.stop, [&](int first_row, std::span<const RenderHit> found) {
+    scene.tracer().trace(view, options.stop, [&](int first_row, std::span<const RenderHit> found) {
         for (const RenderHit& hit : found) {
             Hit& pixel = hits.pixels.emplace_back();
             pixel.kind = kind_of(hit.kind);
             if (pixel.kind == Hit::Kind::nothing) continue;
-            pixel.position = scene_->position_of(hit);
+            pixel.position = scene.position_of(hit);
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                pixel.position[axis] += scene_->origin()[axis];
+                pixel.position[axis] += scene.origin()[axis];
                 pixel.gradient[axis] = static_cast<double>(hit.gradient[axis]);
             }
             pixel.distance = static_cast<double>(hit.value) * voxel;
@@ -150,17 +152,18 @@ void draw_legend(Canvas& canvas, const Scene& scene, const SurfaceOptions& optio
 }  // namespace
 
 void SurfacePictures::write(const SurfaceOptions& options, const std::string& path) const {
+    const Scene& scene = held_by(scene_, "SurfacePictures");
     check_output(path);
-    const Camera camera = scene_->camera(options);
-    const Manner manner = scene_->manner(camera);
-    const SurfaceShading shading = scene_->shading(options, camera, manner);
-    const RenderView view = scene_->view(options, camera, shading, options.rays);
+    const Camera camera = scene.camera(options);
+    const Manner manner = scene.manner(camera);
+    const SurfaceShading shading = scene.shading(options, camera, manner);
+    const RenderView view = scene.view(options, camera, shading, options.rays);
     PixelSums sums(camera.width(), camera.height(), options.rays);
     std::atomic<bool> is_opened = false;
-    scene_->tracer().trace(view, options.stop, [&](int first_row, std::span<const RenderHit> hits) {
+    scene.tracer().trace(view, options.stop, [&](int first_row, std::span<const RenderHit> hits) {
         sums.add(first_row, hits, [&](const RenderHit& hit) {
             if (hit.kind >= CLSDF_RENDER_CUT) is_opened.store(true, std::memory_order_relaxed);
-            return shading(hit, hit.kind == CLSDF_RENDER_NOTHING ? 1 : camera.pixel_at(scene_->position_of(hit)));
+            return shading(hit, hit.kind == CLSDF_RENDER_NOTHING ? 1 : camera.pixel_at(scene.position_of(hit)));
         });
         report(options, first_row + static_cast<int>(hits.size() / static_cast<std::size_t>(view.columns)), view.rows);
     });
@@ -171,7 +174,7 @@ void SurfacePictures::write(const SurfaceOptions& options, const std::string& pa
     }
     Canvas canvas;
     canvas.place(raster, 0, 0);
-    draw_legend(canvas, *scene_, options, manner, raster);
+    draw_legend(canvas, scene, options, manner, raster);
     write_file(path, canvas.png(margin * manner.unit));
 }
 

@@ -1,3 +1,4 @@
+#include "core/moved_from.hpp"
 #include "ray_counter.hpp"
 
 #include <clsdf/error.hpp>
@@ -37,12 +38,12 @@ Oracle::~Oracle() = default;
 
 Nearest Oracle::nearest(const Vec3& query) const {
     require_finite(query);
-    return *state_->tree.nearest({query, {}});
+    return *held_by(state_, "Oracle").tree.nearest({query, {}});
 }
 
 std::optional<Nearest> Oracle::nearest_within(const Vec3& query, double bound) const {
     require_finite(query);
-    return state_->tree.nearest({query, {}}, bound);
+    return held_by(state_, "Oracle").tree.nearest({query, {}}, bound);
 }
 
 std::optional<int> Oracle::winding_number(const Vec3& query) const {
@@ -59,7 +60,7 @@ std::vector<std::optional<RayCount>> Oracle::count_along_row(std::span<const dou
     for (const double at : x) {
         require_finite({at, y, z});
     }
-    return state_->rays.count_along_row(x, y, z);
+    return held_by(state_, "Oracle").rays.count_along_row(x, y, z);
 }
 
 }  // namespace clsdf::reference

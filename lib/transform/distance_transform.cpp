@@ -1,5 +1,6 @@
 #include <clsdf/distance_transform.hpp>
 
+#include "core/moved_from.hpp"
 #include "core/scratch_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/coarse_lists.hpp"
@@ -275,37 +276,42 @@ DistanceTransform::DistanceTransform(DistanceTransform&&) noexcept = default;
 DistanceTransform& DistanceTransform::operator=(DistanceTransform&&) noexcept = default;
 DistanceTransform::~DistanceTransform() = default;
 
+DistanceTransform::State& DistanceTransform::state() const {
+    return held_by(state_, "DistanceTransform");
+}
+
 const Topology& DistanceTransform::topology() const {
-    return state_->topology;
+    return state().topology;
 }
 SignRule DistanceTransform::sign() const {
-    return state_->sign;
+    return state().sign;
 }
 const TransformStatistics& DistanceTransform::statistics() const {
-    return state_->statistics;
+    return state().statistics;
 }
 
 void DistanceTransform::set_stop(std::stop_token stop) {
-    state_->options.stop = std::move(stop);
+    state().options.stop = std::move(stop);
 }
 
 bool DistanceTransform::compile(const Grid& grid, const Band& band, const Outputs& outputs) {
-    state_->throw_if_stopped();
-    return state_->compile(grid, band, outputs);
+    state().throw_if_stopped();
+    return state().compile(grid, band, outputs);
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {
+    State& prepared = state();
     std::optional<transform::SweepMesh> sweep_mesh;
-    state_->compile(grid, band, outputs);
-    auto plan_state = state_->make_plan(state_->prepare(grid, band), sweep_mesh, grid, band, outputs);
-    state_->move_compilation_to(plan_state->statistics);
+    prepared.compile(grid, band, outputs);
+    auto plan_state = prepared.make_plan(prepared.prepare(grid, band), sweep_mesh, grid, band, outputs);
+    prepared.move_compilation_to(plan_state->statistics);
     Plan plan(std::move(plan_state));
-    device::guarded([&] { state_->device.internal().queue().finish(); });  // what fails of the set-up fails here
+    device::guarded([&] { prepared.device.internal().queue().finish(); });  // what fails of the set-up fails here
     return plan;
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOutputs& host) {
-    State& state = *state_;
+    State& state = this->state();
     grid.validate();
     const std::size_t samples = grid.sample_count();
     const Outputs outputs{.triangle = !host.triangle.empty()};
@@ -321,7 +327,7 @@ void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOu
 
 void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
                                       const SlabOptions& options) {
-    State& state = *state_;
+    State& state = this->state();
     grid.validate();
     grid.sample_count();
     if (!sink) throw Error(ErrorCode::invalid_argument, "DistanceTransform::compute_slabs needs a sink; it is empty");
@@ -342,8 +348,8 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
     Field field;
     field.grid = grid;
     field.band = band;
-    field.sign = state_->sign;
-    field.mesh_name = state_->mesh.name();
+    field.sign = sign();
+    field.mesh_name = state().mesh.name();
     grid.validate();
     try {
         field.distance.resize(grid.sample_count());

@@ -1,5 +1,6 @@
 #include "transform/plan_state.hpp"
 
+#include "core/moved_from.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/brick_scan.hpp"
 #include "transform/layout_of.hpp"
@@ -121,42 +122,47 @@ Plan::Plan(Plan&&) noexcept = default;
 Plan& Plan::operator=(Plan&&) noexcept = default;
 Plan::~Plan() = default;
 
+Plan::State& Plan::state() const {
+    return held_by(state_, "Plan");
+}
+
 const Grid& Plan::grid() const {
-    return state_->grid;
+    return state().grid;
 }
 const Band& Plan::band() const {
-    return state_->band;
+    return state().band;
 }
 SignRule Plan::sign() const {
-    return state_->sign;
+    return state().sign;
 }
 const TransformStatistics& Plan::statistics() const {
-    return state_->statistics;
+    return state().statistics;
 }
 
 cl_event Plan::enqueue(cl_command_queue queue, const DeviceOutputs& outputs, std::span<const cl_event> wait_list) {
+    State& state = this->state();
     if (outputs.distance == nullptr)
         throw Error(ErrorCode::invalid_argument,
                     "Plan::enqueue needs memory for the distance; DeviceOutputs::distance is null");
-    if (state_->outputs.triangle && outputs.triangle == nullptr)
+    if (state.outputs.triangle && outputs.triangle == nullptr)
         throw Error(ErrorCode::invalid_argument,
                     "the plan was made with Outputs::triangle, and DeviceOutputs::triangle is null; give it memory, or "
                     "plan without");
-    if (!state_->outputs.triangle && outputs.triangle != nullptr)
+    if (!state.outputs.triangle && outputs.triangle != nullptr)
         throw Error(
             ErrorCode::invalid_argument,
             "DeviceOutputs::triangle is given, and the plan was made without; plan with Outputs{.triangle = true}");
     return device::guarded([&] {
-        const std::size_t samples = state_->grid.sample_count();
-        check_memory("distance", outputs.distance, state_->device.context(), samples);
-        if (outputs.triangle != nullptr) check_memory("triangle", outputs.triangle, state_->device.context(), samples);
+        const std::size_t samples = state.grid.sample_count();
+        check_memory("distance", outputs.distance, state.device.context(), samples);
+        if (outputs.triangle != nullptr) check_memory("triangle", outputs.triangle, state.device.context(), samples);
         std::vector<cl::Event> events;
         for (cl_event event : wait_list) events.emplace_back(event, true);
         const cl::CommandQueue target =
-            queue != nullptr ? cl::CommandQueue(queue, true) : state_->device.internal().callers_queue();
+            queue != nullptr ? cl::CommandQueue(queue, true) : state.device.internal().callers_queue();
         const cl::Buffer distance(outputs.distance, true);
         const cl::Buffer triangle = outputs.triangle != nullptr ? cl::Buffer(outputs.triangle, true) : cl::Buffer();
-        const cl::Event last = state_->enqueue(target, distance, triangle, events, {});
+        const cl::Event last = state.enqueue(target, distance, triangle, events, {});
         clRetainEvent(last());
         return last();
     });

@@ -18,8 +18,8 @@ struct SweepMesh {
     std::size_t triangle_count = 0;
     int bits_y = 0;  ///< of a snapped vertex, below a sample
     int bits_z = 0;
-    bool has_large_triangles = false;  ///< found by a sweep: more than CLSDF_LARGE_ROWS rows
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
+    bool has_large_triangles = false;  ///< found by a sweep: more than CLSDF_LARGE_ROWS rows
 };
 
 /// Whether some of the mesh's triangles are large on the grid, guessed from a sample of them.

@@ -3,7 +3,10 @@
 
 #include "device/context.hpp"
 
+#include <functional>
 #include <limits>
+#include <utility>
+#include <vector>
 
 /// Callers' objects and numbers that are legal, or nearly so, and have broken this library or others.
 namespace clsdf::test {
@@ -101,6 +104,72 @@ BOOST_AUTO_TEST_CASE(triangles_of_ten_billion_voxels_are_found) {
                     {{0, 1, 3}, {0, 3, 2}, {0, 2, 1}, {1, 2, 3}}, "tetrahedron of 1e10 voxels");
     const double middle = -size / 3 - 20;  // of the last face, seen from the origin
     check_exact(mesh, Grid{{middle, middle, middle}, {1, 1, 1}, {40, 40, 40}, {}}, Band::symmetric(8), guaranteed);
+}
+
+BOOST_AUTO_TEST_CASE(a_band_that_was_not_set_gives_no_field) {
+    check_throws(ErrorCode::invalid_argument, {"band", "not set", "Band::full()"},
+                 [&] { compute(make_shape("cube"), unit_grid(), Band{}); });
+}
+
+BOOST_AUTO_TEST_CASE(a_transform_that_was_moved_from_answers_with_an_error) {
+    const Mesh mesh = make_shape("cube");
+    const Grid grid = unit_grid();
+    const Band band = Band::symmetric(0.2);
+    DistanceTransform from(test_device(), mesh);
+    DistanceTransform to = std::move(from);
+    std::vector<float> distance(grid.sample_count());
+    // NOLINTBEGIN(bugprone-use-after-move)
+    const std::vector<std::function<void()>> calls{
+        [&] { from.sign(); },
+        [&] { from.topology(); },
+        [&] { from.statistics(); },
+        [&] { from.set_stop({}); },
+        [&] { from(grid, band); },
+        [&] { from.compute(grid, band, {.distance = distance}); },
+        [&] { from.compute_slabs(grid, band, {}, [](const Grid&, const FieldSlab&) {}); },
+        [&] { from.plan(grid, band); }};
+    for (const auto& call : calls) check_throws(ErrorCode::invalid_argument, {"DistanceTransform", "moved from"}, call);
+    BOOST_TEST((to.sign() == SignRule::nonzero));
+    from = std::move(to);
+    BOOST_TEST(from(grid, band).distance.size() == grid.sample_count());
+    // NOLINTEND(bugprone-use-after-move)
+}
+
+BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error) {
+    DistanceTransform transform(test_device(), make_shape("cube"));
+    Plan from = transform.plan(unit_grid(), Band::symmetric(0.2));
+    const Plan to = std::move(from);
+    // NOLINTBEGIN(bugprone-use-after-move)
+    for (const std::function<void()>& call :
+         std::vector<std::function<void()>>{[&] { from.grid(); }, [&] { from.band(); }, [&] { from.sign(); },
+                                            [&] { from.statistics(); }, [&] { from.enqueue(nullptr, {}); }})
+        check_throws(ErrorCode::invalid_argument, {"Plan", "moved from"}, call);
+    BOOST_TEST((to.grid() == unit_grid()));
+
+    Device device = test_device();
+    const Device other = std::move(device);
+    for (const std::function<void()>& call : std::vector<std::function<void()>>{
+             [&] { device.name(); }, [&] { device.platform(); }, [&] { device.context(); }, [&] { device.id(); },
+             [&] { device.queue(); }, [&] { device.program_cache(); }, [&] { device.set_program_cache(""); },
+             [&] { DistanceTransform(device, make_shape("cube")); }})
+        check_throws(ErrorCode::invalid_argument, {"Device", "moved from"}, call);
+    BOOST_TEST(other.name() == test_device().name());
+    // NOLINTEND(bugprone-use-after-move)
+}
+
+BOOST_AUTO_TEST_CASE(an_oracle_that_was_moved_from_answers_with_an_error) {
+    reference::Oracle from(make_shape("cube"));
+    const reference::Oracle to = std::move(from);
+    // NOLINTBEGIN(bugprone-use-after-move)
+    for (const std::function<void()>& call : std::vector<std::function<void()>>{[&] {
+                                                                                    from.nearest({0, 0, 0});
+                                                                                },
+                                                                                [&] {
+                                                                                    from.winding_number({0, 0, 0});
+                                                                                }})
+        check_throws(ErrorCode::invalid_argument, {"Oracle", "moved from"}, call);
+    BOOST_TEST(to.nearest({5, 5, 5}).distance > 0);
+    // NOLINTEND(bugprone-use-after-move)
 }
 
 }  // namespace clsdf::test

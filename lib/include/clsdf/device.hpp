@@ -44,7 +44,8 @@ struct DeviceInfo {
     bool usable() const { return why_not.empty(); }
 };
 
-/// An OpenCL device with a context and a queue. Cheap to copy; copies share them.
+/// An OpenCL device with a context and a queue. Cheap to copy; copies share them. Once moved from, every member but
+/// assignment and the destructor throws Error(invalid_argument).
 class Device {
 public:
     /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used.
@@ -96,8 +97,8 @@ public:
     void forget_tests() const;
 
     /// For the library's own stages.
-    device::Context& internal() const { return *context_; }
-    const std::shared_ptr<device::Context>& shared() const { return context_; }
+    device::Context& internal() const;
+    const std::shared_ptr<device::Context>& shared() const;
 
 private:
     explicit Device(std::shared_ptr<device::Context> context) : context_(std::move(context)) {}

@@ -116,7 +116,8 @@ struct SlabOptions {
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
 /// Holds its own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued.
-/// One thread at a time.
+/// One thread at a time. Once moved from, every member but assignment and the destructor throws
+/// Error(invalid_argument).
 class Plan {
 public:
     struct State;
@@ -137,10 +138,12 @@ public:
     const TransformStatistics& statistics() const;
 
 private:
+    State& state() const;
     std::unique_ptr<State> state_;
 };
 
-/// The exact distance to a mesh, on any number of grids.
+/// The exact distance to a mesh, on any number of grids. Once moved from, every member but assignment and the
+/// destructor throws Error(invalid_argument).
 class DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
@@ -189,6 +192,7 @@ public:
 
 private:
     struct State;
+    State& state() const;
     std::unique_ptr<State> state_;
 };
 

@@ -128,7 +128,8 @@ class Scene;
 /// Pictures of the surface where the distance has one value, found by sphere tracing on the device. What is seen is the
 /// zero set of the samples' trilinear interpolant, whatever the spacing and the band; steps are bounded by the slopes
 /// that the samples have, so that nothing is passed over. Where the solid is cut or reaches the end of the grid, it
-/// shows its distances in the colours of SlicePictures, with iso-lines.
+/// shows its distances in the colours of SlicePictures, with iso-lines. Once moved from, every member but assignment
+/// and the destructor throws Error(invalid_argument).
 class SurfacePictures {
 public:
     /// Keeps a reference to the field, and copies its samples to the device. `offset`: the surface's distance in the

@@ -44,7 +44,7 @@ struct RayCount {
 /// on the coordinates as given. Rays run along +x. A ray through an edge or a vertex is decided as if it were moved by
 /// (e, e^2) in (y, z) for an arbitrarily small e: a closed surface is crossed consistently, and triangles that have no
 /// area seen along x, faces with repeated vertices among them, are not crossed at all.
-/// Constant functions may be called from several threads at once.
+/// Constant functions may be called from several threads at once. Once moved from, they throw Error(invalid_argument).
 class Oracle {
 public:
     /// Keeps a copy of the mesh.
