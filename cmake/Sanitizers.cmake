@@ -6,3 +6,12 @@ if(CLSDF_SANITIZE)
   add_compile_options($<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   add_link_options(-fsanitize=${sanitizers})
 endif()
+
+# CLSDF_FUZZ: everything reports the branches it takes, and tests/fuzz links libFuzzer.
+if(CLSDF_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "CLSDF_FUZZ needs libFuzzer, which is clang's; configure with -DCMAKE_CXX_COMPILER=clang++ "
+                        "(on Debian: apt-get install clang libclang-rt-dev)")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()

@@ -3,7 +3,7 @@
 function(clsdf_test_defaults)
   set(limit 300)
   if(CLSDF_SANITIZE)
-    set(limit 900)
+    set(limit 3600)
   endif()
   get_property(tests DIRECTORY PROPERTY TESTS)
   foreach(test IN LISTS tests)
@@ -20,6 +20,7 @@ function(clsdf_test_defaults)
                # LLVM, in PoCL's threads, has an alternate stack for signals too.
                "ASAN_OPTIONS=use_sigaltstack=0"
                "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt:print_suppressions=0"
-               "UBSAN_OPTIONS=print_stacktrace=1")
+               "UBSAN_OPTIONS=print_stacktrace=1"
+               "TSAN_OPTIONS=ignore_noninstrumented_modules=1:suppressions=${PROJECT_SOURCE_DIR}/cmake/thread_suppressions.txt")
   endforeach()
 endfunction()

@@ -131,7 +131,7 @@ Vec3 MeshView::vertex(std::size_t index) const {
         return {vertex[0], vertex[1], vertex[2]};
     }
     const float* vertex = float_vertices_ + 3 * index;
-    return {double{vertex[0]}, double{vertex[1]}, double{vertex[2]}};
+    return {static_cast<double>(vertex[0]), static_cast<double>(vertex[1]), static_cast<double>(vertex[2])};
 }
 
 Triangle MeshView::triangle(std::size_t index) const {

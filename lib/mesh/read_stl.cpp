@@ -42,7 +42,7 @@ MeshArrays read_binary(const FileContent& file, std::size_t triangle_count) {
         for (std::size_t k = 0; k < 3; ++k) {
             Vec3 vertex;
             for (std::size_t axis = 0; axis < 3; ++axis)
-                vertex[axis] = double{load<float>(address + 4 * (3 * k + axis), std::endian::little)};
+                vertex[axis] = static_cast<double>(load<float>(address + 4 * (3 * k + axis), std::endian::little));
             mesh.vertices.push_back(vertex);
         }
         const auto first = static_cast<std::uint32_t>(3 * t);

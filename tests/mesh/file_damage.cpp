@@ -2,6 +2,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/shapes.hpp>
 
+#include "support/damage.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <chrono>
@@ -10,6 +11,8 @@
 namespace clsdf {
 
 using test::content_of;
+using test::damaged;
+using test::Dice;
 using test::TemporaryFolder;
 
 namespace {
@@ -40,69 +43,6 @@ std::vector<std::pair<std::string, std::string>> sound_files(const TemporaryFold
     files.emplace_back(
         ".off", "COFF\n# text\n4 1 0\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n0 1 0 1 1 1 1\n4 0 1 2 3 255\n");
     return files;
-}
-
-/// Seeded and the same on every platform.
-class Dice {
-public:
-    explicit Dice(std::uint32_t seed) : engine_(seed) {}
-    std::size_t below(std::size_t limit) { return limit == 0 ? 0 : engine_() % limit; }
-
-private:
-    std::mt19937 engine_;
-};
-
-std::string mutated(std::string content, Dice& dice) {
-    static const std::vector<std::string> pieces{"-1",
-                                                 "0",
-                                                 "4294967295",
-                                                 "99999999999999999999",
-                                                 "1e999",
-                                                 "nan",
-                                                 "-inf",
-                                                 "\n",
-                                                 "\r",
-                                                 "\\\n",
-                                                 "#",
-                                                 " ",
-                                                 "\t",
-                                                 std::string(1, '\0'),
-                                                 "\xFF\xFF\xFF\xFF",
-                                                 "element",
-                                                 "property list uchar int q\n",
-                                                 "end_header\n",
-                                                 "solid",
-                                                 "endloop",
-                                                 "f ",
-                                                 "v ",
-                                                 "OFF",
-                                                 "1000000000"};
-    const std::size_t changes = 1 + dice.below(4);
-    for (std::size_t k = 0; k < changes; ++k) {
-        const std::size_t place = dice.below(content.size() + 1);
-        const std::size_t length = dice.below(16);
-        switch (dice.below(6)) {
-            case 0:
-                content.resize(place);
-                break;
-            case 1:
-                if (place < content.size()) content[place] = static_cast<char>(dice.below(256));
-                break;
-            case 2:
-                content.insert(place, pieces[dice.below(pieces.size())]);
-                break;
-            case 3:
-                content.erase(place, length);
-                break;
-            case 4:
-                content.replace(place, length, pieces[dice.below(pieces.size())]);
-                break;
-            default:
-                content.insert(place, content.substr(dice.below(content.size() + 1), 4 * length));
-                break;
-        }
-    }
-    return content;
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -139,7 +79,7 @@ BOOST_AUTO_TEST_CASE(whatever_happens_to_a_file_reading_it_gives_a_mesh_or_an_er
         for (std::uint32_t seed = 0; seed < seeds; ++seed) {
             BOOST_TEST_CONTEXT("ending " << ending << ", seed " << seed) {
                 Dice dice(seed);
-                const std::string path = folder.file("damaged" + ending, mutated(content, dice));
+                const std::string path = folder.file("damaged" + ending, damaged(content, dice));
                 const auto start = std::chrono::steady_clock::now();
                 const std::optional<Error> error = error_of_reading(path);
                 slowest = std::max(slowest, seconds_since(start));

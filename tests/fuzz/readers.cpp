@@ -1,0 +1,165 @@
+#include "fuzz/readers.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/field.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/shapes.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+namespace clsdf::fuzz {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content_of(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::size_t take_mesh(const std::string& path) {
+    const Mesh mesh = read_mesh(path);
+    if (mesh.triangles().empty()) fail("a mesh without a triangle was given");
+    for (const Triangle& triangle : mesh.triangles())
+        for (const std::uint32_t corner : triangle) {
+            if (corner >= mesh.vertices().size()) fail("a triangle names a vertex that is not there");
+            for (const double x : mesh.vertices()[corner])
+                if (!std::isfinite(x)) fail("a vertex in use is not finite");
+        }
+    return mesh.triangles().size() * sizeof(Triangle) + mesh.vertices().size() * sizeof(Vec3);
+}
+
+std::size_t take_field(const std::string& path) {
+    const Field field = Field::read(path);
+    try {
+        field.grid.validate();
+        field.band.validate();
+    } catch (const Error& error) {
+        fail(std::string("a field whose grid or band is not valid was given: ") + error.what());
+    }
+    if (field.distance.size() != field.grid.sample_count()) fail("the distances do not fit the grid");
+    if (!field.triangle.empty() && field.triangle.size() != field.grid.sample_count())
+        fail("the triangles do not fit the grid");
+    return (field.distance.size() + field.triangle.size()) * sizeof(float);
+}
+
+Field example_field(bool any_spacing, bool has_triangles) {
+    Field field;
+    field.grid = Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {4, 3, 2}, {2, 10, 12}};
+    if (!any_spacing) field.grid.spacing.fill(1.0 / 3);
+    field.band = {0, std::numeric_limits<double>::infinity()};
+    field.sign = SignRule::nonzero;
+    field.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
+    for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i) {
+        field.distance.push_back(0.1F * static_cast<float>(i) - 1);
+        if (has_triangles) field.triangle.push_back(i * i);
+    }
+    return field;
+}
+
+Reader mesh_reader(const std::string& format, const fs::path& folder) {
+    Reader reader{format, "damaged." + format, "damaged." + format, {}, {}, take_mesh};
+    const fs::path sound = folder / ("sound." + format);
+    for (const char* shape : {"tetrahedron", "sphere1"}) {
+        write_mesh(make_shape(shape), sound.string());
+        reader.seeds.push_back(content_of(sound));
+    }
+    fs::remove(sound);
+    return reader;
+}
+
+/// `damaged`: the part of a file's name after "field" that is damaged, e.g. ".npy.json"; the others lie beside it.
+Reader field_reader(const std::string& format, const std::string& ending, const std::string& damaged,
+                    const fs::path& folder) {
+    Reader reader{format, "field" + damaged, "field" + ending, {}, {}, take_field};
+    const bool is_plain = ending == ".sdf" || ending == ".vdb";
+    // Several fields, so that a damaged file has more than one way to be sound.
+    for (const bool has_triangles : {true, false}) {
+        if (has_triangles && ending == ".sdf") continue;
+        const fs::path sound = folder / "sound";
+        fs::create_directory(sound);
+        example_field(!is_plain, has_triangles).write((sound / ("field" + ending)).string());
+        if (fs::exists(sound / reader.damaged)) reader.seeds.push_back(content_of(sound / reader.damaged));
+        if (reader.beside.empty())
+            for (const auto& entry : fs::directory_iterator(sound))
+                if (entry.path().filename() != reader.damaged)
+                    reader.beside.emplace_back(entry.path().filename().string(), content_of(entry.path()));
+        fs::remove_all(sound);
+    }
+    // What is compressed, or stated once for many samples, may be short.
+    if (ending == ".h5" || ending == ".vdb") reader.expansion = 4096;
+    return reader;
+}
+
+struct FieldFormat {
+    const char* format;
+    const char* ending;
+    const char* damaged;
+};
+constexpr std::array field_formats {
+    FieldFormat{"nrrd", ".nrrd", ".nrrd"}, FieldFormat{"nrrd_triangle", ".nrrd", "_triangle.nrrd"},
+        FieldFormat{"npy", ".npy", ".npy"}, FieldFormat{"npy_json", ".npy", ".npy.json"},
+        FieldFormat{"vti", ".vti", ".vti"}, FieldFormat{"h5", ".h5", ".h5"}, FieldFormat{"sdf", ".sdf", ".sdf"},
+#if CLSDF_HAS_VDB
+        FieldFormat{"vdb", ".vdb", ".vdb"},
+#endif
+};
+constexpr std::array mesh_formats{"off", "obj", "stl", "ply"};
+
+std::string spelt(const std::string& text) {
+    std::string bytes;
+    std::string digits;
+    for (const char c : text) {
+        if (std::isxdigit(static_cast<unsigned char>(c)) != 0) digits += c;
+        if (digits.size() < 2) continue;
+        bytes += static_cast<char>(std::stoi(digits, nullptr, 16));
+        digits.clear();
+    }
+    return bytes;
+}
+
+}  // namespace
+
+std::vector<std::string> formats() {
+    std::vector<std::string> names(mesh_formats.begin(), mesh_formats.end());
+    for (const FieldFormat& field : field_formats) names.emplace_back(field.format);
+    return names;
+}
+
+Reader reader_of(const std::string& format, const fs::path& folder) {
+    if (std::find(mesh_formats.begin(), mesh_formats.end(), format) != mesh_formats.end())
+        return mesh_reader(format, folder);
+    for (const FieldFormat& field : field_formats)
+        if (field.format == format) return field_reader(format, field.ending, field.damaged, folder);
+    std::string known;
+    for (const std::string& name : formats()) known += ' ' + name;
+    fail("no reader is named '" + format + "'; there are" + known);
+}
+
+std::vector<std::string> sound_and_kept(const Reader& reader) {
+    std::vector<std::string> inputs = reader.seeds;
+    const fs::path kept = fs::path(CLSDF_FUZZ_CORPUS) / reader.format;
+    if (!fs::exists(kept)) return inputs;
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(kept)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    for (const fs::path& file : files)
+        inputs.push_back(file.extension() == ".hex" ? spelt(content_of(file)) : content_of(file));
+    return inputs;
+}
+
+void fail(const std::string& what) {
+    std::fprintf(stderr, "fuzz_readers: %s\n", what.c_str());
+    std::abort();
+}
+
+}  // namespace clsdf::fuzz

@@ -1,0 +1,23 @@
+# Readers of files, fed with damaged ones. With CLSDF_FUZZ (clang) by libFuzzer, for as long as one likes:
+#   fuzz_readers --format=off --seeds=FOLDER -max_total_time=60 FOLDER
+# and else by replay.cpp. The tests are a sample: what corpus/ keeps, sound files cut short, some thousand damaged ones.
+add_executable(fuzz_readers ${CMAKE_CURRENT_LIST_DIR}/one_input.cpp ${CMAKE_CURRENT_LIST_DIR}/readers.cpp)
+target_compile_definitions(fuzz_readers PRIVATE CLSDF_FUZZ_CORPUS="${CMAKE_CURRENT_LIST_DIR}/corpus"
+                                                CLSDF_HAS_VDB=$<BOOL:${CLSDF_HAS_VDB}>)
+target_include_directories(fuzz_readers PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+target_link_libraries(fuzz_readers PRIVATE ${CLSDF_TESTED} clsdf_warnings)
+if(CLSDF_FUZZ)
+  target_link_options(fuzz_readers PRIVATE -fsanitize=fuzzer)
+else()
+  target_sources(fuzz_readers PRIVATE ${CMAKE_CURRENT_LIST_DIR}/replay.cpp)
+endif()
+
+foreach(format off obj stl ply nrrd nrrd_triangle npy npy_json vti h5 sdf)
+  if(CLSDF_FUZZ)
+    set(seeds ${CMAKE_CURRENT_BINARY_DIR}/fuzz/${format})
+    add_test(NAME fuzz_${format} COMMAND fuzz_readers --format=${format} --seeds=${seeds} -runs=20000 -seed=1 -max_len=8192
+                                         -timeout=20 -malloc_limit_mb=256 -rss_limit_mb=1024 ${seeds})
+  else()
+    add_test(NAME fuzz_${format} COMMAND fuzz_readers --format=${format} --runs=3000)
+  endif()
+endforeach()
