@@ -109,7 +109,7 @@ constexpr std::array field_formats {
     FieldFormat{"nrrd", ".nrrd", ".nrrd"}, FieldFormat{"nrrd_triangle", ".nrrd", "_triangle.nrrd"},
         FieldFormat{"npy", ".npy", ".npy"}, FieldFormat{"npy_json", ".npy", ".npy.json"},
         FieldFormat{"vti", ".vti", ".vti"}, FieldFormat{"h5", ".h5", ".h5"}, FieldFormat{"sdf", ".sdf", ".sdf"},
-#if CLSDF_HAS_VDB
+#if CLSDF_WITH_OPENVDB
         FieldFormat{"vdb", ".vdb", ".vdb"},
 #endif
 };

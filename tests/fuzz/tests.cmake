@@ -3,7 +3,7 @@
 # and else by replay.cpp. The tests are a sample: what corpus/ keeps, sound files cut short, some thousand damaged ones.
 add_executable(fuzz_readers ${CMAKE_CURRENT_LIST_DIR}/one_input.cpp ${CMAKE_CURRENT_LIST_DIR}/readers.cpp)
 target_compile_definitions(fuzz_readers PRIVATE CLSDF_FUZZ_CORPUS="${CMAKE_CURRENT_LIST_DIR}/corpus"
-                                                CLSDF_HAS_VDB=$<BOOL:${CLSDF_HAS_VDB}>)
+                                                CLSDF_WITH_OPENVDB=$<BOOL:${CLSDF_WITH_OPENVDB}>)
 target_include_directories(fuzz_readers PRIVATE ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(fuzz_readers PRIVATE ${CLSDF_TESTED} clsdf_warnings)
 if(CLSDF_FUZZ)
