@@ -16,8 +16,14 @@ foreach(format off obj stl ply nrrd nrrd_triangle npy npy_json vti h5 sdf)
   if(CLSDF_FUZZ)
     set(seeds ${CMAKE_CURRENT_BINARY_DIR}/fuzz/${format})
     add_test(NAME fuzz_${format} COMMAND fuzz_readers --format=${format} --seeds=${seeds} -runs=20000 -seed=1 -max_len=8192
-                                         -timeout=20 -malloc_limit_mb=256 -rss_limit_mb=1024 ${seeds})
+                                         -timeout=20 -malloc_limit_mb=256 -rss_limit_mb=1024 -detect_leaks=0
+                                         ${seeds})
   else()
     add_test(NAME fuzz_${format} COMMAND fuzz_readers --format=${format} --runs=3000)
   endif()
 endforeach()
+if(CLSDF_SANITIZE)
+  # As in tests/field/tests.cmake: what HDF5 forgets of damaged files.
+  set_tests_properties(fuzz_h5 PROPERTIES ENVIRONMENT_MODIFICATION
+                       "ASAN_OPTIONS=string_append::fast_unwind_on_malloc=0:malloc_context_size=12")
+endif()
