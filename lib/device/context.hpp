@@ -68,6 +68,14 @@ public:
     /// kernel at its first launch: after an empty one, the launch that counts need not wait for it.
     bool is_first_use_of(const cl::Kernel& kernel);
 
+    /// Waits for all that was enqueued in queue(), on the way out after an error. False if the driver cannot tell that
+    /// it has ended: commands may then use the host's memory as long as the process lives.
+    bool drain() const noexcept;
+    /// The queue waits for what never comes: nothing waits for the queue any more.
+    void give_up() const noexcept { lost_ = true; }
+    /// Whether a drain has failed.
+    bool is_lost() const noexcept { return lost_; }
+
     /// Where compiled programs and records are kept between runs; empty: nowhere.
     void set_cache_folder(std::filesystem::path folder);
     std::filesystem::path cache_folder() const;
@@ -101,6 +109,7 @@ private:
     TextEdit text_edit_;
     mutable std::mutex test_mutex_;
     std::array<std::atomic<bool>, test_cases> tested_{};
+    mutable std::atomic<bool> lost_ = false;
 };
 
 /// Throws cl::Error.

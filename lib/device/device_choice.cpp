@@ -82,12 +82,14 @@ Device Device::best() {
     const std::vector<DeviceInfo> infos = all();
     if (infos.empty()) throw no_device_found();
     std::string failures;
+    for (const DeviceInfo& info : infos)
+        if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
     for (const DeviceInfo& info : candidates(infos)) {
         try {
             return open(info);
         } catch (const cl::Error& error) {
-            failures +=
-                fmt::format("; \"{}\" failed at {}: {}", info.name, error.what(), device::code_name(error.err()));
+            failures += fmt::format("; \"{}\" failed at {}: {}", info.name, device::call_name(error),
+                                    device::code_name(error.err()));
         }
     }
     throw Error(ErrorCode::no_device,

@@ -11,24 +11,45 @@ namespace clsdf {
 
 namespace {
 
-std::vector<cl::Device> all_devices() {
+/// Throws cl::Error.
+std::vector<cl::Platform> all_platforms() {
     std::vector<cl::Platform> platforms;
-    std::vector<cl::Device> devices;
     try {
         cl::Platform::get(&platforms);
-    } catch (const cl::Error&) {
-        return devices;  // the loader reports "no platform" as an error
+    } catch (const cl::Error& error) {
+        constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR of the loader
+        if (error.err() != no_platform) throw;
     }
-    for (const cl::Platform& platform : platforms) {
-        std::vector<cl::Device> found;
-        try {
-            platform.getDevices(CL_DEVICE_TYPE_ALL, &found);
-        } catch (const cl::Error&) {
-            continue;  // a platform without devices
-        }
-        devices.insert(devices.end(), found.begin(), found.end());
+    return platforms;
+}
+
+std::string failure(const cl::Error& error) {
+    return fmt::format("it fails at {}: {}", device::call_name(error), device::code_name(error.err()));
+}
+
+/// Throws cl::Error.
+std::vector<cl::Device> devices_of(const cl::Platform& platform) {
+    std::vector<cl::Device> devices;
+    try {
+        platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+    } catch (const cl::Error& error) {
+        if (error.err() != CL_DEVICE_NOT_FOUND) throw;
     }
     return devices;
+}
+
+/// In place of the devices that a platform does not tell.
+DeviceInfo info_of_failing(const cl::Platform& platform, const cl::Error& error) {
+    DeviceInfo info;
+    info.name = "devices of a platform";
+    info.why_not = failure(error);
+    try {
+        info.platform = platform.getInfo<CL_PLATFORM_NAME>();
+        info.name = fmt::format("devices of {}", info.platform);
+    } catch (const cl::Error&) {
+        // It stays without a name.
+    }
+    return info;
 }
 
 DeviceKind kind_of(const cl::Device& device) {
@@ -66,6 +87,17 @@ void ask(const cl::Device& device, DeviceInfo& info) {
         info.why_not = "its driver says that it is not available";
 }
 
+DeviceInfo info_of(const cl::Device& device) {
+    DeviceInfo info;
+    info.id = device();
+    try {
+        ask(device, info);
+    } catch (const cl::Error& error) {
+        info.why_not = failure(error);
+    }
+    return info;
+}
+
 }  // namespace
 
 std::string name_of(DeviceKind kind) {
@@ -83,17 +115,14 @@ std::string name_of(DeviceKind kind) {
 
 std::vector<DeviceInfo> Device::all() {
     std::vector<DeviceInfo> infos;
-    for (const cl::Device& device : all_devices()) {
-        DeviceInfo info;
-        info.index = infos.size();
-        info.id = device();
+    for (const cl::Platform& platform : device::guarded(all_platforms)) {
         try {
-            ask(device, info);
+            for (const cl::Device& device : devices_of(platform)) infos.push_back(info_of(device));
         } catch (const cl::Error& error) {
-            info.why_not = fmt::format("it fails at {}: {}", error.what(), device::code_name(error.err()));
+            infos.push_back(info_of_failing(platform, error));
         }
-        infos.push_back(std::move(info));
     }
+    for (std::size_t index = 0; index < infos.size(); ++index) infos[index].index = index;
     return infos;
 }
 

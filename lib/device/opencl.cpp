@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string_view>
 
 namespace clsdf::device {
 
@@ -68,6 +69,18 @@ constexpr std::array named_codes{
 
 #undef CLSDF_NAMED
 
+struct CorrectedName {
+    std::string_view binding;
+    std::string_view call;
+};
+
+constexpr std::array<CorrectedName, 4> corrected_names{{
+    {"clEnqueueUnMapMemObject", "clEnqueueUnmapMemObject"},
+    {"clGetEventProfileInfo", "clGetEventProfilingInfo"},
+    {"Retain Object", "clRetain... (of an object that OpenCL made)"},
+    {"Release Object", "clRelease... (of an object that OpenCL made)"},
+}};
+
 }  // namespace
 
 std::string code_name(cl_int code) {
@@ -76,8 +89,15 @@ std::string code_name(cl_int code) {
     return fmt::format("OpenCL error {}", code);
 }
 
+std::string call_name(const cl::Error& error) {
+    const std::string_view name = error.what();
+    for (const CorrectedName& corrected : corrected_names)
+        if (name == corrected.binding) return std::string(corrected.call);
+    return std::string(name);
+}
+
 void throw_device_error(const cl::Error& error) {
-    const std::string message = fmt::format("the OpenCL call {} failed: {}", error.what(), code_name(error.err()));
+    const std::string message = fmt::format("the OpenCL call {} failed: {}", call_name(error), code_name(error.err()));
     switch (error.err()) {
         case CL_MEM_OBJECT_ALLOCATION_FAILURE:
         case CL_OUT_OF_HOST_MEMORY:

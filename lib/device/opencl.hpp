@@ -20,6 +20,9 @@ namespace clsdf::device {
 /// "CL_OUT_OF_RESOURCES" for -5, and so on.
 std::string code_name(cl_int code);
 
+/// The name of the call that failed: the C++ binding misspells some.
+std::string call_name(const cl::Error& error);
+
 /// The call that failed and its code's name, as clsdf::Error: out_of_memory for memory, else device_failure.
 [[noreturn]] void throw_device_error(const cl::Error& error);
 

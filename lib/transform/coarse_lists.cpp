@@ -1,6 +1,7 @@
 #include "transform/coarse_lists.hpp"
 
 #include "coarse.h"
+#include "core/keep.hpp"
 #include "transform/command_gate.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/prefix_sums.hpp"
@@ -70,7 +71,9 @@ public:
     CoarseListMaker(const CoarseListMaker&) = delete;
     CoarseListMaker& operator=(const CoarseListMaker&) = delete;
     ~CoarseListMaker() {
-        if (!room_starts_.empty()) clFinish(queue_());  // what is under way reads and writes what lies here
+        // After an error: what is under way reads and writes what lies here.
+        if (room_starts_.empty() || context_.drain()) return;
+        for (std::vector<cl_uint>* used : {&room_starts_, &touches_found_, &starts_}) keep_for_good(*used);
     }
 
     CoarseLists make() {
@@ -185,15 +188,17 @@ private:
             // All that the host waits for at once: to wake it takes as long as a small kernel.
             PrefixSums sums(context_, programs_.scan, pool_, *counts, starts, counters_,
                             "pairs of a triangle and a coarse brick");
-            cl::Event read;
+            std::vector<cl::Event> read(2);
             {
-                const CommandGate gate(context_);
+                CommandGate gate(context_);
                 sums.enqueue();
-                queue_.enqueueReadBuffer(*touch_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint), touches_found_.data());
+                queue_.enqueueReadBuffer(*touch_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint), touches_found_.data(),
+                                         nullptr, &read[0]);
                 queue_.enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(), nullptr,
-                                         &read);
+                                         &read[1]);
+                gate.open();
             }
-            read.wait();
+            cl::Event::waitForEvents(read);
             if (std::equal(touches_found_.begin(), touches_found_.end(), room.begin(), std::less_equal<>())) {
                 sums.total();  // throws where the starts do not hold it
                 break;

@@ -19,6 +19,7 @@ public:
         cl::Event event;
         enqueue_command(queue_, previous_.empty() ? nullptr : &previous_, &event);
         previous_.assign(1, event);
+        has_begun_ = true;
     }
 
     void then_fill(const cl::Buffer& buffer, std::size_t bytes) {
@@ -33,12 +34,15 @@ public:
         if (!previous_.empty()) cl::Event::waitForEvents(previous_);
     }
 
+    /// Whether there is a command, so that there is a last one.
+    bool has_begun() const { return has_begun_; }
     const cl::Event& last() const { return previous_.front(); }
     const cl::CommandQueue& queue() const { return queue_; }
 
 private:
     cl::CommandQueue queue_;
     std::vector<cl::Event> previous_;
+    bool has_begun_ = false;
 };
 
 }  // namespace clsdf::transform

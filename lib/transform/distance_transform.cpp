@@ -1,5 +1,6 @@
 #include <clsdf/distance_transform.hpp>
 
+#include "core/keep.hpp"
 #include "core/moved_from.hpp"
 #include "core/scratch_memory.hpp"
 #include "core/stopwatch.hpp"
@@ -90,6 +91,12 @@ struct DistanceTransform::State {
         compile_steps = 0;
     }
 
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State() {
+        if (device.internal().is_lost()) keep_for_good(mesh);  // which the device reads where the host has it
+    }
+
     std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
         try {
             return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
@@ -178,7 +185,7 @@ void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabP
             plan.read_times(context.queue());
         } catch (...) {
             // What is under way still writes to the caller's memory.
-            clFinish(context.queue()());
+            context.drain();
             throw;
         }
     });
@@ -252,8 +259,9 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             const auto [lower, upper] = transform::halves_of(slab);
             slabs.push_back(upper);
             slabs.push_back(lower);
+            // What is under way keeps its buffers.
+            device::guarded([&] { device.internal().queue().finish(); });
             pipeline.take_back(slot);
-            clFinish(device.internal().queue()());  // what is under way keeps its buffers
             pool->release();
             scratch.release();
             continue;
@@ -359,7 +367,12 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
                     fmt::format("a field of {} x {} x {} samples does not fit the memory; compute parts of the grid",
                                 grid.size[0], grid.size[1], grid.size[2]));
     }
-    compute(grid, band, {field.distance, field.triangle});
+    try {
+        compute(grid, band, {field.distance, field.triangle});
+    } catch (const Error&) {
+        if (state_->device.internal().is_lost()) keep_for_good(field);
+        throw;
+    }
     return field;
 }
 

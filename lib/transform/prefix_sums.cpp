@@ -1,5 +1,6 @@
 #include "transform/prefix_sums.hpp"
 
+#include "core/keep.hpp"
 #include "transform/programs.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +26,11 @@ std::size_t parts_of(std::size_t count) {
 PrefixSums::PrefixSums(device::Context& context, const cl::Program& program,
                        const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& values,
                        const cl::Buffer& starts, std::size_t count, const char* what)
-    : what_(what), queue_(context.queue()), parts_(parts_of(count)) {
+    : what_(what),
+      context_(context),
+      queue_(context.queue()),
+      parts_(parts_of(count)),
+      total_(std::make_unique<cl_ulong>(0)) {
     if (count >= std::numeric_limits<cl_uint>::max())
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
@@ -54,23 +59,24 @@ void PrefixSums::enqueue() {
         queue_.enqueueNDRangeKernel(sum_kernel_, cl::NullRange, all, group);
         queue_.enqueueNDRangeKernel(offset_kernel_, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
         queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, all, group);
-        queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof total_, &total_, nullptr,
+        queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof *total_, total_.get(), nullptr,
                                  &total_read_);
     });
 }
 
 PrefixSums::~PrefixSums() {
-    if (total_read_() != nullptr) clWaitForEvents(1, &total_read_());
+    if (total_read_() != nullptr && !is_known_ && !context_.drain()) keep_for_good(total_);
 }
 
-std::size_t PrefixSums::total() const {
+std::size_t PrefixSums::total() {
     device::guarded([&] { total_read_.wait(); });
-    if (total_ > std::numeric_limits<cl_uint>::max())
+    is_known_ = true;
+    if (*total_ > std::numeric_limits<cl_uint>::max())
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("{} {} are more than 2^32; compute a smaller part of the grid at a time, or a narrower "
                                 "band",
-                                total_, what_));
-    return static_cast<std::size_t>(total_);
+                                *total_, what_));
+    return static_cast<std::size_t>(*total_);
 }
 
 }  // namespace clsdf::transform

@@ -23,18 +23,20 @@ public:
 
     /// Of all values; waits for it. Throws Error(out_of_memory), naming `what`, where it exceeds 32 bits, and so what
     /// starts hold is not the sums.
-    std::size_t total() const;
+    std::size_t total();
 
 private:
     const char* what_;
+    const device::Context& context_;
     cl::CommandQueue queue_;
     std::size_t parts_;
     device::BufferPool::Lease sums_;
     cl::Kernel sum_kernel_;
     cl::Kernel offset_kernel_;
     cl::Kernel write_kernel_;
-    cl_ulong total_ = 0;
+    std::unique_ptr<cl_ulong> total_;
     cl::Event total_read_;
+    bool is_known_ = false;
 };
 
 }  // namespace clsdf::transform

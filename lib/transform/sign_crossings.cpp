@@ -1,5 +1,6 @@
 #include "transform/sign_crossings.hpp"
 
+#include "core/keep.hpp"
 #include "sweep.h"
 #include "transform/command_gate.hpp"
 #include "transform/layout_of.hpp"
@@ -10,6 +11,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 
 namespace clsdf::transform {
 
@@ -62,7 +64,10 @@ public:
 
     Search(const Search&) = delete;
     Search& operator=(const Search&) = delete;
-    ~Search() { clFinish(queue_()); }  // what is under way after an error reads the mesh where the host has it
+    ~Search() {
+        // After an error: what is under way reads the mesh where the host has it.
+        if (is_under_way_ && !context_.drain()) keep_for_good(totals_found_);
+    }
 
     /// Records that the work-items of a launch may leave over.
     std::size_t left_over() const { return std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK; }
@@ -70,6 +75,7 @@ public:
     /// Counts the crossings, where each row's start, and the records that it took, also where there was room for fewer:
     /// `capacity`.
     void find(Crossings& crossings, std::size_t capacity) {
+        is_under_way_ = true;
         queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
@@ -86,6 +92,7 @@ public:
             totals = add_up(crossings);
         }
         crossings.record_count = totals.records;
+        is_under_way_ = false;
     }
 
 private:
@@ -124,18 +131,19 @@ private:
 
     /// Of what was found so far. The scan does not wait until the totals show whether large triangles are left: to wake
     /// the host takes as long.
-    SweepTotals add_up(Crossings& crossings) const {
+    SweepTotals add_up(Crossings& crossings) {
         PrefixSums sums(context_, programs_.scan, pool_, *row_counts_, *crossings.starts, row_count_, listed);
-        SweepTotals totals{};
         cl::Event totals_read;
         {
-            const CommandGate gate(context_);
+            CommandGate gate(context_);
             sums.enqueue();
-            queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof totals, &totals, nullptr, &totals_read);
+            queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_.get(), nullptr,
+                                     &totals_read);
+            gate.open();
         }
         totals_read.wait();
         crossings.count = sums.total();
-        return totals;
+        return *totals_found_;
     }
 
     device::Context& context_;
@@ -151,6 +159,8 @@ private:
     device::BufferPool::Lease large_;
     cl::Kernel small_kernel_;
     cl::Kernel large_kernel_;
+    std::unique_ptr<SweepTotals> totals_found_ = std::make_unique<SweepTotals>();
+    bool is_under_way_ = false;
 };
 
 }  // namespace

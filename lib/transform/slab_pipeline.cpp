@@ -1,5 +1,7 @@
 #include "transform/slab_pipeline.hpp"
 
+#include "core/keep.hpp"
+
 #include <fmt/format.h>
 
 #include <vector>
@@ -53,9 +55,11 @@ SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<devic
       transfers_(device::guarded([&] { return cl::CommandQueue(context.context(), context.device()); })) {}
 
 SlabPipeline::~SlabPipeline() {
+    if (is_finished_) return;
     abandoned_ = true;
-    clFinish(transfers_());
+    const bool is_read = clFinish(transfers_()) == CL_SUCCESS;
     if (latest_.valid()) latest_.wait();
+    if (!is_read || context_.is_lost()) keep_for_good(slots_);
 }
 
 SlabPipeline::Slot& SlabPipeline::next() {
@@ -90,6 +94,7 @@ void SlabPipeline::take_back(Slot& slot) {
 }
 
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
+    is_finished_ = false;
     std::vector<cl::Event> read;
     device::guarded([&] {
         read.push_back(slot.distance.fetch(transfers_));
@@ -111,6 +116,7 @@ void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
 
 void SlabPipeline::finish() {
     if (latest_.valid()) latest_.get();
+    is_finished_ = true;
 }
 
 std::size_t SlabPipeline::host_bytes() const {

@@ -80,6 +80,7 @@ private:
     std::size_t turn_ = 0;
     std::shared_future<void> latest_;
     std::atomic<bool> abandoned_ = false;
+    bool is_finished_ = false;
 };
 
 }  // namespace clsdf::transform

@@ -98,6 +98,26 @@ BOOST_AUTO_TEST_CASE(a_plan_waits_for_the_callers_events) {
     }
 }
 
+// They share the plan's buffers: each waits for the one before, in whatever order queues run.
+BOOST_AUTO_TEST_CASE(computations_of_a_plan_follow_one_another) {
+    for (const KernelBody body : both_bodies) {
+        const Field expected = compute(mesh(), grid(), band(), body);
+        DistanceTransform transform(test_device(), mesh(), {.body = body});
+        Plan plan = transform.plan(grid(), band(), {.triangle = true});
+        const cl::CommandQueue out_of_order = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+        const cl::CommandQueue in_order = callers_queue();
+        const std::array<Memory, 4> memory;
+        const std::array<cl_command_queue, 4> queues{out_of_order(), out_of_order(), in_order(), nullptr};
+        std::array<cl_event, 4> ended{};
+        for (std::size_t run = 0; run < ended.size(); ++run)
+            ended[run] = plan.enqueue(queues[run], memory[run].outputs());
+        for (std::size_t run = 0; run < ended.size(); ++run) {
+            wait_and_release(ended[run]);
+            memory[run].check(expected, in_order);
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_plan_outlives_its_transform) {
     const Field expected = compute(mesh(), grid(), band());
     std::optional<DistanceTransform> transform(std::in_place, test_device(), mesh());

@@ -132,7 +132,8 @@ public:
 
     /// Enqueues the field's computation into the caller's memory on the caller's queue (null: the device's own), after
     /// the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end, which
-    /// the caller releases. Enqueue again only after the one before has ended. Throws Error(device_failure).
+    /// the caller releases. May be called again at once, on any queue of the device's context: computations of a plan
+    /// follow one another. Throws Error(device_failure).
     cl_event enqueue(cl_command_queue queue, const DeviceOutputs& outputs, std::span<const cl_event> wait_list = {});
 
     const TransformStatistics& statistics() const;

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+/// A library between a program and the loader of OpenCL, by LD_PRELOAD or linked before it. It makes processors answer as
+/// GPUs with memory of their own, counts what is asked of the driver, and lets calls fail on purpose. Thread-safe.
+///
+/// A program that does not know of it is told by the environment:
+///   CLSDF_DISGUISE=gpu            as Settings::gpu
+///   CLSDF_DISGUISE_UNITS=NUMBER   as Settings::compute_units
+///   CLSDF_DISGUISE_COUNTS=FILE    each process appends its counts to the file when it ends, a line of JSON
+///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`
+///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
+namespace clsdf::disguise {
+
+/// What a GPU differs in: its type, vectors of one float, groups of at most 1,024 work-items, 48 KiB of local memory, and
+/// memory that is not the host's. New buffers, and what is mapped to be written anew, hold bytes of 0xFF. Mapped memory
+/// is a copy, which ends with the mapping; CL_MEM_USE_HOST_PTR copies at creation and while it is mapped.
+struct Settings {
+    bool gpu = false;
+    unsigned compute_units = 0;  ///< of a GPU; 0: as many as the processor has
+};
+
+/// To be called before the first call of OpenCL.
+void set(const Settings& settings);
+
+/// The calls that fail: number `number`, counted from 1 since restart(), of those named `call`, or of all where that is
+/// empty. A call that fails does nothing else. clRetain... and clRelease... never fail and are not counted: what a
+/// program holds after one of them has failed is not defined, and the C++ binding releases it twice.
+struct Fault {
+    std::string call;
+    std::uint64_t number = 0;  ///< 0: none fails
+    int code = -5;             ///< CL_OUT_OF_RESOURCES
+    bool onwards = false;      ///< and all of these calls after it
+};
+
+struct KernelCounts {
+    std::uint64_t launches = 0;
+    std::uint64_t runs = 0;  ///< launches that follow another kernel's, or none: a stage may be divided into launches
+    std::uint64_t work_items = 0;
+};
+
+struct Counts {
+    std::map<std::string, std::uint64_t> calls;   ///< by name, those that failed on purpose included
+    std::map<std::string, KernelCounts> kernels;  ///< by name
+    std::uint64_t all_calls = 0;
+    std::uint64_t blocking_waits = 0;  ///< clFinish, clWaitForEvents, and blocking transfers and mappings
+    std::uint64_t launches = 0;        ///< kernels
+    std::uint64_t fills = 0;
+    std::uint64_t copies = 0;  ///< within the device
+    std::uint64_t transfers_up = 0, transfers_down = 0;
+    std::uint64_t bytes_up = 0, bytes_down = 0;
+    std::uint64_t allocations = 0;  ///< buffers
+    std::uint64_t allocated_bytes = 0;
+    std::uint64_t programs_built = 0;
+    std::string failed;  ///< the first call that failed on purpose; empty: none
+};
+
+/// What was asked for since restart().
+Counts counts();
+/// Counts, and the numbers of calls, begin anew, and these calls fail.
+void restart(const Fault& fault = {});
+
+/// Counts as one line of JSON.
+std::string to_json(const Counts& counts);
+
+}  // namespace clsdf::disguise

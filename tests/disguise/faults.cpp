@@ -1,0 +1,199 @@
+// Every call of OpenCL may fail. The command then ends with status 4 and a message that names the call, and leaves no file; it
+// neither crashes nor hangs. A sample of the calls, or with CLSDF_FAULT_EVERY=1 in the environment all of them.
+#include "apps/process.hpp"
+
+#include "disguise/disguise.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <future>
+#include <optional>
+#include <random>
+#include <set>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+using nlohmann::json;
+
+/// Calls whose failure changes nothing but time: the program is then compiled from its source.
+const std::set<std::string> passed_over{"clCreateProgramWithBinary", "clGetProgramInfo"};
+
+// On a machine that does ten other things.
+constexpr std::chrono::seconds limit{180};
+
+/// A run of the command whose calls are counted and may fail.
+struct Run {
+    Outcome outcome;
+    bool hung = false;
+    std::uint64_t calls = 0;
+    std::string failed;  ///< the first call that failed on purpose; empty: none
+    std::string file;    ///< what it wrote; empty: nothing
+    std::size_t files = 0;
+};
+
+struct Job {
+    std::string name;
+    std::vector<std::string> arguments;    ///< what follows is -o FILE
+    std::vector<std::string> environment;  ///< beside the fault
+    std::string ending = ".npy";
+};
+
+Run run(const Job& job, const std::string& fault) {
+    const TemporaryFolder folder, output;
+    const std::string counts = folder.file("counts"), file = output.file("out" + job.ending);
+    std::vector<std::string> arguments = job.arguments, environment = job.environment;
+    arguments.insert(arguments.end(), {"-o", file, "--quiet"});
+    environment.insert(environment.end(), {"LD_PRELOAD=" CLSDF_DISGUISE_LIBRARY, "CLSDF_DISGUISE_COUNTS=" + counts,
+                                           "CLSDF_DISGUISE_FAULT=" + fault});
+    Run result;
+    Process process(arguments, environment);
+    std::future<Outcome> ended = std::async(std::launch::async, [&] { return process.wait(); });
+    result.hung = ended.wait_for(limit) == std::future_status::timeout;
+    if (result.hung) process.send(SIGKILL);
+    result.outcome = ended.get();
+    if (const std::string line = content_of(counts); !line.empty()) {
+        const json values = json::parse(line);
+        result.calls = values["all_calls"];
+        result.failed = values.value("failed", "");
+    }
+    result.file = content_of(file);
+    result.files = output.file_count();
+    return result;
+}
+
+std::uint64_t number_in(const char* name, std::uint64_t otherwise) {
+    const char* const text = std::getenv(name);
+    return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
+}
+
+std::uint64_t seed() {
+    static const std::uint64_t chosen = number_in("CLSDF_FAULT_SEED", std::random_device{}());
+    return chosen;
+}
+
+/// Each part of a job's calls in turn, at a place by chance.
+std::vector<std::uint64_t> sample(std::uint64_t calls, std::uint64_t wanted) {
+    const std::uint64_t step = number_in("CLSDF_FAULT_EVERY", std::max<std::uint64_t>(calls / wanted, 1));
+    std::mt19937_64 random(seed());
+    std::vector<std::uint64_t> numbers;
+    for (std::uint64_t begin = 1; begin <= calls; begin += step) numbers.push_back(begin + random() % step);
+    return numbers;
+}
+
+void check_refusal(const Run& run) {
+    BOOST_TEST(!run.hung);
+    BOOST_TEST(run.outcome.status == 4);
+    BOOST_TEST(run.files == 0U);
+    BOOST_TEST(run.outcome.error.find("internal error") == std::string::npos);
+}
+
+/// One call fails.
+void check_one(const Run& run, const Run& whole) {
+    if (run.outcome.status == 0 && (run.failed.empty() || passed_over.contains(run.failed))) {
+        BOOST_TEST((run.file == whole.file));
+        return;
+    }
+    check_refusal(run);
+    BOOST_TEST((!run.failed.empty() && run.outcome.error.find(run.failed) != std::string::npos));
+}
+
+void check_job(const Job& job, std::uint64_t wanted) {
+    run(job, "");  // compiles what is not kept
+    const Run whole = run(job, "");
+    BOOST_REQUIRE_MESSAGE(whole.outcome.status == 0, whole.outcome.error);
+    BOOST_REQUIRE(!whole.file.empty());
+    const std::vector<std::uint64_t> numbers = sample(whole.calls, wanted);
+    BOOST_TEST_MESSAGE(job.name << ": " << whole.calls << " calls, " << numbers.size() << " of them fail; seed "
+                                << seed());
+    for (const std::uint64_t number : numbers) {
+        const Run one = run(job, std::to_string(number));
+        BOOST_TEST_CONTEXT(job.name << ", call " << number << " fails, " << one.failed << "; seed " << seed()
+                                    << "; the command said: " << one.outcome.error)
+        check_one(one, whole);
+        if (number % 4 != 0 && number_in("CLSDF_FAULT_EVERY", 0) != 1) continue;
+        const Run all = run(job, std::to_string(number) + '+');
+        BOOST_TEST_CONTEXT(job.name << ", all calls fail from call " << number << ", " << all.failed << ", on; seed "
+                                    << seed() << "; the command said: " << all.outcome.error) {
+            if (!all.failed.empty()) check_refusal(all);
+        }
+    }
+}
+
+const TemporaryFolder& inputs() {
+    static const TemporaryFolder folder;
+    return folder;
+}
+
+const std::string& mesh() {
+    static const std::string path = [] {
+        std::string file = inputs().file("mesh.off");
+        BOOST_REQUIRE(run_command({"shape", "torus", "-o", file, "--quiet"}).status == 0);
+        return file;
+    }();
+    return path;
+}
+
+std::vector<std::string> compute(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"compute", mesh(), "--resolution", "30", "--band", "3v"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+/// Slabs of eight slices.
+const std::string small_device = "CLSDF_MAX_ALLOCATION=" + std::to_string(100000);
+const std::string as_gpu = "CLSDF_DISGUISE=gpu";
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(the_command_survives_a_failing_call)
+
+BOOST_AUTO_TEST_CASE(on_a_processor) {
+    check_job({"whole", compute({"--with", "triangle"}), {}}, 12);
+}
+
+BOOST_AUTO_TEST_CASE(on_a_gpu) {
+    check_job({"whole", compute({"--with", "triangle"}), {as_gpu}}, 12);
+}
+
+BOOST_AUTO_TEST_CASE(in_slabs) {
+    check_job({"slabs", compute(), {small_device}}, 10);
+}
+
+BOOST_AUTO_TEST_CASE(in_slabs_on_a_gpu) {
+    check_job({"slabs", compute(), {as_gpu, small_device}}, 10);
+}
+
+BOOST_AUTO_TEST_CASE(slice_by_slice) {
+    check_job({"slices", compute({"--polyhedra", "mauch"}), {}}, 10);
+}
+
+BOOST_AUTO_TEST_CASE(while_it_draws) {
+    const std::string field = inputs().file("field.npy");
+    std::vector<std::string> arguments = compute();
+    arguments.insert(arguments.end(), {"-o", field, "--quiet"});
+    BOOST_REQUIRE(run_command(arguments).status == 0);
+    check_job({"render", {"render", field, "--size", "64x48"}, {}, ".png"}, 8);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
+BOOST_AUTO_TEST_CASE(a_call_that_is_named_fails_wherever_it_is_made) {
+    // What opens the gate of commands, what waits for values, and what finds the device.
+    for (const char* call :
+         {"clSetUserEventStatus", "clWaitForEvents", "clFinish", "clGetPlatformIDs", "clGetDeviceIDs", "clBuildProgram",
+          "clEnqueueUnmapMemObject", "clEnqueueMapBuffer", "clFlush"}) {
+        const Run whole = run({"whole", compute(), {}}, "");
+        for (const char* onwards : {"", "+"}) {
+            const Run one = run({"whole", compute(), {}}, std::string(call) + ":1" + onwards);
+            BOOST_TEST_CONTEXT(call << onwards << "; the command said: " << one.outcome.error) {
+                BOOST_TEST(one.failed == call);
+                check_one(one, whole);
+            }
+        }
+    }
+}

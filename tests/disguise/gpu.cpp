@@ -1,0 +1,99 @@
+// What a device says of itself.
+#include "disguise/gpu.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace clsdf::disguise {
+
+namespace {
+
+/// What a GPU answers where it differs; false where it does not.
+template <class Value>
+bool write(const Value& answer, void* value) {
+    if (value != nullptr) std::memcpy(value, &answer, sizeof answer);
+    return true;
+}
+
+bool is_part_of_another(cl_device_id device) {
+    cl_device_id whole = nullptr;
+    return CLSDF_NEXT(clGetDeviceInfo)(device, CL_DEVICE_PARENT_DEVICE, sizeof whole, &whole, nullptr) == CL_SUCCESS &&
+           whole != nullptr;
+}
+
+template <class Value>
+Value own(cl_device_id device, cl_device_info name) {
+    Value value{};
+    CLSDF_NEXT(clGetDeviceInfo)(device, name, sizeof value, &value, nullptr);
+    return value;
+}
+
+/// In place of the processor's answer, which fits.
+void disguise(cl_device_id device, cl_device_info name, void* value) {
+    constexpr cl_uint alignment_bits = 8 * 512;
+    switch (name) {
+        case CL_DEVICE_TYPE:
+            write(cl_device_type{CL_DEVICE_TYPE_GPU}, value);
+            break;
+        case CL_DEVICE_HOST_UNIFIED_MEMORY:
+            write(cl_bool{CL_FALSE}, value);
+            break;
+        case CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT:
+        case CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE:
+        case CL_DEVICE_NATIVE_VECTOR_WIDTH_INT:
+        case CL_DEVICE_PREFERRED_VECTOR_WIDTH_FLOAT:
+        case CL_DEVICE_PREFERRED_VECTOR_WIDTH_DOUBLE:
+        case CL_DEVICE_PREFERRED_VECTOR_WIDTH_INT:
+            write(cl_uint{1}, value);
+            break;
+        case CL_DEVICE_MEM_BASE_ADDR_ALIGN:
+            write(alignment_bits, value);
+            break;
+        case CL_DEVICE_MAX_WORK_GROUP_SIZE:
+            write(std::min(largest_group, own<std::size_t>(device, name)), value);
+            break;
+        case CL_DEVICE_LOCAL_MEM_TYPE:
+            write(cl_device_local_mem_type{CL_LOCAL}, value);
+            break;
+        case CL_DEVICE_LOCAL_MEM_SIZE:
+            write(std::min(local_memory, own<cl_ulong>(device, name)), value);
+            break;
+        case CL_DEVICE_MAX_COMPUTE_UNITS:
+            if (record().settings.compute_units > 0 && !is_part_of_another(device))
+                write(cl_uint{record().settings.compute_units}, value);
+            break;
+        default:
+            break;
+    }
+}
+
+/// The devices that are meant by a type when processors are GPUs.
+cl_device_type undisguised(cl_device_type type) {
+    if (type == CL_DEVICE_TYPE_ALL || (type & CL_DEVICE_TYPE_DEFAULT) != 0) return type;
+    const cl_device_type others = type & ~cl_device_type{CL_DEVICE_TYPE_CPU};
+    return (type & CL_DEVICE_TYPE_GPU) != 0 ? others | CL_DEVICE_TYPE_CPU : others;
+}
+
+}  // namespace
+
+}  // namespace clsdf::disguise
+
+using namespace clsdf::disguise;
+
+extern "C" {
+
+cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, std::size_t size, void* value, std::size_t* needed) {
+    if (const cl_int code = begin("clGetDeviceInfo")) return code;
+    const cl_int code = CLSDF_NEXT(clGetDeviceInfo)(device, name, size, value, needed);
+    if (code == CL_SUCCESS && value != nullptr && is_gpu()) disguise(device, name, value);
+    return code;
+}
+
+cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id* devices,
+                      cl_uint* found) {
+    if (const cl_int code = begin("clGetDeviceIDs")) return code;
+    const cl_device_type meant = is_gpu() ? undisguised(type) : type;
+    if (meant == 0 && type != 0) return CL_DEVICE_NOT_FOUND;
+    return CLSDF_NEXT(clGetDeviceIDs)(platform, meant, room, devices, found);
+}
+}

@@ -1,0 +1,135 @@
+// What W1 asks of a GPU's driver: the first call of a transform and one of a kept transform (scripts/gpu-counts).
+#include <clsdf/clsdf.hpp>
+
+#include "disguise/disguise.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+using namespace clsdf;
+
+namespace {
+
+constexpr std::int64_t resolution = 256;
+constexpr double band_of_longest_side = 0.1;
+constexpr unsigned compute_units = 132;  // as an H100 has
+constexpr double megabyte = 1e6;
+
+/// The numbers of a call, in the order in which they are shown.
+std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Counts& counts) {
+    const auto list_kernel = counts.kernels.find("coarse_count");
+    return {{"bytes_up", counts.bytes_up},
+            {"bytes_down", counts.bytes_down},
+            {"transfers_up", counts.transfers_up},
+            {"transfers_down", counts.transfers_down},
+            {"blocking_waits", counts.blocking_waits},
+            {"list_passes", list_kernel == counts.kernels.end() ? 0 : list_kernel->second.runs},
+            {"launches", counts.launches},
+            {"fills", counts.fills},
+            {"allocations", counts.allocations},
+            {"allocated_bytes", counts.allocated_bytes},
+            {"calls", counts.all_calls}};
+}
+
+struct Result {
+    std::string mesh;
+    std::size_t triangles = 0;
+    Grid grid;
+    Band band;
+    disguise::Counts first;
+    disguise::Counts kept;
+    TransformStatistics statistics;
+
+    double per_band_sample(std::size_t count) const {
+        return static_cast<double>(count) / static_cast<double>(statistics.band_samples);
+    }
+};
+
+Result measure(const std::string& path) {
+    disguise::set({.gpu = true, .compute_units = compute_units});
+    const Mesh mesh = read_mesh(path);
+    Result result{.mesh = mesh.name(), .triangles = mesh.triangles().size()};
+    result.band = Band::symmetric(band_of_longest_side * mesh.box().longest_side());
+    result.grid = Grid::around(mesh, resolution, result.band);
+    const Device device = Device::best();
+    std::vector<float> distance(result.grid.sample_count());
+
+    disguise::restart();
+    DistanceTransform transform(device, mesh);
+    transform.compute(result.grid, result.band, {.distance = distance});
+    result.first = disguise::counts();
+    disguise::restart();
+    transform.compute(result.grid, result.band, {.distance = distance});
+    result.kept = disguise::counts();
+    if (result.kept.all_calls == 0)
+        throw Error(ErrorCode::device_failure, "nothing is counted; preload the library: scripts/gpu-counts does");
+
+    DistanceTransform counting(device, mesh, {.count = true});
+    counting.compute(result.grid, result.band, {.distance = distance});
+    result.statistics = counting.statistics();
+    return result;
+}
+
+void print_json(const Result& result) {
+    nlohmann::ordered_json json;
+    json["mesh"] = result.mesh;
+    json["triangles"] = result.triangles;
+    json["size"] = result.grid.size;
+    json["half_width"] = result.band.outside;
+    json["compute_units"] = compute_units;
+    for (const auto& [name, counts] : {std::pair("first_call", &result.first), std::pair("kept_transform", &result.kept)}) {
+        for (const auto& [number, value] : numbers_of(*counts)) json[name][number] = value;
+        for (const auto& [kernel, of_kernel] : counts->kernels)
+            json[name]["kernels"][kernel] = {{"launches", of_kernel.launches}, {"work_items", of_kernel.work_items}};
+    }
+    const TransformStatistics& statistics = result.statistics;
+    json["band_samples"] = statistics.band_samples;
+    json["evaluations_per_band_sample"] = result.per_band_sample(statistics.lanes_evaluated);
+    json["covered_per_band_sample"] = result.per_band_sample(statistics.samples_covered);
+    json["coarse_pairs"] = statistics.coarse_pairs;
+    json["brick_pairs"] = statistics.brick_pairs;
+    fmt::print("{}\n", json.dump(2));
+}
+
+void print_text(const Result& result) {
+    fmt::print("{}: {} triangles, {} x {} x {} samples, a band of {:.0f}% of the longest side; {} compute units\n\n",
+               result.mesh, result.triangles, result.grid.size[0], result.grid.size[1], result.grid.size[2],
+               100 * band_of_longest_side, compute_units);
+    fmt::print("{:<16} {:>16} {:>16}\n", "", "first call", "kept transform");
+    const auto first = numbers_of(result.first), kept = numbers_of(result.kept);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        const bool bytes = first[i].first.find("bytes") != std::string::npos;
+        const auto text = [&](std::uint64_t value) {
+            return bytes ? fmt::format("{:.1f} MB", static_cast<double>(value) / megabyte) : fmt::format("{}", value);
+        };
+        fmt::print("{:<16} {:>16} {:>16}\n", first[i].first, text(first[i].second), text(kept[i].second));
+    }
+    fmt::print("\n{:<28} {:.2f}\n{:<28} {:.2f}\n", "evaluations_per_band_sample",
+               result.per_band_sample(result.statistics.lanes_evaluated), "covered_per_band_sample",
+               result.per_band_sample(result.statistics.samples_covered));
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+    const std::vector<std::string_view> words(arguments + 1, arguments + argument_count);
+    const bool as_json = words.size() == 2 && words[1] == "--json";
+    if (words.empty() || words.size() > 2 || (words.size() == 2 && !as_json)) {
+        fmt::print(stderr, "usage: gpu_counts MESH [--json]\n");
+        return 2;
+    }
+    try {
+        const Result result = measure(std::string(words[0]));
+        as_json ? print_json(result) : print_text(result);
+        return 0;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "gpu_counts: {}\n", error.what());
+        return 4;
+    }
+}

@@ -1,0 +1,193 @@
+// Buffers, and how the host gets at them. As a GPU's they are memory of its own: what the host maps is a copy.
+#include "disguise/gpu.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace clsdf::disguise {
+
+namespace {
+
+// As numbers of polyhedra or samples far beyond every buffer, as floats NaN.
+constexpr int unset = 0xFF;
+// Larger ones are left as the driver has them: to fill them would take memory twice.
+constexpr std::size_t largest_unset = std::size_t{256} << 20;
+
+struct Mapping {
+    cl_mem buffer;
+    std::size_t offset;
+    std::size_t bytes;
+    bool written;
+    std::unique_ptr<std::byte[]> copy;  ///< none where the buffer has memory of the host's
+};
+
+struct Memory {
+    std::mutex mutex;
+    std::map<cl_mem, std::byte*> host_memory;  ///< of buffers that were made with CL_MEM_USE_HOST_PTR
+    std::multimap<void*, Mapping> mappings;
+};
+Memory& memory() {
+    static auto* const only = new Memory;
+    return *only;
+}
+
+void check_in(cl_mem buffer, std::byte* host) {
+    const std::scoped_lock lock(memory().mutex);
+    if (host != nullptr) memory().host_memory[buffer] = host;
+}
+
+/// Before the last of its owners releases it.
+void check_out(cl_mem buffer) {
+    cl_uint owners = 0;
+    CLSDF_NEXT(clGetMemObjectInfo)(buffer, CL_MEM_REFERENCE_COUNT, sizeof owners, &owners, nullptr);
+    if (owners != 1) return;
+    const std::scoped_lock lock(memory().mutex);
+    memory().host_memory.erase(buffer);
+}
+
+std::byte* host_memory_of(cl_mem buffer) {
+    const std::scoped_lock lock(memory().mutex);
+    const auto found = memory().host_memory.find(buffer);
+    return found == memory().host_memory.end() ? nullptr : found->second;
+}
+
+cl_mem create_on_gpu(cl_context context, cl_mem_flags flags, std::size_t bytes, void* host, cl_int* error) {
+    const bool uses_host = (flags & CL_MEM_USE_HOST_PTR) != 0;
+    if (uses_host) flags = (flags & ~cl_mem_flags{CL_MEM_USE_HOST_PTR}) | CL_MEM_COPY_HOST_PTR;
+    std::vector<unsigned char> content;
+    const void* from = host;
+    if (from == nullptr && (flags & CL_MEM_COPY_HOST_PTR) == 0 && bytes > 0 && bytes <= largest_unset) {
+        content.assign(bytes, unset);
+        from = content.data();
+        flags |= CL_MEM_COPY_HOST_PTR;
+    }
+    // The driver only reads it.
+    const cl_mem buffer = CLSDF_NEXT(clCreateBuffer)(context, flags, bytes, const_cast<void*>(from), error);
+    if (buffer != nullptr && uses_host) check_in(buffer, static_cast<std::byte*>(host));
+    return buffer;
+}
+
+/// Null, and an error, where the driver does not take the command.
+void* map_on_gpu(cl_command_queue queue, cl_mem buffer, bool blocking, cl_map_flags flags, std::size_t offset,
+                 std::size_t bytes, cl_uint waits, const cl_event* wait_list, cl_event* event, cl_int* error) {
+    Mapping mapping{buffer, offset, bytes, (flags & (CL_MAP_WRITE | CL_MAP_WRITE_INVALIDATE_REGION)) != 0, {}};
+    std::byte* target = host_memory_of(buffer);
+    if (target != nullptr) {
+        target += offset;
+    } else {
+        mapping.copy = std::make_unique_for_overwrite<std::byte[]>(std::max<std::size_t>(bytes, 1));
+        target = mapping.copy.get();
+    }
+    cl_int code = CL_SUCCESS;
+    if ((flags & CL_MAP_WRITE_INVALIDATE_REGION) != 0) {
+        cl_event reached = nullptr;
+        code = CLSDF_NEXT(clEnqueueMarkerWithWaitList)(queue, waits, wait_list, &reached);
+        if (code == CL_SUCCESS && blocking) code = CLSDF_NEXT(clWaitForEvents)(1, &reached);
+        std::memset(target, unset, bytes);
+        if (event != nullptr)
+            *event = reached;
+        else if (reached != nullptr)
+            CLSDF_NEXT(clReleaseEvent)(reached);
+    } else {
+        code = CLSDF_NEXT(clEnqueueReadBuffer)(queue, buffer, blocking ? CL_TRUE : CL_FALSE, offset, bytes, target,
+                                               waits, wait_list, event);
+        count_down(bytes);
+    }
+    if (error != nullptr) *error = code;
+    if (code != CL_SUCCESS) return nullptr;
+    const std::scoped_lock lock(memory().mutex);
+    memory().mappings.emplace(target, std::move(mapping));
+    return target;
+}
+
+void CL_CALLBACK forget(cl_event event, cl_int, void* copy) {
+    delete[] static_cast<std::byte*>(copy);
+    CLSDF_NEXT(clReleaseEvent)(event);
+}
+
+cl_int unmap_on_gpu(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint waits, const cl_event* wait_list,
+                    cl_event* event) {
+    Mapping mapping{};
+    {
+        const std::scoped_lock lock(memory().mutex);
+        const auto [begin, end] = memory().mappings.equal_range(mapped);
+        const auto found = std::find_if(begin, end, [&](const auto& entry) { return entry.second.buffer == buffer; });
+        if (found == end) return CL_INVALID_VALUE;
+        mapping = std::move(found->second);
+        memory().mappings.erase(found);
+    }
+    cl_event ended = nullptr;
+    cl_int code = CL_SUCCESS;
+    if (mapping.written) {
+        code = CLSDF_NEXT(clEnqueueWriteBuffer)(queue, buffer, CL_FALSE, mapping.offset, mapping.bytes, mapped, waits,
+                                                wait_list, &ended);
+        count_up(mapping.bytes);
+    } else {
+        code = CLSDF_NEXT(clEnqueueMarkerWithWaitList)(queue, waits, wait_list, &ended);
+    }
+    if (code != CL_SUCCESS) return code;
+    if (event != nullptr) {
+        CLSDF_NEXT(clRetainEvent)(ended);
+        *event = ended;
+    }
+    CLSDF_NEXT(clSetEventCallback)(ended, CL_COMPLETE, forget, mapping.copy.release());
+    return CL_SUCCESS;
+}
+
+}  // namespace
+
+}  // namespace clsdf::disguise
+
+using namespace clsdf::disguise;
+
+extern "C" {
+
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, std::size_t bytes, void* host, cl_int* error) {
+    if (const cl_int code = begin("clCreateBuffer")) return refused(code, error);
+    const cl_mem buffer = is_gpu() ? create_on_gpu(context, flags, bytes, host, error)
+                                   : CLSDF_NEXT(clCreateBuffer)(context, flags, bytes, host, error);
+    if (buffer == nullptr) return buffer;
+    count([&](Counts& counts) {
+        ++counts.allocations;
+        counts.allocated_bytes += bytes;
+    });
+    if ((flags & (CL_MEM_COPY_HOST_PTR | CL_MEM_USE_HOST_PTR)) != 0) count_up(bytes);
+    return buffer;
+}
+
+cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_type type, const void* region,
+                         cl_int* error) {
+    if (const cl_int code = begin("clCreateSubBuffer")) return refused(code, error);
+    const cl_mem part = CLSDF_NEXT(clCreateSubBuffer)(buffer, flags, type, region, error);
+    if (std::byte* const host = host_memory_of(buffer); host != nullptr && part != nullptr)
+        check_in(part, host + static_cast<const cl_buffer_region*>(region)->origin);
+    return part;
+}
+
+cl_int clReleaseMemObject(cl_mem buffer) {
+    check_out(buffer);
+    return CLSDF_NEXT(clReleaseMemObject)(buffer);
+}
+
+void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, cl_map_flags flags,
+                         std::size_t offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
+                         cl_event* event, cl_int* error) {
+    if (const cl_int code = begin("clEnqueueMapBuffer")) return refused(code, error);
+    if (blocking != CL_FALSE) count_wait();
+    if (is_gpu())
+        return map_on_gpu(queue, buffer, blocking != CL_FALSE, flags, offset, bytes, waits, wait_list, event, error);
+    return CLSDF_NEXT(clEnqueueMapBuffer)(queue, buffer, blocking, flags, offset, bytes, waits, wait_list, event,
+                                          error);
+}
+
+cl_int clEnqueueUnmapMemObject(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint waits,
+                               const cl_event* wait_list, cl_event* event) {
+    if (const cl_int code = begin("clEnqueueUnmapMemObject")) return code;
+    if (is_gpu()) return unmap_on_gpu(queue, buffer, mapped, waits, wait_list, event);
+    return CLSDF_NEXT(clEnqueueUnmapMemObject)(queue, buffer, mapped, waits, wait_list, event);
+}
+}

@@ -1,0 +1,133 @@
+// What a call asks of a GPU's driver: bounds that hold for any mesh, and for this one.
+#include "support/device_memory.hpp"
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+
+#include "device/context.hpp"
+#include "disguise/disguise.hpp"
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// A processor as a GPU, from before the first call of OpenCL on.
+struct AsGpu {
+    AsGpu() { disguise::set({.gpu = true, .compute_units = 132}); }
+};
+BOOST_TEST_GLOBAL_FIXTURE(AsGpu);
+
+const Mesh& mesh() {
+    static const Mesh shape = tilted(make_shape("knot"));
+    return shape;
+}
+const Grid& grid() {
+    static const Grid around = grid_around(mesh(), 40, 5);
+    return around;
+}
+Band band() {
+    return Band::symmetric(3 * grid().voxel());
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(the_device_is_a_gpu_with_memory_of_its_own) {
+    const device::Context& context = test_device().internal();
+    BOOST_REQUIRE(disguise::counts().all_calls > 0U);  // else the library is not between this program and the loader
+    BOOST_TEST(!context.capabilities().is_processor);
+    BOOST_TEST(context.capabilities().float_width == 1U);
+    BOOST_TEST((context.device().getInfo<CL_DEVICE_TYPE>() == CL_DEVICE_TYPE_GPU));
+
+    // What the host writes to mapped memory is the device's when it is unmapped, and not before.
+    const cl::CommandQueue& queue = context.queue();
+    std::array<cl_uint, 16> host{};
+    host.fill(7);
+    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, sizeof host, host.data());
+    queue.enqueueFillBuffer(buffer, cl_uint{5}, 0, sizeof host);
+    queue.finish();
+    BOOST_TEST(host[3] == 7U);
+    auto* const mapped =
+        static_cast<cl_uint*>(queue.enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, sizeof host));
+    BOOST_TEST(mapped == host.data());
+    BOOST_TEST(host[3] == 5U);
+    mapped[3] = 9;
+    std::array<cl_uint, 16> read{};
+    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, sizeof read, read.data());
+    BOOST_TEST(read[3] == 5U);
+    queue.enqueueUnmapMemObject(buffer, mapped);
+    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, sizeof read, read.data());
+    BOOST_TEST(read[3] == 9U);
+}
+
+BOOST_AUTO_TEST_CASE(a_field_on_a_gpu_is_exact) {
+    const Field field = compute(mesh(), grid(), band());
+    BOOST_TEST(check_exact(mesh(), field, guaranteed).band_samples > 0U);
+    BOOST_TEST(disguise::counts().kernels["bricks_by_group"].launches > 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_call_of_a_kept_transform_stays_within_its_bounds) {
+    DistanceTransform transform(test_device(), mesh());
+    std::vector<float> distance(grid().sample_count());
+    transform.compute(grid(), band(), {.distance = distance});
+    disguise::restart();
+    transform.compute(grid(), band(), {.distance = distance});
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+
+    BOOST_TEST(counts.blocking_waits <= 9U);
+    BOOST_TEST(counts.launches <= 15U);
+    BOOST_TEST(counts.fills <= 5U);
+    BOOST_TEST(counts.kernels.at("coarse_count").runs == 1U);
+    BOOST_TEST(counts.programs_built == 0U);
+    // Memory is kept from call to call, but for the order of the coarse bricks.
+    BOOST_TEST(counts.allocations <= 1U);
+    // Up go the polyhedra (280 bytes each), triangles (12) and vertices (24), starts of parts and little else.
+    const std::size_t triangles = mesh().triangles().size();
+    BOOST_TEST(counts.bytes_up <= triangles * 280 + triangles * 12 + mesh().vertices().size() * 24 + (64U << 10U));
+    // Down comes the field.
+    BOOST_TEST(counts.bytes_down >= distance.size() * sizeof(float));
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band());
+    const DeviceMemory memory(test_device().context(), grid().sample_count());
+    disguise::restart();
+    const cl::Event first(plan.enqueue(nullptr, {.distance = memory.handle()}));
+    const cl::Event second(plan.enqueue(nullptr, {.distance = memory.handle()}));
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST(counts.blocking_waits == 0U);
+    BOOST_TEST(counts.allocations == 0U);
+    BOOST_TEST(counts.bytes_up == 0U);
+    BOOST_TEST(counts.bytes_down == 0U);
+    second.wait();
+    BOOST_TEST((memory.read(test_device().internal().queue()) ==
+                bits_of(compute(mesh(), grid(), band()).distance)));
+}
+
+// The call that fails is named, and the plan computes the same field afterwards.
+BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) {
+    DistanceTransform transform(test_device(), mesh());
+    Plan plan = transform.plan(grid(), band());
+    const DeviceMemory memory(test_device().context(), grid().sample_count());
+    const cl::CommandQueue queue(test_device().internal().context(), test_device().internal().device(),
+                                 CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    disguise::restart();
+    cl::Event(plan.enqueue(queue(), {.distance = memory.handle()})).wait();
+    const std::uint64_t calls = disguise::counts().all_calls - 1;  // but the wait
+    const std::vector<std::uint32_t> expected = memory.read(queue);
+    for (std::uint64_t number = 1; number <= calls; ++number) {
+        disguise::restart({.number = number});
+        try {
+            cl::Event(plan.enqueue(queue(), {.distance = memory.handle()})).wait();
+            BOOST_TEST(disguise::counts().failed == "");
+        } catch (const Error& error) {
+            BOOST_TEST_CONTEXT(error.what())
+            BOOST_TEST(std::string(error.what()).find(disguise::counts().failed) != std::string::npos);
+        }
+        disguise::restart();
+        const DeviceMemory other(test_device().context(), grid().sample_count());
+        cl::Event(plan.enqueue(queue(), {.distance = other.handle()})).wait();
+        BOOST_TEST((other.read(queue) == expected));
+    }
+}

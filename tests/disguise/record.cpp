@@ -1,0 +1,128 @@
+#include "disguise/record.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstdlib>
+#include <string_view>
+
+namespace clsdf::disguise {
+
+namespace {
+
+std::string variable(const char* name) {
+    const char* const value = std::getenv(name);
+    return value == nullptr ? "" : value;
+}
+
+/// [CALL:]NUMBER[+]
+Fault fault_of_environment() {
+    Fault fault;
+    std::string text = variable("CLSDF_DISGUISE_FAULT");
+    if (text.empty()) return fault;
+    if (text.back() == '+') {
+        fault.onwards = true;
+        text.pop_back();
+    }
+    const std::size_t colon = text.find(':');
+    if (colon != std::string::npos) fault.call = text.substr(0, colon);
+    fault.number = std::strtoull(text.c_str() + (colon == std::string::npos ? 0 : colon + 1), nullptr, 10);
+    if (const std::string code = variable("CLSDF_DISGUISE_CODE"); !code.empty()) fault.code = std::stoi(code);
+    return fault;
+}
+
+Record* record_of_environment() {
+    auto* const record = new Record;
+    record->settings.gpu = variable("CLSDF_DISGUISE") == "gpu";
+    record->settings.compute_units =
+        static_cast<unsigned>(std::strtoul(variable("CLSDF_DISGUISE_UNITS").c_str(), nullptr, 10));
+    record->fault = fault_of_environment();
+    return record;
+}
+
+/// One write, so that the lines of processes that end together do not mix.
+[[gnu::destructor]] void append_counts() {
+    const std::string path = variable("CLSDF_DISGUISE_COUNTS");
+    if (path.empty()) return;
+    const Counts all = counts();
+    if (all.all_calls == 0) return;  // a compiler that the driver has started
+    const std::string line = to_json(all) + '\n';
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (file < 0) return;
+    if (::write(file, line.data(), line.size()) < 0) errno = 0;
+    ::close(file);
+}
+
+}  // namespace
+
+Record& record() {
+    static Record* const only = record_of_environment();
+    return *only;
+}
+
+cl_int begin(const char* call) {
+    Record& all = record();
+    const std::scoped_lock lock(all.mutex);
+    const std::uint64_t of_name = ++all.counts.calls[call];
+    const std::uint64_t of_all = ++all.counts.all_calls;
+    const Fault& fault = all.fault;
+    if (fault.number == 0 || (!fault.call.empty() && fault.call != call)) return CL_SUCCESS;
+    const std::uint64_t number = fault.call.empty() ? of_all : of_name;
+    if (number != fault.number && !(fault.onwards && number > fault.number)) return CL_SUCCESS;
+    if (all.counts.failed.empty()) all.counts.failed = call;
+    return fault.code;
+}
+
+void count_launch(const std::string& kernel, std::uint64_t work_items) {
+    Record& all = record();
+    const std::scoped_lock lock(all.mutex);
+    KernelCounts& of_kernel = all.counts.kernels[kernel];
+    if (all.latest_kernel != kernel) ++of_kernel.runs;
+    all.latest_kernel = kernel;
+    ++all.counts.launches;
+    ++of_kernel.launches;
+    of_kernel.work_items += work_items;
+}
+
+void set(const Settings& settings) {
+    const std::scoped_lock lock(record().mutex);
+    record().settings = settings;
+}
+
+Counts counts() {
+    const std::scoped_lock lock(record().mutex);
+    return record().counts;
+}
+
+void restart(const Fault& fault) {
+    const std::scoped_lock lock(record().mutex);
+    record().fault = fault;
+    record().counts = {};
+    record().latest_kernel.clear();
+}
+
+std::string to_json(const Counts& counts) {
+    nlohmann::ordered_json json;
+    json["bytes_up"] = counts.bytes_up;
+    json["bytes_down"] = counts.bytes_down;
+    json["transfers_up"] = counts.transfers_up;
+    json["transfers_down"] = counts.transfers_down;
+    json["blocking_waits"] = counts.blocking_waits;
+    json["launches"] = counts.launches;
+    json["fills"] = counts.fills;
+    json["copies"] = counts.copies;
+    json["allocations"] = counts.allocations;
+    json["allocated_bytes"] = counts.allocated_bytes;
+    json["programs_built"] = counts.programs_built;
+    json["all_calls"] = counts.all_calls;
+    if (!counts.failed.empty()) json["failed"] = counts.failed;
+    json["calls"] = counts.calls;
+    for (const auto& [name, kernel] : counts.kernels)
+        json["kernels"][name] = {
+            {"launches", kernel.launches}, {"runs", kernel.runs}, {"work_items", kernel.work_items}};
+    return json.dump();
+}
+
+}  // namespace clsdf::disguise

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "disguise/disguise.hpp"
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+#include <dlfcn.h>
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+/// What the files with OpenCL's calls share.
+namespace clsdf::disguise {
+
+/// The function of that name in the loader of OpenCL.
+#define CLSDF_NEXT(name)                                                                           \
+    ([] {                                                                                          \
+        static auto* const found = reinterpret_cast<decltype(&::name)>(::dlsym(RTLD_NEXT, #name)); \
+        return found;                                                                              \
+    }())
+
+struct Record {
+    std::mutex mutex;
+    Settings settings;
+    Fault fault;
+    Counts counts;
+    std::string latest_kernel;
+};
+/// Never destroyed: the driver's threads may outlive it.
+Record& record();
+
+/// Counts a call. What it is to fail with, or CL_SUCCESS.
+cl_int begin(const char* call);
+
+/// change(counts), one thread at a time.
+template <class Change>
+void count(Change&& change) {
+    const std::scoped_lock lock(record().mutex);
+    change(record().counts);
+}
+
+inline void count_wait() {
+    count([](Counts& counts) { ++counts.blocking_waits; });
+}
+
+inline void count_up(std::uint64_t bytes) {
+    count([&](Counts& counts) {
+        ++counts.transfers_up;
+        counts.bytes_up += bytes;
+    });
+}
+
+inline void count_down(std::uint64_t bytes) {
+    count([&](Counts& counts) {
+        ++counts.transfers_down;
+        counts.bytes_down += bytes;
+    });
+}
+
+void count_launch(const std::string& kernel, std::uint64_t work_items);
+
+/// For a call that gives an object and has failed.
+inline std::nullptr_t refused(cl_int code, cl_int* error) {
+    if (error != nullptr) *error = code;
+    return nullptr;
+}
+
+}  // namespace clsdf::disguise

@@ -1,0 +1,57 @@
+# A library between a program and the loader of OpenCL (disguise.hpp): a processor as a GPU with memory of its own, counts
+# of what is asked of the driver, and calls that fail on purpose.
+add_library(clsdf_disguise SHARED ${CMAKE_CURRENT_LIST_DIR}/record.cpp ${CMAKE_CURRENT_LIST_DIR}/gpu.cpp
+                                  ${CMAKE_CURRENT_LIST_DIR}/memory.cpp ${CMAKE_CURRENT_LIST_DIR}/calls.cpp)
+target_include_directories(clsdf_disguise PUBLIC ${PROJECT_SOURCE_DIR}/tests)
+target_link_libraries(clsdf_disguise PRIVATE clsdf_warnings nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
+
+# clsdf_between(<test>...): the library lies between these tests' programs and the loader.
+function(clsdf_between)
+  set_tests_properties(${ARGN} PROPERTIES ENVIRONMENT LD_PRELOAD=$<TARGET_FILE:clsdf_disguise>
+                                          ENVIRONMENT_MODIFICATION "ASAN_OPTIONS=string_append::verify_asan_link_order=0")
+endfunction()
+
+clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
+target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference OpenCL::OpenCL)
+clsdf_between(disguise_promises)
+
+# What scripts/gpu-counts prints.
+add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
+target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::clsdf fmt::fmt nlohmann_json::nlohmann_json)
+
+# The command with calls that fail: a sample, and with -C nightly each call.
+if(TARGET clsdf_command)
+  clsdf_test(disguise_faults ${CMAKE_CURRENT_LIST_DIR}/faults.cpp)
+  add_dependencies(test_disguise_faults clsdf_command clsdf_disguise)
+  target_compile_definitions(
+    test_disguise_faults PRIVATE CLSDF_COMMAND="$<TARGET_FILE:clsdf_command>"
+                                 CLSDF_DISGUISE_LIBRARY="$<TARGET_FILE:clsdf_disguise>")
+  target_link_libraries(test_disguise_faults PRIVATE clsdf_disguise nlohmann_json::nlohmann_json)
+  add_test(NAME disguise_is_complete
+           COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPROGRAM=$<TARGET_FILE:clsdf_command>
+                   -DLIBRARY=$<TARGET_FILE:clsdf_disguise> -P ${CMAKE_CURRENT_LIST_DIR}/complete.cmake)
+  add_test(NAME disguise_every_fault COMMAND test_disguise_faults --color_output=no CONFIGURATIONS nightly)
+  set_tests_properties(disguise_every_fault PROPERTIES ENVIRONMENT CLSDF_FAULT_EVERY=1 TIMEOUT 14400 LABELS nightly)
+endif()
+
+# Tests as on a GPU. A sample of them:
+function(clsdf_disguised name program)
+  add_test(NAME disguise_${name} COMMAND ${program} --color_output=no ${ARGN})
+  clsdf_between(disguise_${name})
+  set_property(TEST disguise_${name} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=gpu)
+  set_tests_properties(disguise_${name} PROPERTIES LABELS disguise)
+endfunction()
+
+clsdf_disguised(shapes test_transform_shapes)
+clsdf_disguised(streams test_transform_streams)
+clsdf_disguised(plans test_transform_plans)
+
+# and, with -C nightly (scripts/on-disguise), all that use a device.
+get_property(names GLOBAL PROPERTY CLSDF_TESTS)
+list(FILTER names INCLUDE REGEX "^(device|transform_.*|slices_.*|picture|benchmarks|command)$")
+foreach(name IN LISTS names)
+  add_test(NAME as_gpu_${name} COMMAND test_${name} --color_output=no CONFIGURATIONS nightly)
+  clsdf_between(as_gpu_${name})
+  set_property(TEST as_gpu_${name} APPEND PROPERTY ENVIRONMENT CLSDF_DISGUISE=gpu)
+  set_tests_properties(as_gpu_${name} PROPERTIES LABELS as_gpu TIMEOUT 3600)
+endforeach()
