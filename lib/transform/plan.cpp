@@ -3,6 +3,7 @@
 #include "core/keep.hpp"
 #include "core/moved_from.hpp"
 #include "core/stopwatch.hpp"
+#include "device/has_ended.hpp"
 #include "transform/brick_scan.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
@@ -56,7 +57,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
 
 Plan::State::~State() {
     const cl::Event& end = last_() != nullptr ? last_ : ready_;
-    if (end() == nullptr) return;
+    if (device::has_ended(end)) return;
     const cl_int code = clWaitForEvents(1, &end());
     if (code == CL_SUCCESS || code == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return;
     // Whatever takes them next must not share them with what may be under way.
@@ -65,15 +66,11 @@ Plan::State::~State() {
     keep_for_good(prepared);
 }
 
-bool Plan::State::is_under_way() const {
-    return last_() != nullptr && last_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE;
-}
-
 cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
                                const std::vector<cl::Event>& wait_list,
                                const std::function<void(double)>& between_launches) {
     std::vector<cl::Event> before = wait_list;
-    before.push_back(is_under_way() ? last_ : ready_);  // the run before has the same buffers
+    before.push_back(device::has_ended(last_) ? ready_ : last_);  // the run before has the same buffers
     transform::CommandChain chain(queue, std::move(before));
     try {
         scan_->enqueue_begin(chain, distance, triangle);

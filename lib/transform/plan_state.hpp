@@ -47,9 +47,6 @@ struct Plan::State {
     TransformStatistics statistics;
 
 private:
-    /// Whether the latest computation has not ended yet.
-    bool is_under_way() const;
-
     device::BufferPool::Lease sign_bits_;
     std::unique_ptr<transform::FieldScan> scan_;
     cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue

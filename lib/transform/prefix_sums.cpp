@@ -1,6 +1,7 @@
 #include "transform/prefix_sums.hpp"
 
 #include "core/keep.hpp"
+#include "device/has_ended.hpp"
 #include "transform/programs.hpp"
 
 #include <fmt/format.h>
@@ -65,7 +66,7 @@ void PrefixSums::enqueue() {
 }
 
 PrefixSums::~PrefixSums() {
-    if (total_read_() != nullptr && !is_known_ && !context_.drain()) keep_for_good(total_);
+    if (!is_known_ && !device::has_ended(total_read_) && !context_.drain()) keep_for_good(total_);
 }
 
 std::size_t PrefixSums::total() {

@@ -26,20 +26,20 @@ std::size_t product(cl_uint dimensions, const std::size_t* sizes) {
 using namespace clsdf::disguise;
 
 // clNAME(parameters), which returns a code, or an object by way of an error.
-#define CLSDF_PASS(name, parameters, ...)                 \
-    cl_int name parameters {                              \
+#define CLSDF_PASS(name, parameters, ...)                  \
+    cl_int name parameters {                               \
         if (const cl_int code = begin(#name)) return code; \
-        return CLSDF_NEXT(name)(__VA_ARGS__);             \
+        return CLSDF_NEXT(name)(__VA_ARGS__);              \
     }
-#define CLSDF_PASS_OBJECT(type, name, parameters, ...)                      \
-    type name parameters {                                                  \
-        if (const cl_int code = begin(#name)) return refused(code, error);  \
-        return CLSDF_NEXT(name)(__VA_ARGS__);                               \
+#define CLSDF_PASS_OBJECT(type, name, parameters, ...)                     \
+    type name parameters {                                                 \
+        if (const cl_int code = begin(#name)) return refused(code, error); \
+        return CLSDF_NEXT(name)(__VA_ARGS__);                              \
     }
 // clNAME(object, what, size, value, needed)
-#define CLSDF_PASS_INFO(name, object_type, info_type)                                                          \
-    CLSDF_PASS(name, (object_type object, info_type what, std::size_t size, void* value, std::size_t* needed), \
-               object, what, size, value, needed)
+#define CLSDF_PASS_INFO(name, object_type, info_type)                                                                  \
+    CLSDF_PASS(name, (object_type object, info_type what, std::size_t size, void* value, std::size_t* needed), object, \
+               what, size, value, needed)
 
 extern "C" {
 

@@ -4,8 +4,8 @@
 #include <map>
 #include <string>
 
-/// A library between a program and the loader of OpenCL, by LD_PRELOAD or linked before it. It makes processors answer as
-/// GPUs with memory of their own, counts what is asked of the driver, and lets calls fail on purpose. Thread-safe.
+/// A library between a program and the loader of OpenCL, by LD_PRELOAD or linked before it. It makes processors answer
+/// as GPUs with memory of their own, counts what is asked of the driver, and lets calls fail on purpose. Thread-safe.
 ///
 /// A program that does not know of it is told by the environment:
 ///   CLSDF_DISGUISE=gpu            as Settings::gpu
@@ -15,9 +15,9 @@
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
 namespace clsdf::disguise {
 
-/// What a GPU differs in: its type, vectors of one float, groups of at most 1,024 work-items, 48 KiB of local memory, and
-/// memory that is not the host's. New buffers, and what is mapped to be written anew, hold bytes of 0xFF. Mapped memory
-/// is a copy, which ends with the mapping; CL_MEM_USE_HOST_PTR copies at creation and while it is mapped.
+/// What a GPU differs in: its type, vectors of one float, groups of at most 1,024 work-items, 48 KiB of local memory,
+/// and memory that is not the host's. New buffers, and what is mapped to be written anew, hold bytes of 0xFF. Mapped
+/// memory is a copy, which ends with the mapping; CL_MEM_USE_HOST_PTR copies at creation and while it is mapped.
 struct Settings {
     bool gpu = false;
     unsigned compute_units = 0;  ///< of a GPU; 0: as many as the processor has
@@ -30,7 +30,7 @@ void set(const Settings& settings);
 /// empty. A call that fails does nothing else. clRetain... and clRelease... never fail and are not counted: what a
 /// program holds after one of them has failed is not defined, and the C++ binding releases it twice.
 struct Fault {
-    std::string call;
+    std::string call{};
     std::uint64_t number = 0;  ///< 0: none fails
     int code = -5;             ///< CL_OUT_OF_RESOURCES
     bool onwards = false;      ///< and all of these calls after it

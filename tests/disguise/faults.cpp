@@ -1,5 +1,6 @@
-// Every call of OpenCL may fail. The command then ends with status 4 and a message that names the call, and leaves no file; it
-// neither crashes nor hangs. A sample of the calls, or with CLSDF_FAULT_EVERY=1 in the environment all of them.
+// Every call of OpenCL may fail. The command then ends with status 4 and a message that names the call, and leaves no
+// file; it neither crashes nor hangs. A sample of the calls, or with CLSDF_FAULT_EVERY=1 in the environment all of
+// them.
 #include "apps/process.hpp"
 
 #include "disguise/disguise.hpp"
@@ -144,8 +145,12 @@ std::vector<std::string> compute(const std::vector<std::string>& more = {}) {
     return arguments;
 }
 
-/// Slabs of eight slices.
-const std::string small_device = "CLSDF_MAX_ALLOCATION=" + std::to_string(100000);
+/// Four slabs.
+std::vector<std::string> compute_slabs() {
+    static const std::string few_triangles = inputs().file("tetrahedron.off", tetrahedron);
+    return {"compute", few_triangles, "--resolution", "72", "--band", "3v"};
+}
+const std::string small_device = "CLSDF_MAX_ALLOCATION=600000";
 const std::string as_gpu = "CLSDF_DISGUISE=gpu";
 
 }  // namespace
@@ -157,15 +162,15 @@ BOOST_AUTO_TEST_CASE(on_a_processor) {
 }
 
 BOOST_AUTO_TEST_CASE(on_a_gpu) {
-    check_job({"whole", compute({"--with", "triangle"}), {as_gpu}}, 12);
+    check_job({"whole as on a GPU", compute({"--with", "triangle"}), {as_gpu}}, 12);
 }
 
 BOOST_AUTO_TEST_CASE(in_slabs) {
-    check_job({"slabs", compute(), {small_device}}, 10);
+    check_job({"slabs", compute_slabs(), {small_device}}, 10);
 }
 
 BOOST_AUTO_TEST_CASE(in_slabs_on_a_gpu) {
-    check_job({"slabs", compute(), {as_gpu, small_device}}, 10);
+    check_job({"slabs as on a GPU", compute_slabs(), {as_gpu, small_device}}, 10);
 }
 
 BOOST_AUTO_TEST_CASE(slice_by_slice) {

@@ -9,6 +9,8 @@ constexpr std::size_t largest_group = 1024;  ///< work-items
 constexpr cl_ulong local_memory = 48 << 10;  ///< bytes of a group
 
 /// Whether the queue's, or the program's, devices answer as GPUs.
-inline bool is_gpu() { return record().settings.gpu; }
+inline bool is_gpu() {
+    return record().settings.gpu;
+}
 
 }  // namespace clsdf::disguise

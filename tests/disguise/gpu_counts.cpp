@@ -54,7 +54,9 @@ struct Result {
 Result measure(const std::string& path) {
     disguise::set({.gpu = true, .compute_units = compute_units});
     const Mesh mesh = read_mesh(path);
-    Result result{.mesh = mesh.name(), .triangles = mesh.triangles().size()};
+    Result result;
+    result.mesh = mesh.name();
+    result.triangles = mesh.triangles().size();
     result.band = Band::symmetric(band_of_longest_side * mesh.box().longest_side());
     result.grid = Grid::around(mesh, resolution, result.band);
     const Device device = Device::best();
@@ -83,7 +85,8 @@ void print_json(const Result& result) {
     json["size"] = result.grid.size;
     json["half_width"] = result.band.outside;
     json["compute_units"] = compute_units;
-    for (const auto& [name, counts] : {std::pair("first_call", &result.first), std::pair("kept_transform", &result.kept)}) {
+    for (const auto& [name, counts] :
+         {std::pair("first_call", &result.first), std::pair("kept_transform", &result.kept)}) {
         for (const auto& [number, value] : numbers_of(*counts)) json[name][number] = value;
         for (const auto& [kernel, of_kernel] : counts->kernels)
             json[name]["kernels"][kernel] = {{"launches", of_kernel.launches}, {"work_items", of_kernel.work_items}};

@@ -74,18 +74,20 @@ BOOST_AUTO_TEST_CASE(a_call_of_a_kept_transform_stays_within_its_bounds) {
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
 
-    BOOST_TEST(counts.blocking_waits <= 9U);
-    BOOST_TEST(counts.launches <= 15U);
+    BOOST_TEST(counts.blocking_waits <= 10U);
+    BOOST_TEST(counts.launches <= 17U);
     BOOST_TEST(counts.fills <= 5U);
-    BOOST_TEST(counts.kernels.at("coarse_count").runs == 1U);
+    BOOST_TEST(counts.kernels.at("coarse_count").runs <= 2U);
     BOOST_TEST(counts.programs_built == 0U);
     // Memory is kept from call to call, but for the order of the coarse bricks.
     BOOST_TEST(counts.allocations <= 1U);
-    // Up go the polyhedra (280 bytes each), triangles (12) and vertices (24), starts of parts and little else.
+    // Up go the polyhedra (280 bytes each), triangles (12) and vertices (24), and for each of 8,192 parts of the lists
+    // where its room begins.
     const std::size_t triangles = mesh().triangles().size();
-    BOOST_TEST(counts.bytes_up <= triangles * 280 + triangles * 12 + mesh().vertices().size() * 24 + (64U << 10U));
-    // Down comes the field.
+    BOOST_TEST(counts.bytes_up <= triangles * 280 + triangles * 12 + mesh().vertices().size() * 24 + (128U << 10U));
+    // Down comes the field, and the lengths of parts and lists.
     BOOST_TEST(counts.bytes_down >= distance.size() * sizeof(float));
+    BOOST_TEST(counts.bytes_down <= distance.size() * sizeof(float) + (400U << 10U));
 }
 
 BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
@@ -101,8 +103,7 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
     BOOST_TEST(counts.bytes_up == 0U);
     BOOST_TEST(counts.bytes_down == 0U);
     second.wait();
-    BOOST_TEST((memory.read(test_device().internal().queue()) ==
-                bits_of(compute(mesh(), grid(), band()).distance)));
+    BOOST_TEST((memory.read(test_device().internal().queue()) == bits_of(compute(mesh(), grid(), band()).distance)));
 }
 
 // The call that fails is named, and the plan computes the same field afterwards.

@@ -13,10 +13,10 @@
 namespace clsdf::disguise {
 
 /// The function of that name in the loader of OpenCL.
-#define CLSDF_NEXT(name)                                                                           \
-    ([] {                                                                                          \
-        static auto* const found = reinterpret_cast<decltype(&::name)>(::dlsym(RTLD_NEXT, #name)); \
-        return found;                                                                              \
+#define CLSDF_NEXT(name)                                                                              \
+    ([] {                                                                                             \
+        static auto* const next_one = reinterpret_cast<decltype(&::name)>(::dlsym(RTLD_NEXT, #name)); \
+        return next_one;                                                                              \
     }())
 
 struct Record {
