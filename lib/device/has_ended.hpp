@@ -8,9 +8,9 @@ namespace clsdf::device {
 /// cannot be found out.
 inline bool has_ended(const cl::Event& event) noexcept {
     cl_int status = CL_QUEUED;
-    return event() == nullptr || (clGetEventInfo(event(), CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status,
-                                                 nullptr) == CL_SUCCESS &&
-                                  status <= CL_COMPLETE);
+    return event() == nullptr ||
+           (clGetEventInfo(event(), CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr) == CL_SUCCESS &&
+            status <= CL_COMPLETE);
 }
 
 }  // namespace clsdf::device

@@ -22,6 +22,18 @@ BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
     });
 }
 
+// As OpenCL spells it, also if the C++ binding does not.
+BOOST_AUTO_TEST_CASE(a_failed_call_has_the_name_that_opencl_gives_it) {
+    const Device device = Device::best();
+    const device::Context& context = device.internal();
+    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
+    test::check_throws(ErrorCode::device_failure, {"clEnqueueUnmapMemObject", "CL_INVALID_VALUE"},
+                       [&] { device::guarded([&] { context.queue().enqueueUnmapMemObject(buffer, nullptr); }); });
+    test::check_throws(ErrorCode::device_failure, {"clGetEventProfilingInfo"}, [&] {
+        device::guarded([&] { return cl::UserEvent(context.context()).getProfilingInfo<CL_PROFILING_COMMAND_END>(); });
+    });
+}
+
 BOOST_AUTO_TEST_CASE(memory_of_another_context_is_a_failed_call) {
     const Device device = Device::best();
     const cl::Context other(cl::Device(device.id(), true));
