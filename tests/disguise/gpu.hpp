@@ -4,11 +4,11 @@
 
 namespace clsdf::disguise {
 
-// As of NVIDIA's, the narrowest of today's in some respect.
+// As NVIDIA's GPUs have.
 constexpr std::size_t largest_group = 1024;  ///< work-items
 constexpr cl_ulong local_memory = 48 << 10;  ///< bytes of a group
 
-/// Whether the queue's, or the program's, devices answer as GPUs.
+/// Whether processors answer as GPUs.
 inline bool is_gpu() {
     return record().settings.gpu;
 }
