@@ -65,14 +65,19 @@ bool keeps_programs(const cl::Device& device) {
     return platform_name(device) == "Portable Computing Language";
 }
 
-/// Nothing where there is no binary, or the driver does not take it.
+/// Not the binding's build(), which asks for a log in any case, and reports that there is none in place of the failure.
+cl_int build(const cl::Program& program, const cl::Device& device, const std::string& options) {
+    return clBuildProgram(program(), 1, &device(), options.c_str(), nullptr, nullptr);
+}
+
+/// Nothing if there is no binary, or the driver does not take it.
 std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Device& device,
                                        std::optional<ProgramCache::Binary> binary, const std::string& options) {
     if (!binary) return std::nullopt;
     try {
         cl::Program program(context, {device}, {std::move(*binary)});
-        program.build(device, options.c_str());
-        return program;
+        if (build(program, device, options) == CL_SUCCESS) return program;
+        return std::nullopt;
     } catch (const cl::Error&) {
         return std::nullopt;
     }
@@ -207,8 +212,7 @@ bool Context::is_first_use_of(const cl::Kernel& kernel) {
 cl::Program Context::compile(std::string_view kernel_file, const std::string& source,
                              const std::string& options) const {
     cl::Program program(context_, source);
-    // The binding's build() asks for a log in any case, and reports that there is none in place of the failure.
-    const cl_int code = clBuildProgram(program(), 1, &device_(), options.c_str(), nullptr, nullptr);
+    const cl_int code = clsdf::device::build(program, device_, options);
     if (code == CL_SUCCESS) return program;
     std::string log;
     try {

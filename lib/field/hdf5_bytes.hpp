@@ -11,7 +11,7 @@ namespace clsdf::hdf5 {
 /// The address of what is not there.
 constexpr std::uint64_t nowhere = ~std::uint64_t{0};
 
-/// Bytes of an HDF5 file's structure, which are taken one after the other. Whoever takes more than there are gets
+/// Bytes of an HDF5 file's structure, taken one after the other. Taking more than there are throws
 /// Error(unreadable_input).
 class Bytes {
 public:
