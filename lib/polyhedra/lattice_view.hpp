@@ -19,8 +19,8 @@ struct LatticeView {
     /// On an axis, in units from sample (0, 0, 0). Beyond, one double is too coarse for a position.
     static constexpr double far = 0x1p24;
 
-    /// The difference position - sample number `sample` on an axis, in units. If both are far from sample (0, 0, 0), each
-    /// is taken as the sum of two doubles, so that the rounding is relative to the difference.
+    /// The difference position - sample number `sample` on an axis, in units. If both are far from sample (0, 0, 0),
+    /// each is taken as the sum of two doubles, so that the rounding is relative to the difference.
     double from_sample(std::size_t axis, double position, double sample) const {
         const double head = position - origin[axis];
         const double place = sample * spacing_in_units[axis];

@@ -201,8 +201,9 @@ transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, con
     test_case.variant.brick = {outputs.triangle, options.count, transform::has_long_bricks(grid)};
     test_case.is_signed = sign != SignRule::none;
     if (scan == Scan::slices)
-        test_case.variant.key_64 =
-            transform::takes_64_bits(device.internal(), layout, outputs.triangle, options.slice_minimum);
+        test_case.variant.key_64 = device::guarded([&] {
+            return transform::takes_64_bits(device.internal(), layout, outputs.triangle, options.slice_minimum);
+        });
     else
         test_case.is_wide = !transform::has_uniform_caps(layout);
     return test_case;

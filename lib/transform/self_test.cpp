@@ -77,8 +77,7 @@ std::string TestCase::name() const {
 
 std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
                                           const device::BuildWatch& watch) {
-    if (test_case.scan != Scan::slices)
-        return {programs.bricks(context, test_case.variant.brick, watch)};
+    if (test_case.scan != Scan::slices) return {programs.bricks(context, test_case.variant.brick, watch)};
     std::vector<cl::Program> result;
     for (const char* file : {"slices_active.cl", "slices_scan.cl", "slices_finish.cl"})
         result.push_back(programs.slices(context, file, test_case.variant, watch));

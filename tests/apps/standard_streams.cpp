@@ -131,8 +131,8 @@ BOOST_AUTO_TEST_CASE(is_an_error_and_leaves_the_earlier_file) {
     BOOST_TEST(folder.file_count() == 2U);
 }
 
-// LLVM calls exit(1) then; other drivers may report an error, or need no file. Without a cache of clsdf's: PoCL 3.1 aborts
-// the process if it cannot unpack a stored program.
+// LLVM calls exit(1) then; other drivers may report an error, or need no file. Without a cache of clsdf's: PoCL 3.1
+// aborts the process if it cannot unpack a stored program.
 BOOST_AUTO_TEST_CASE(or_of_the_drivers_files_is_an_error_of_the_device_and_leaves_nothing) {
     BOOST_REQUIRE(std::filesystem::create_directory(folder.file("cache")));
     const Outcome outcome = Process({"compute", mesh, "-o", field, "--resolution", "32", "--json"},
