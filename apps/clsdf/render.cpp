@@ -114,10 +114,10 @@ ExitStatus run(RenderOptions options, Report& report) {
     try {
         const clsdf::Device device = open_device(options.device);
         const SurfacePictures pictures(field, device, offset);
-        pictures.write(options.picture, options.output);
         level = pictures.offset();
         upright = pictures.upright();
-        device_name = device.name();
+        device_name = device.name();  // it may fail, and then no picture is there
+        pictures.write(options.picture, options.output);
     } catch (const Error&) {
         // The compilers of some devices listen to the same signals and fail then; the user's wish is the reason.
         if (interruption.token().stop_requested())

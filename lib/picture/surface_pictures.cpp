@@ -45,7 +45,7 @@ double SurfacePictures::offset() const {
 }
 
 Axis SurfacePictures::upright() const {
-    return scene_->upright();
+    return held_by(scene_, "SurfacePictures").upright();
 }
 
 Hits SurfacePictures::hits(const SurfaceOptions& options) const {
