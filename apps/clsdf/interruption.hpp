@@ -14,7 +14,7 @@ void end_when_left_by_a_library(bool json);
 /// What was asked for has been written: the message of a later cancellation says so.
 void output_is_written();
 
-/// Such signals and calls are ignored: all is done but the end itself.
+/// Ignores these signals and exit() calls from now on, when only the process's end is left.
 void ignore_interruptions();
 
 /// Whether such a signal has arrived. A system call that was waiting may fail for that reason only.

@@ -147,9 +147,9 @@ Command add_render(CLI::App& program) {
         ->type_name("VIEW")
         ->capture_default_str();
     parser
-        ->add_option(
-            "--up", options->up,
-            "what points upwards: auto (y or z, whichever the solid stands on more firmly), x, y, z, -x, -y or -z")
+        ->add_option("--up", options->up,
+                     "what points upwards: auto (z if the solid stands firmly on it and y is not clearly firmer, else "
+                     "y), x, y, z, -x, -y or -z")
         ->type_name("AXIS")
         ->capture_default_str();
     parser->add_option("--perspective", options->picture.view.perspective, "angle of view in degrees; 0: parallel rays")

@@ -4,9 +4,9 @@
 
 #include <string_view>
 
-/// Standard input, output and error that are closed are opened on /dev/null, in the direction that they are not used
-/// in: otherwise the next file would take their number and get what is printed, and results that nobody can read would
-/// pass for written. Call it before anything opens a file.
+/// Opens each closed standard stream on /dev/null: input for writing, output and error for reading. Otherwise the next
+/// file would get the stream's number and receive the printed text. Writing a result to a closed output still fails.
+/// Call it before anything opens a file.
 void open_closed_streams();
 
 /// From now on a write into a pipe without a reader, or beyond the limit on a file's size, fails with EPIPE or EFBIG;

@@ -52,7 +52,7 @@ public:
     unsigned earlier_attempts() const { return earlier_attempts_; }
     const std::filesystem::path& path() const { return path_; }
 
-    /// Notes that this attempt begins. Until then the marker says what it said before, and stays if that was something.
+    /// Writes this attempt into the marker. If it is never called, a marker of earlier attempts stays unchanged.
     void begin();
 
 private:
@@ -76,9 +76,10 @@ struct BuildSubject {
     std::string identity;  ///< of the device, see Context::identity()
 };
 
-/// Runs build() unless is_done(), once among all processes that share the folder; without is_done, unless the records
-/// have the subject's key, which is noted after it. A marker tells the next process if build() ended this one. Throws
-/// Error(device_failure) that names the device and the remedy if BuildMarker::most_attempts earlier ones did.
+/// Runs build() if is_done() is false. One of all processes that share the folder builds; the others wait for it. If
+/// is_done is empty, the records decide: build() runs if they lack the subject's key, which is noted afterwards. A
+/// marker tells the next process if build() ended this one. Throws Error(device_failure) that names the device and the
+/// remedy if BuildMarker::most_attempts earlier ones did.
 void build_once(const BuildRecords& records, const BuildSubject& subject, const BuildWatch& watch,
                 const std::function<void()>& build, const std::function<bool()>& is_done = {});
 

@@ -12,8 +12,7 @@ namespace {
 constexpr KnownFault known_faults[] = {
     // LLVM 14 takes processors after Zen 3 for a Zen 3, which lacks AVX-512, while PoCL 3.0 links built-in functions
     // made for AVX-512: "Cannot emit physreg copy instruction". With vectors of eight: "Cannot select VFPROUND".
-    // PoCL 3.1
-    // names the processor itself.
+    // PoCL 3.1 names the processor itself.
     {.platform = "Portable Computing Language",
      .version = {"PoCL 3.0", "LLVM 14"},
      .device = "AMD",
@@ -22,7 +21,7 @@ constexpr KnownFault known_faults[] = {
      .symptom = "cannot compile vectors for AMD's processors with AVX-512 and ends the process",
      .remedy =
          "install PoCL 3.1 or later (Debian's pocl-opencl-icd; PyPI's pocl-binary-distribution ends with 3.0), or "
-         "use the kernel body by_group"},
+         "choose another device (clsdf devices lists them), or in a program TransformOptions::body = by_group"},
 };
 
 bool has(std::string_view text, std::string_view part) {

@@ -344,7 +344,7 @@ private:
         Bytes entries(file_, address + 24, count * (8 + 8 * (dimensions + 1) + 8), "chunks");
         for (std::uint64_t i = 0; i < count; ++i) {
             const std::uint64_t bytes = entries.number(4);
-            entries.skip(4);  // which filters were left out of those that there are none of
+            entries.skip(4);  // filter mask; unused, because filters are refused
             StoredArray::Chunk chunk;
             for (std::size_t axis = 0; axis < dimensions; ++axis) chunk.first[axis] = entries.number(8);
             entries.skip(8);

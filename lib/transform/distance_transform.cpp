@@ -315,7 +315,8 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
     auto plan_state = prepared.make_plan(prepared.prepare(grid, band), sweep_mesh, grid, band, outputs);
     prepared.move_compilation_to(plan_state->statistics);
     Plan plan(std::move(plan_state));
-    device::guarded([&] { prepared.device.internal().queue().finish(); });  // what fails of the set-up fails here
+    device::guarded(
+        [&] { prepared.device.internal().queue().finish(); });  // errors of the set-up's commands are thrown here
     return plan;
 }
 

@@ -19,6 +19,8 @@ struct TestCase {
 
     /// Below device::Context::test_cases.
     std::size_t index() const;
+    /// A case with large triangles runs all that this one runs.
+    TestCase with_small_triangles() const;
     /// For messages and records, e.g. "by_vector bricks NEAREST signed narrow".
     std::string name() const;
 };

@@ -40,7 +40,7 @@ BOOST_AUTO_TEST_CASE(tells_its_version_and_what_it_was_built_with) {
     const Outcome outcome = run_command({"--version"});
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(outcome.out.starts_with("clsdf " + clsdf::version()));
-    for (const char* part : {"CGAL 5.", "Eigen 3.", "cairo 1."})
+    for (const char* part : {"CGAL ", "Eigen ", "cairo 1."})
         BOOST_TEST(outcome.out.find(part) != std::string::npos, "no " << part << " in " << outcome.out);
 }
 

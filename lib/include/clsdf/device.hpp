@@ -78,12 +78,12 @@ public:
     /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
     /// variable CLSDF_CACHE_DIR if it is set, from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf,
     /// else $HOME/.cache/clsdf. Empty (no program is kept) if the first is set and empty, if none is known, or if the
-    /// driver is PoCL, which keeps programs itself, and the first is not set. The same folder, with PoCL also where
-    /// this is empty for that reason alone, is record_folder().
+    /// driver is PoCL, which keeps programs itself, and the first is not set.
     std::string program_cache() const;
 
     /// The folder of small records of the programs that were tested on a device, and of markers of those that are being
-    /// compiled; empty: no file is written, and every process tests anew.
+    /// compiled. It is program_cache(), except with PoCL if CLSDF_CACHE_DIR is not set: $XDG_CACHE_HOME/clsdf, else
+    /// $HOME/.cache/clsdf. Empty: no file is written, and every process tests anew.
     std::string record_folder() const;
 
     /// Another folder for both, for programs that are built from now on: call it before the first
