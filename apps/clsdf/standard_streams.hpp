@@ -13,7 +13,8 @@ void open_closed_streams();
 /// SIGPIPE and SIGXFSZ would end the process in the middle of a file.
 void let_writes_fail();
 
-/// Human text, on standard error. What cannot be written is dropped: a full disk changes no exit status.
+/// Human text, on standard error. Text that cannot be written is dropped: a full disk changes no exit
+/// status.
 void write_to_standard_error(std::string_view text) noexcept;
 
 /// The same, formatted: how everything is printed that is not a result.

@@ -27,8 +27,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view beginning = ".clsdf-";
 constexpr std::string_view ending = ".part";
 
-/// statfs(2): ext2 to ext4, XFS, Btrfs, F2FS, ZFS, bcachefs, tmpfs and overlays of such. Where machines share a file
-/// system, a lock may tell of this one's processes only, and wait for a server.
+/// statfs(2): ext2 to ext4, XFS, Btrfs, F2FS, ZFS, bcachefs, tmpfs and overlays of such. On a file
+/// system that several machines share, a lock may tell of this machine's processes only, and wait for a server.
 constexpr std::array<std::uint32_t, 8> file_systems_of_one_machine{0xEF53,     0x58465342, 0x9123683E, 0xF2F52010,
                                                                    0x2FC12FC1, 0xCA451A4E, 0x01021994, 0x794C7630};
 

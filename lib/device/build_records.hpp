@@ -9,8 +9,8 @@
 namespace clsdf::device {
 
 /// Small files in a folder: records of what was built and tested with success, and markers of what is being built. Keys
-/// are texts of a few lines; a record's file holds its key. What cannot be read is not there, and what cannot be
-/// written is not kept; any number of threads and processes may use one folder.
+/// are texts of a few lines; a record's file holds its key. A file that cannot be read counts as missing,
+/// and a file that cannot be written is not kept. Any number of threads and processes may use one folder.
 class BuildRecords {
 public:
     /// An empty folder keeps nothing. The folder is made when the first file is written.

@@ -29,7 +29,7 @@ struct Record {
 /// Never destroyed: the driver's threads may outlive it.
 Record& record();
 
-/// Counts a call. What it is to fail with, or CL_SUCCESS.
+/// Counts a call. Returns the code that it is to fail with, or CL_SUCCESS.
 cl_int begin(const char* call);
 
 /// change(counts), one thread at a time.
