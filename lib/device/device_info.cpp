@@ -1,6 +1,7 @@
 #include <clsdf/device.hpp>
 
 #include "device/context.hpp"
+#include "device/known_faults.hpp"
 
 #include <fmt/format.h>
 
@@ -85,6 +86,9 @@ void ask(const cl::Device& device, DeviceInfo& info) {
         info.why_not = "its driver has no compiler";
     else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
         info.why_not = "its driver says that it is not available";
+    else if (const device::KnownFault* fault = device::known_fault(
+                 device::implementation_of(device), capabilities.is_processor ? "by_vector" : "by_group"))
+        info.why_not = fmt::format("it {}; {}", fault->symptom, fault->remedy);
 }
 
 DeviceInfo info_of(const cl::Device& device) {

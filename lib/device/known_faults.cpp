@@ -21,7 +21,8 @@ constexpr KnownFault known_faults[] = {
      .symptom = "cannot compile vectors for AMD's processors with AVX-512 and ends the process",
      .remedy =
          "install PoCL 3.1 or later (Debian's pocl-opencl-icd; PyPI's pocl-binary-distribution ends with 3.0), or "
-         "choose another device (clsdf devices lists them), or in a program TransformOptions::body = by_group"},
+         "choose another device (clsdf devices lists them), or in a program Device::from_handles and "
+         "TransformOptions::body = by_group"},
 };
 
 bool has(std::string_view text, std::string_view part) {
@@ -56,7 +57,7 @@ void refuse_known_fault(const cl::Device& device, std::string_view body) {
 
 std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file) {
     // With optimisation, coarse bricks' lists hold numbers of polyhedra that do not exist; with LLVM 14, 18 and 21 they
-    // are right. Counting by vectors alone is wrong; what is optimised there takes a small part of a call.
+    // are right. PoCL's pass implicit-loop-barriers makes coarse_count wrong; LLVM's own passes do not.
     const bool makes_wrong_lists = has(implementation.platform, "Portable Computing Language") &&
                                    has(implementation.version, "PoCL 7.") && has(implementation.version, "LLVM 19");
     return makes_wrong_lists && kernel_file == "coarse_lists.cl" ? " -cl-opt-disable" : "";

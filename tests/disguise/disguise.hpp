@@ -9,6 +9,7 @@
 ///
 /// A program that does not know of it is told by the environment:
 ///   CLSDF_DISGUISE=gpu            as Settings::gpu
+///   CLSDF_DISGUISE=pocl-3.0       as Settings::pocl_3_0
 ///   CLSDF_DISGUISE_UNITS=NUMBER   as Settings::compute_units
 ///   CLSDF_DISGUISE_COUNTS=FILE    each process appends its counts to the file when it ends, a line of JSON
 ///   CLSDF_DISGUISE_FAULT=[CALL:]NUMBER[+]   as Fault; + for `onwards`
@@ -21,6 +22,7 @@ namespace clsdf::disguise {
 struct Settings {
     bool gpu = false;
     unsigned compute_units = 0;  ///< of a GPU; 0: as many as the processor has
+    bool pocl_3_0 = false;       ///< names and versions are those of PoCL 3.0 on a Zen 4, whose compiler crashes
 };
 
 /// To be called before the first call of OpenCL.

@@ -207,3 +207,22 @@ BOOST_AUTO_TEST_CASE(a_call_that_is_named_fails_wherever_it_is_made) {
         }
     }
 }
+
+BOOST_AUTO_TEST_CASE(a_device_whose_compiler_is_known_to_crash_is_listed_and_not_taken) {
+    const std::vector<std::string> environment{"LD_PRELOAD=" CLSDF_DISGUISE_LIBRARY, "CLSDF_DISGUISE=pocl-3.0",
+                                               "CLSDF_DEVICE="};
+    const Outcome listed = run_command({"devices", "--json"}, environment);
+    const json devices = json::parse(listed.out);
+    BOOST_REQUIRE(!devices["devices"].empty());
+    BOOST_TEST(devices["taken"].is_null());
+    for (const json& device : devices["devices"]) {
+        BOOST_TEST(device["usable"] == false);
+        BOOST_TEST(device["why_not"].get<std::string>().find("install PoCL 3.1") != std::string::npos);
+    }
+    const TemporaryFolder folder;
+    std::vector<std::string> arguments = compute();
+    arguments.insert(arguments.end(), {"-o", folder.file("field.npy")});
+    const Outcome refused = run_command(arguments, environment);
+    check_refused(refused, 4, {"cannot compile vectors", "install PoCL 3.1", "clsdf devices"});
+    BOOST_TEST(folder.file_count() == 0U);
+}

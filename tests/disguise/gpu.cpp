@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string_view>
 
 namespace clsdf::disguise {
 
@@ -65,6 +66,22 @@ void disguise(cl_device_id device, cl_device_info name, void* value) {
     }
 }
 
+/// What PoCL 3.0 says; empty: what is asked for does not differ.
+std::string_view platform_of_pocl_3_0(cl_platform_info name) {
+    if (name == CL_PLATFORM_NAME) return "Portable Computing Language";
+    if (name == CL_PLATFORM_VERSION) return "OpenCL 3.0 PoCL 3.0-rc2  Linux, Release, RELOC, LLVM 14.0.6, SLEEF";
+    return {};
+}
+
+cl_int answer(std::string_view text, std::size_t size, void* value, std::size_t* needed) {
+    if (needed != nullptr) *needed = text.size() + 1;
+    if (value == nullptr) return CL_SUCCESS;
+    if (size <= text.size()) return CL_INVALID_VALUE;
+    std::memcpy(value, text.data(), text.size());
+    static_cast<char*>(value)[text.size()] = 0;
+    return CL_SUCCESS;
+}
+
 /// The devices that are meant by a type when processors are GPUs.
 cl_device_type undisguised(cl_device_type type) {
     if (type == CL_DEVICE_TYPE_ALL || (type & CL_DEVICE_TYPE_DEFAULT) != 0) return type;
@@ -80,10 +97,23 @@ using namespace clsdf::disguise;
 
 extern "C" {
 
+cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info name, std::size_t size, void* value,
+                         std::size_t* needed) {
+    if (const cl_int code = begin("clGetPlatformInfo")) return code;
+    if (record().settings.pocl_3_0)
+        if (const std::string_view text = platform_of_pocl_3_0(name); !text.empty())
+            return answer(text, size, value, needed);
+    return CLSDF_NEXT(clGetPlatformInfo)(platform, name, size, value, needed);
+}
+
 cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, std::size_t size, void* value, std::size_t* needed) {
     if (const cl_int code = begin("clGetDeviceInfo")) return code;
+    const bool pocl_3_0 = record().settings.pocl_3_0;
+    if (pocl_3_0 && name == CL_DEVICE_NAME) return answer("pthread-AMD EPYC", size, value, needed);
     const cl_int code = CLSDF_NEXT(clGetDeviceInfo)(device, name, size, value, needed);
-    if (code == CL_SUCCESS && value != nullptr && is_gpu()) disguise(device, name, value);
+    if (code != CL_SUCCESS || value == nullptr) return code;
+    if (is_gpu()) disguise(device, name, value);
+    if (pocl_3_0 && name == CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT) write(cl_uint{16}, value);
     return code;
 }
 
