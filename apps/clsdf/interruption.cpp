@@ -89,7 +89,7 @@ void listen(int pipe, bool json) {
 bool errors_are_json = false;
 std::atomic<bool> is_over = false;
 
-// Of all functions that run at the end, about the last.
+// Among the last functions that run at the end.
 void explain_exit() {
     if (is_over) return;
     clsdf::abandon_unfinished_files();

@@ -77,7 +77,7 @@ double firmness(std::span<const Vec3> points, const Vec3& centre, std::size_t up
         lowest = std::min(lowest, point[up]);
         highest = std::max(highest, point[up]);
     }
-    // Of what is flat, two layers of samples: the lowest one is what the grid happens to hit.
+    // A flat base counts with two layers of samples: the lowest one is what the grid happens to hit.
     const double limit = lowest + std::max(lowest_part * (highest - lowest), 1.5 * spacing);
     std::vector<Point> all;
     std::vector<Point> footing;

@@ -117,7 +117,10 @@ BOOST_AUTO_TEST_CASE(ends_at_once_where_nothing_has_to_be_put_in_order) {
     BOOST_REQUIRE(run_command({"shape", "sphere6", "-o", mesh}).status == 0);
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", field, "--resolution", "160"}).status == 0);
     Process process({"check", mesh, field, "--complete"});  // for minutes
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    // It checks then: until it has read both files it takes a tenth of that.
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+    while (process.cpu_seconds_so_far() < 1 && std::chrono::steady_clock::now() < give_up)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
     process.send(SIGINT);
     check_refused(process.wait(), 6, {"cancelled"});
 }

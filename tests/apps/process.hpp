@@ -8,11 +8,13 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -51,6 +53,18 @@ public:
     void send(int signal) const { ::kill(id_, signal); }
 
     std::string error_so_far() const { return content_of(error_); }
+
+    /// Of all its threads, from Linux; 0 when it has ended.
+    double cpu_seconds_so_far() const {
+        const std::string stat = content_of("/proc/" + std::to_string(id_) + "/stat");
+        // After the name in brackets: the state, ten numbers, and the ticks of user and system.
+        std::istringstream words(stat.substr(std::min(stat.rfind(')') + 1, stat.size())));
+        std::string word;
+        for (int i = 0; i < 11; ++i) words >> word;
+        double user = 0, system = 0;
+        words >> user >> system;
+        return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+    }
 
     Outcome wait() {
         int status = 0;
