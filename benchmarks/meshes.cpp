@@ -1,6 +1,7 @@
 #include "benchmarks/meshes.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/shapes.hpp>
 
 #include <fmt/format.h>

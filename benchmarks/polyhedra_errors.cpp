@@ -2,6 +2,7 @@
 // the tree at random samples of the band. Rows of docs/peikert-sigg.md.
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>

@@ -1,54 +1,104 @@
-# The installed package, for find_package(clsdf) and for pkg-config.
+# The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, io,
+# picture, reference), and so is the command; headers, package files and what else a compiler needs are in development.
 include(CMakePackageConfigHelpers)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/clsdf)
-set(targets clsdf)
-if(CLSDF_BUILD_REFERENCE)
-  list(APPEND targets clsdf_reference)
-  set_target_properties(clsdf_reference PROPERTIES EXPORT_NAME reference)
-endif()
-if(CLSDF_BUILD_PICTURE)
-  list(APPEND targets clsdf_picture)
-endif()
-install(TARGETS ${targets} EXPORT clsdfTargets FILE_SET HEADERS)
-if(CLSDF_BUILD_APPS)
-  install(TARGETS clsdf_command)
-endif()
-install(EXPORT clsdfTargets NAMESPACE clsdf:: DESTINATION ${package_directory})
-
-# A static library does not carry what it stands on, so whoever links it has to find that.
 get_target_property(library_type clsdf TYPE)
-set(CLSDF_CONFIG_DEPENDENCIES "find_dependency(Eigen3)")
-set(CLSDF_PC_REQUIRES "eigen3")
-set(CLSDF_PC_LIBRARIES "")
-set(CLSDF_PC_LIBRARIES_PRIVATE "")
+set(is_static FALSE)
 if(library_type STREQUAL "STATIC_LIBRARY")
-  foreach(package OpenCL TBB fmt)
-    string(APPEND CLSDF_CONFIG_DEPENDENCIES "\nfind_dependency(${package})")
-  endforeach()
-  string(APPEND CLSDF_PC_REQUIRES " OpenCL tbb fmt mpfr gmp expat")
-  # HDF5's own description has another name on every system.
-  set(CLSDF_PC_LIBRARIES "-l${CLSDF_HDF5_NAME}")
-  if(CLSDF_WITH_OPENVDB)
-    string(APPEND CLSDF_PC_LIBRARIES " -lopenvdb -lImath")
-  endif()
-  # What a C++ compiler links by itself and a C compiler, as the linker of a mixed program, does not.
+  set(is_static TRUE)
+endif()
+# Relative to the file itself, so that the installed tree can be moved.
+file(RELATIVE_PATH CLSDF_PC_INCLUDEDIR ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+# What a C++ compiler links by itself and a C compiler, as the linker of a mixed program, does not.
+set(cxx_libraries "")
+if(is_static)
   set(libraries ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
   list(REMOVE_ITEM libraries gcc gcc_s c)
   list(REMOVE_DUPLICATES libraries)
   list(TRANSFORM libraries PREPEND -l)
-  list(JOIN libraries " " CLSDF_PC_LIBRARIES_PRIVATE)
+  list(JOIN libraries " " cxx_libraries)
 endif()
-# Relative to the file itself, so that the installed tree can be moved.
-file(RELATIVE_PATH CLSDF_PC_INCLUDEDIR ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_INCLUDEDIR})
+
+# clsdf_install_library(<target> <component> <description> <pkg-config packages> <libraries>): the last two are what a
+# static library stands on, which it does not carry.
+function(clsdf_install_library target component description packages libraries)
+  install(
+    TARGETS ${target}
+    EXPORT ${target}Targets
+    LIBRARY COMPONENT ${component} NAMELINK_COMPONENT development
+    ARCHIVE COMPONENT ${component}
+    RUNTIME COMPONENT ${component}
+    FILE_SET HEADERS COMPONENT development)
+  install(
+    EXPORT ${target}Targets
+    NAMESPACE clsdf::
+    DESTINATION ${package_directory}
+    COMPONENT development)
+  string(REPLACE "_" "-" PC_NAME ${target})
+  set(PC_DESCRIPTION "${description}")
+  set(PC_LIBRARIES "-l${target}")
+  set(PC_LIBRARIES_PRIVATE "")
+  set(PC_REQUIRES "")
+  if(NOT target STREQUAL "clsdf")
+    set(PC_REQUIRES "clsdf = ${PROJECT_VERSION}")
+  endif()
+  if(is_static)
+    string(APPEND PC_REQUIRES " ${packages}")
+    string(APPEND PC_LIBRARIES " ${libraries}")
+    set(PC_LIBRARIES_PRIVATE "${cxx_libraries}")
+  endif()
+  configure_file(cmake/library.pc.in ${PROJECT_BINARY_DIR}/${PC_NAME}.pc @ONLY)
+  install(
+    FILES ${PROJECT_BINARY_DIR}/${PC_NAME}.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT development)
+endfunction()
+
+set(CLSDF_CONFIG_DEPENDENCIES "")
+if(is_static)
+  foreach(package OpenCL TBB fmt)
+    string(APPEND CLSDF_CONFIG_DEPENDENCIES "\nfind_dependency(${package})")
+  endforeach()
+endif()
+set(CLSDF_COMPONENTS "")
+clsdf_install_library(clsdf core "${PROJECT_DESCRIPTION}" "OpenCL tbb fmt mpfr gmp" "")
+if(CLSDF_BUILD_IO)
+  list(APPEND CLSDF_COMPONENTS io)
+  # HDF5's own description has another name on every system.
+  set(libraries "-l${CLSDF_HDF5_NAME}")
+  if(CLSDF_WITH_OPENVDB)
+    string(APPEND libraries " -lopenvdb -lImath")
+  endif()
+  clsdf_install_library(clsdf_io io "Files of meshes and fields, for clsdf" "tbb fmt expat" "${libraries}")
+endif()
+if(CLSDF_BUILD_PICTURE)
+  list(APPEND CLSDF_COMPONENTS picture)
+  clsdf_install_library(clsdf_picture picture "Pictures of clsdf's fields" "OpenCL tbb fmt cairo" "")
+endif()
+if(CLSDF_BUILD_REFERENCE)
+  list(APPEND CLSDF_COMPONENTS reference)
+  clsdf_install_library(clsdf_reference reference "The slow, plain specification of clsdf's fields, under the GPL"
+                        "tbb fmt mpfr gmp" "")
+endif()
+if(CLSDF_BUILD_APPS)
+  install(TARGETS clsdf_command COMPONENT command)
+endif()
+set(components core ${CLSDF_COMPONENTS})
+list(JOIN components ", " CLSDF_COMPONENTS_TEXT)
+list(JOIN CLSDF_COMPONENTS " " CLSDF_COMPONENTS)
 
 configure_package_config_file(cmake/clsdfConfig.cmake.in ${PROJECT_BINARY_DIR}/clsdfConfig.cmake
-                              INSTALL_DESTINATION ${package_directory} NO_SET_AND_CHECK_MACRO)
+                              INSTALL_DESTINATION ${package_directory} NO_SET_AND_CHECK_MACRO
+                              NO_CHECK_REQUIRED_COMPONENTS_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/clsdfConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/clsdfConfig.cmake ${PROJECT_BINARY_DIR}/clsdfConfigVersion.cmake
-        DESTINATION ${package_directory})
+install(
+  FILES ${PROJECT_BINARY_DIR}/clsdfConfig.cmake ${PROJECT_BINARY_DIR}/clsdfConfigVersion.cmake
+  DESTINATION ${package_directory}
+  COMPONENT development)
 
-configure_file(cmake/clsdf.pc.in ${PROJECT_BINARY_DIR}/clsdf.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/clsdf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The licence goes with every component.
+foreach(component core io picture reference command development)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
+endforeach()
+install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)

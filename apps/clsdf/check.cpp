@@ -4,6 +4,7 @@
 #include "standard_streams.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
@@ -79,7 +80,7 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
 
 ExitStatus run(const Options& options, Report& report) {
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
-    clsdf::Field field = clsdf::Field::read(options.field);
+    clsdf::Field field = clsdf::read_field(options.field);
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 

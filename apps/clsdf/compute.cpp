@@ -9,6 +9,7 @@
 #include "core/stopwatch.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 
 #include <fmt/format.h>
 
@@ -126,7 +127,7 @@ void warn(Report& report, const std::string& warning) {
 ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     if (!options.output.empty())
-        clsdf::Field::check_output(options.output, request.outputs);
+        clsdf::check_output(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
                     "state where the field goes: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");

@@ -2,6 +2,7 @@
 #include "standard_streams.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/reference.hpp>
 
 #include <algorithm>

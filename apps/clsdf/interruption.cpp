@@ -4,7 +4,7 @@
 #include "standard_streams.hpp"
 
 #include <clsdf/error.hpp>
-#include <clsdf/unfinished_files.hpp>
+#include <clsdf/io.hpp>
 
 #include <fcntl.h>
 #include <unistd.h>

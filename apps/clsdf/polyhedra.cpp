@@ -3,6 +3,7 @@
 #include "option_values.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 
 #include <fmt/format.h>
 

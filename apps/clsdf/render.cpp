@@ -6,6 +6,7 @@
 #include "progress_bar.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/picture.hpp>
 
 #include <fmt/format.h>
@@ -103,7 +104,7 @@ std::optional<double> read_options(RenderOptions& options) {
 ExitStatus run(RenderOptions options, Report& report) {
     const std::optional<double> offset = read_options(options);
     SurfacePictures::check_output(options.output);
-    const clsdf::Field field = clsdf::Field::read(options.field);
+    const clsdf::Field field = clsdf::read_field(options.field);
     const Interruption interruption;
     ProgressBar progress(!report.quiet);
     options.picture.stop = interruption.token();

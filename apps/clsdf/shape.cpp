@@ -3,6 +3,7 @@
 #include "output.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 
 #include <fmt/format.h>
 

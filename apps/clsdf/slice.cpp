@@ -5,6 +5,7 @@
 #include "progress_bar.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/picture.hpp>
 
 #include <fmt/format.h>
@@ -59,7 +60,7 @@ std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std
 ExitStatus run(const SliceOptions& options, Report& report) {
     const Axis axis = clsdf::picture::parse_axis(options.axis);
     SlicePictures::check_output(options.output);
-    const clsdf::Field field = clsdf::Field::read(options.field);
+    const clsdf::Field field = clsdf::read_field(options.field);
     const SlicePictures pictures(field, options.picture);
 
     std::vector<std::string> files{options.output};

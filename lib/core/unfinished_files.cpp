@@ -2,8 +2,6 @@
 
 #include "core/descriptor.hpp"
 
-#include <clsdf/unfinished_files.hpp>
-
 #include <fmt/format.h>
 
 #include <fcntl.h>
@@ -125,10 +123,9 @@ void remove_stale_files(const fs::path& folder) noexcept {
     }
 }
 
-void abandon_unfinished_files() noexcept {
-    UnfinishedFiles& files = UnfinishedFiles::of_process();
-    files.mutex.lock();  // for ever: nothing may be created or renamed from here on
-    for (const std::string& name : files.names) ::unlink(name.c_str());
+void UnfinishedFiles::abandon() noexcept {
+    mutex.lock();  // for ever: nothing may be created or renamed from here on
+    for (const std::string& name : names) ::unlink(name.c_str());
 }
 
 }  // namespace clsdf

@@ -18,6 +18,9 @@ struct UnfinishedFiles {
 
     /// Never destroyed: threads may outlive main().
     static UnfinishedFiles& of_process();
+
+    /// Removes the files, and lets no thread create, rename or remove one any more.
+    void abandon() noexcept;
 };
 
 /// A new, locked file ".clsdf-PID-N.part" in the folder, listed in UnfinishedFiles: its descriptor, and `name` becomes

@@ -31,6 +31,10 @@ constexpr std::array extras{
 
 }  // namespace
 
+std::size_t width_of(ValueType type) {
+    return type == ValueType::float64 ? 8 : 4;
+}
+
 const OutputKind& distance_kind() {
     return distance;
 }
@@ -44,10 +48,6 @@ std::vector<OutputKind> kinds_of(const Outputs& outputs) {
     for (const OutputKind& extra : extras)
         if (extra.wanted(outputs)) kinds.push_back(extra);
     return kinds;
-}
-
-void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field) {
-    read_values(file, values, kind.type, kind.allocate(field, field.grid.sample_count()));
 }
 
 FieldSlab slab_of(const Field& field) {

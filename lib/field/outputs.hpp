@@ -1,14 +1,17 @@
 #pragma once
 
-#include "field/raw_values.hpp"
-
-#include <clsdf/field_writer.hpp>
+#include <clsdf/field.hpp>
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
 namespace clsdf {
+
+enum class ValueType { float32, float64, uint32 };
+
+/// Bytes of a value.
+std::size_t width_of(ValueType type);
 
 /// One of the arrays of a field, and all that the formats need to know about it. A new one is a row of the table in
 /// outputs.cpp beside its members in Field, FieldSlab and Outputs.
@@ -30,9 +33,6 @@ const OutputKind& distance_kind();
 std::span<const OutputKind> extra_kinds();
 /// The distance first, then the others asked for.
 std::vector<OutputKind> kinds_of(const Outputs& outputs);
-
-/// Reads one output of the field, whose grid is known; the values have been counted, and their type fits.
-void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field);
 
 FieldSlab slab_of(const Field& field);
 /// What the field holds.

@@ -120,23 +120,38 @@ MeshView::MeshView(std::span<const Vec3> vertices, std::span<const Triangle> tri
       vertex_count_(vertices.size()),
       triangle_count_(triangles.size()) {}
 
-void MeshView::throw_not_contiguous() {
-    throw Error(ErrorCode::invalid_argument,
-                "a matrix of vertices or triangles has gaps between its triples; copy it into a plain one");
-}
+MeshView::MeshView(const double* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
+                   const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout)
+    : double_vertices_(vertices),
+      triangles_(triangles),
+      vertex_count_(vertex_count),
+      triangle_count_(triangle_count),
+      vertex_layout_(vertex_layout),
+      triangle_layout_(triangle_layout) {}
+
+MeshView::MeshView(const float* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
+                   const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout)
+    : float_vertices_(vertices),
+      triangles_(triangles),
+      vertex_count_(vertex_count),
+      triangle_count_(triangle_count),
+      vertex_layout_(vertex_layout),
+      triangle_layout_(triangle_layout) {}
 
 Vec3 MeshView::vertex(std::size_t index) const {
+    const auto first = static_cast<std::ptrdiff_t>(index) * vertex_layout_.triple;
+    const std::ptrdiff_t step = vertex_layout_.number;
     if (double_vertices_ != nullptr) {
-        const double* vertex = double_vertices_ + 3 * index;
-        return {vertex[0], vertex[1], vertex[2]};
+        const double* vertex = double_vertices_ + first;
+        return {vertex[0], vertex[step], vertex[2 * step]};
     }
-    const float* vertex = float_vertices_ + 3 * index;
-    return {static_cast<double>(vertex[0]), static_cast<double>(vertex[1]), static_cast<double>(vertex[2])};
+    const float* vertex = float_vertices_ + first;
+    return {static_cast<double>(vertex[0]), static_cast<double>(vertex[step]), static_cast<double>(vertex[2 * step])};
 }
 
 Triangle MeshView::triangle(std::size_t index) const {
-    const std::uint32_t* triangle = triangles_ + 3 * index;
-    return {triangle[0], triangle[1], triangle[2]};
+    const std::uint32_t* triangle = triangles_ + static_cast<std::ptrdiff_t>(index) * triangle_layout_.triple;
+    return {triangle[0], triangle[triangle_layout_.number], triangle[2 * triangle_layout_.number]};
 }
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name)

@@ -3,21 +3,11 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/defects.cpp
           ${CMAKE_CURRENT_LIST_DIR}/directed_edges.cpp
           ${CMAKE_CURRENT_LIST_DIR}/equal_vertices.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/file_content.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/file_ending.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nearest_name.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/ply_header.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_mesh.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_obj.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_off.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_stl.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shape_solids.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shape_surfaces.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shapes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/text_scanner.cpp
           ${CMAKE_CURRENT_LIST_DIR}/topology.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/weld.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/write_mesh.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/weld.cpp)

@@ -1,6 +1,7 @@
 #include "acceptance/cases.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/topology.hpp>
 
 #include <fmt/format.h>

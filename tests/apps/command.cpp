@@ -1,6 +1,7 @@
 #include "apps/process.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/version.hpp>
 
 #include <boost/test/unit_test.hpp>
@@ -74,7 +75,7 @@ BOOST_AUTO_TEST_CASE(takes_names_with_blanks_and_letters_of_any_language) {
     const Outcome outcome = run_command({"compute", mesh, "-o", field, "--resolution", "9", "--json", "--quiet"});
     BOOST_TEST(outcome.status == 0);
     BOOST_TEST(nlohmann::json::parse(outcome.out)["output"] == field);
-    BOOST_TEST(clsdf::Field::read(field).mesh_name == "ein Körper.off");
+    BOOST_TEST(clsdf::read_field(field).mesh_name == "ein Körper.off");
 }
 
 BOOST_AUTO_TEST_CASE(answers_a_mistyped_word_with_the_nearest_one) {

@@ -1,6 +1,7 @@
 #include "apps/process.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
@@ -223,7 +224,7 @@ BOOST_AUTO_TEST_CASE(keeps_the_name_of_the_mesh_without_its_folder) {
     const std::string field = folder.file("a.nrrd");
     BOOST_TEST(
         run_command({"compute", folder.file("mesh.off", tetrahedron), "-o", field, "--resolution", "9"}).status == 0);
-    BOOST_TEST(clsdf::Field::read(field).mesh_name == "mesh.off");
+    BOOST_TEST(clsdf::read_field(field).mesh_name == "mesh.off");
 }
 
 BOOST_AUTO_TEST_CASE(says_when_its_output_cannot_be_written) {
@@ -244,10 +245,10 @@ BOOST_AUTO_TEST_CASE(finds_what_is_wrong_with_a_field_and_says_where) {
     const std::string mesh = folder.file("mesh.off", tetrahedron);
     const std::string path = folder.file("field.nrrd");
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "24"}).status == 0);
-    clsdf::Field field = clsdf::Field::read(path);
+    clsdf::Field field = clsdf::read_field(path);
     field.distance[field.grid.offset(6, 6, 6)] *= -1;
     field.distance[field.grid.offset(0, 12, 5)] = 0;
-    field.write(path);
+    write(field, path);
     const Outcome outcome = run_command({"check", mesh, path, "--complete", "--json"});
     BOOST_TEST(outcome.status == 1);
     BOOST_TEST(outcome.error.find("(6, 6, 6)") != std::string::npos);

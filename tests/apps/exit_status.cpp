@@ -1,6 +1,7 @@
 #include "apps/process.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
@@ -75,9 +76,9 @@ BOOST_AUTO_TEST_CASE(is_0_where_everything_was_done_and_json_is_one_object_then)
 
 BOOST_AUTO_TEST_CASE(is_1_where_a_check_failed) {
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", field, "--resolution", "16"}).status == 0);
-    clsdf::Field wrong = clsdf::Field::read(field);
+    clsdf::Field wrong = clsdf::read_field(field);
     wrong.distance[wrong.grid.offset(5, 5, 5)] *= -1;
-    wrong.write(field);
+    write(wrong, field);
     const Outcome outcome = run_command({"check", mesh, field, "--complete", "--json"});
     BOOST_TEST(outcome.status == 1);
     BOOST_TEST(json::parse(outcome.out)["passed"] == false);

@@ -2,6 +2,7 @@
 // at three sizes, each four times the one before: what is added grows by 4 if time is linear, by 16 if it is quadratic.
 #include "apps/process.hpp"
 
+#include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
 
 #include <algorithm>

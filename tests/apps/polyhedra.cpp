@@ -1,6 +1,7 @@
 #include "apps/process.hpp"
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>

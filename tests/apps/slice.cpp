@@ -1,6 +1,8 @@
 #include "apps/process.hpp"
 #include "picture/example.hpp"
 
+#include <clsdf/io.hpp>
+
 #include <boost/test/unit_test.hpp>
 
 #include <nlohmann/json.hpp>
@@ -26,7 +28,7 @@ BOOST_AUTO_TEST_SUITE(the_slice_command)
 BOOST_AUTO_TEST_CASE(draws_one_slice_or_a_mosaic) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    two_balls().write(field);
+    write(two_balls(), field);
     const std::string picture = folder.file("balls.png");
     BOOST_TEST(run_command({"slice", field, "-o", picture, "--pixels", "150"}).status == 0);
     BOOST_TEST(is_png(picture));
@@ -48,7 +50,7 @@ BOOST_AUTO_TEST_CASE(draws_one_slice_or_a_mosaic) {
 BOOST_AUTO_TEST_CASE(draws_every_slice_as_a_numbered_file) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    two_balls().write(field);
+    write(two_balls(), field);
     const Outcome outcome =
         run_command({"slice", field, "-o", folder.file("b.png"), "--all", "--pixels", "100", "--json"});
     BOOST_TEST(outcome.status == 0);
@@ -60,7 +62,7 @@ BOOST_AUTO_TEST_CASE(draws_every_slice_as_a_numbered_file) {
 BOOST_AUTO_TEST_CASE(leaves_whole_pictures_only_where_it_is_interrupted) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    two_balls().write(field);
+    write(two_balls(), field);
     Process process({"slice", field, "-o", folder.file("b.png"), "--all", "--axis", "x", "--pixels", "2000"});
     while (folder.file_count() < 3) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     process.send(SIGINT);
@@ -77,7 +79,7 @@ BOOST_AUTO_TEST_CASE(leaves_whole_pictures_only_where_it_is_interrupted) {
 BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    two_balls().write(field);
+    write(two_balls(), field);
     const std::string picture = folder.file("balls.png");
     check_refused(run_command({"slice", field, "-o", picture, "--index", "21"}), 2,
                   {"no sample 21 along z", "0 to 20"});
@@ -97,7 +99,7 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
 BOOST_AUTO_TEST_CASE(draws_on_a_machine_without_fonts) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    two_balls().write(field);
+    write(two_balls(), field);
     const std::string no_fonts = folder.file("fonts.conf", "<fontconfig></fontconfig>");
     const std::string picture = folder.file("balls.png");
     const Outcome outcome = run_command({"slice", field, "-o", picture}, {"FONTCONFIG_FILE=" + no_fonts});

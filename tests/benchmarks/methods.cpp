@@ -4,6 +4,8 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <cmath>
+
 using namespace clsdf;
 using namespace clsdf::bench;
 using clsdf::test::small_workload;

@@ -1,74 +1,175 @@
-# WAY: find_package, add_subdirectory or pkg_config; CLSDF: the sources; BUILD: their build tree; SCRATCH: a directory of
-# this test's own; GENERATOR, COMPILER and LAUNCHER: as the library was built.
+# WAY: one of those below; CLSDF: the sources; BUILD: their build tree; SCRATCH: a directory of this test's own; GENERATOR,
+# COMPILER and LAUNCHER: as the library was built.
 cmake_minimum_required(VERSION 3.25)
 
 set(prefix ${SCRATCH}/prefix)
 set(source ${CLSDF}/tests/consumer)
-set(program ${SCRATCH}/build/consumer)
+set(build ${SCRATCH}/build)
 file(REMOVE_RECURSE ${SCRATCH})
-file(MAKE_DIRECTORY ${SCRATCH}/build)
+file(MAKE_DIRECTORY ${build})
 
 function(run)
-  execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${build} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-if(NOT WAY STREQUAL "add_subdirectory")
-  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
-endif()
-
-if(WAY STREQUAL "pkg_config")
+# install_package([<component>...])
+function(install_package)
+  if(NOT ARGN)
+    run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
+  endif()
+  foreach(component IN LISTS ARGN)
+    run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --component ${component})
+  endforeach()
   file(GLOB_RECURSE description ${prefix}/clsdf.pc)
   get_filename_component(directory "${description}" DIRECTORY)
   set(ENV{PKG_CONFIG_PATH} ${directory})
-  get_filename_component(ENV{LD_LIBRARY_PATH} "${directory}" DIRECTORY)
-  function(flags_of_clsdf result)
+  get_filename_component(directory "${directory}" DIRECTORY)
+  set(ENV{LD_LIBRARY_PATH} ${directory})
+endfunction()
+
+function(flags_of result)
+  execute_process(
+    COMMAND pkg-config ${ARGN}
+    OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE
+    COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  set(${result} ${flags} PARENT_SCOPE)
+endfunction()
+
+# The first program of the README, in a main(), and the mesh it reads.
+function(write_readme_program file)
+  file(READ ${CLSDF}/README.md readme)
+  if(NOT readme MATCHES "```cpp\n((#include [^\n]*\n)+)([^`]*)```")
+    message(FATAL_ERROR "README.md has no program")
+  endif()
+  file(WRITE ${file} "${CMAKE_MATCH_1}\nint main() {\n${CMAKE_MATCH_3}\nreturn distance > 0 ? 0 : 1;\n}\n")
+  file(WRITE ${build}/bunny.off "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+endfunction()
+
+function(check_readme_program)
+  run(${build}/consumer_files)
+  if(NOT EXISTS ${build}/bunny.nrrd)
+    message(FATAL_ERROR "The README's program wrote no field")
+  endif()
+endfunction()
+
+# configure(<compiler> <argument>...)
+function(configure compiler)
+  write_readme_program(${build}/readme.cpp)
+  run(${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${compiler}
+      -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_PREFIX_PATH=${prefix}
+      -DREADME_PROGRAM=${build}/readme.cpp ${ARGN})
+endfunction()
+
+function(build_and_run)
+  run(${CMAKE_COMMAND} --build ${build})
+  run(${build}/consumer)
+  run(${build}/consumer_host ${build}/libconsumer_plugin.so)
+endfunction()
+
+if(WAY STREQUAL "find_package" OR WAY STREQUAL "clang")
+  # Everything installed, in a project whose compiler may be another one. Neither CGAL nor Eigen is asked for.
+  if(WAY STREQUAL "clang")
+    find_program(clang NAMES clang++ clang++-19 clang++-18 clang++-16 clang++-14)
+    if(NOT clang)
+      message("skipped: clang++ is not installed (on Debian: apt-get install clang)")
+      return()
+    endif()
+    set(COMPILER ${clang})
+  endif()
+  install_package()
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,reference -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
+            -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
+  build_and_run()
+  check_readme_program()
+  run(${build}/consumer_reference)
+
+elseif(WAY STREQUAL "add_subdirectory")
+  configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF})
+  build_and_run()
+  check_readme_program()
+
+elseif(WAY STREQUAL "components")
+  # The core alone: a project that asks for more is told what is missing; then it gets it.
+  install_package(core development)
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=core)
+  build_and_run()
+  foreach(missing io nonsense)
     execute_process(
-      COMMAND pkg-config ${ARGN} clsdf
-      OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE
-      COMMAND_ERROR_IS_FATAL ANY)
-    separate_arguments(flags UNIX_COMMAND "${flags}")
-    set(${result} ${flags} PARENT_SCOPE)
-  endfunction()
-  flags_of_clsdf(flags --cflags --libs)
+      COMMAND ${CMAKE_COMMAND} -S ${source} -B ${build} -DCOMPONENTS=${missing}
+      RESULT_VARIABLE status
+      OUTPUT_VARIABLE log
+      ERROR_VARIABLE log)
+    string(REGEX REPLACE "[ \n]+" " " log "${log}")
+    if(status EQUAL 0 OR NOT log MATCHES "component \"${missing}\" is not installed")
+      message(FATAL_ERROR "find_package(clsdf COMPONENTS ${missing}) does not name what is missing: ${log}")
+    endif()
+  endforeach()
+  install_package(io)
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io)
+  build_and_run()
+  check_readme_program()
+
+elseif(WAY STREQUAL "pkg_config")
+  install_package()
+  flags_of(flags --cflags --libs clsdf)
+  set(program ${build}/consumer)
 
   # The line of the README, as a reader would paste it; c++ is the compiler that the library was built with.
   file(STRINGS ${CLSDF}/README.md line REGEX "^c\\+\\+ .*pkg-config" LIMIT_COUNT 1)
   string(REGEX REPLACE "^c\\+\\+" "${COMPILER}" line "${line}")
-  file(COPY_FILE ${source}/consumer.cpp ${SCRATCH}/build/simulation.cpp)
-  execute_process(COMMAND sh -c "${line}" WORKING_DIRECTORY ${SCRATCH}/build COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
-  file(RENAME ${SCRATCH}/build/simulation ${program})
+  write_readme_program(${build}/simulation.cpp)
+  run(sh -c "${line}")
+  file(RENAME ${build}/simulation ${build}/consumer_files)
+  check_readme_program()
+
+  run(${COMPILER} -std=c++20 ${source}/consumer.cpp ${flags} -o ${program})
+  flags_of(reference_flags --cflags --libs clsdf-reference)
+  run(${COMPILER} -std=c++20 ${source}/reference.cpp ${reference_flags} -o ${program}_reference)
+  run(${program}_reference)
 
   # Linked by a C compiler, with what its description says of a static library.
-  flags_of_clsdf(static_flags --static --libs)
+  flags_of(static_flags --static --libs clsdf)
   run(${COMPILER} -std=c++20 -DCONSUMER_OF_C -c ${source}/consumer.cpp ${flags} -o ${program}.o)
   run(cc ${source}/main.c ${program}.o ${static_flags} -o ${program}_of_c)
   run(${program}_of_c)
 
   # The version is the same in the header, in the library and in the description.
-  flags_of_clsdf(version --modversion)
+  flags_of(version --modversion clsdf)
   execute_process(COMMAND ${program} OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
   if(NOT output MATCHES "^clsdf ${version}: ")
     message(FATAL_ERROR "pkg-config says version ${version}, the program '${output}'")
   endif()
 
-  # CGAL is how the library works, not what it offers.
+  # CGAL and Eigen are how the library works, not what it offers.
   execute_process(
     COMMAND ${COMPILER} -std=c++20 ${source}/consumer.cpp ${flags} -M
     OUTPUT_VARIABLE dependencies
     COMMAND_ERROR_IS_FATAL ANY)
-  if(dependencies MATCHES "[^ ]+/CGAL/[^ ]+")
+  if(dependencies MATCHES "[^ ]+/(CGAL|Eigen)/[^ ]+")
     message(FATAL_ERROR "A program that includes clsdf/clsdf.hpp gets ${CMAKE_MATCH_0}")
   endif()
-else()
-  set(arguments -DWAY=${WAY} -DCLSDF=${CLSDF} -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${COMPILER}
-                -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER} -DCMAKE_BUILD_TYPE=Debug -G ${GENERATOR})
-  if(WAY STREQUAL "find_package")
-    list(APPEND arguments -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON)
+  # Nor does it get a library of files.
+  if("${flags}" MATCHES "hdf5|expat|openvdb|cairo")
+    message(FATAL_ERROR "A program that links clsdf gets ${CMAKE_MATCH_0}: ${flags}")
   endif()
-  run(${CMAKE_COMMAND} -S ${source} -B ${SCRATCH}/build ${arguments})
-  run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
-endif()
-run(${program})
-if(WAY STREQUAL "find_package")
-  run(${program}_reference)
+
+elseif(WAY STREQUAL "parallel_hdf5")
+  find_program(mpirun mpirun)
+  execute_process(COMMAND pkg-config --exists hdf5-openmpi RESULT_VARIABLE status)
+  if(NOT mpirun OR NOT status EQUAL 0)
+    message("skipped: parallel HDF5 is not installed (on Debian: apt-get install libhdf5-openmpi-dev openmpi-bin)")
+    return()
+  endif()
+  install_package()
+  flags_of(flags --cflags --libs clsdf)
+  # Behind clsdf, where a serial HDF5 of clsdf's own would come first.
+  flags_of(hdf5_flags --cflags --libs hdf5-openmpi)
+  run(${COMPILER} -std=c++20 ${source}/parallel_hdf5.cpp ${flags} ${hdf5_flags} -o ${build}/parallel_hdf5)
+  set(ENV{OMPI_ALLOW_RUN_AS_ROOT} 1)
+  set(ENV{OMPI_ALLOW_RUN_AS_ROOT_CONFIRM} 1)
+  run(${mpirun} --oversubscribe -n 2 ${build}/parallel_hdf5)
+
+else()
+  message(FATAL_ERROR "There is no way '${WAY}'")
 endif()

@@ -4,7 +4,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
-#include <clsdf/unfinished_files.hpp>
+#include <clsdf/io.hpp>
 
 #include <sys/resource.h>
 #include <sys/wait.h>

@@ -1,5 +1,6 @@
 // What W1 asks of a GPU's driver: the first call of a transform and one of a kept transform (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
 
 #include "disguise/disguise.hpp"
 

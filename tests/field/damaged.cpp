@@ -3,6 +3,7 @@
 
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 
@@ -23,7 +24,7 @@ void replace(const TemporaryFolder& folder, const std::string& name, const std::
 // Whether it is read at all; the only other answer is the error of an unreadable file.
 bool can_be_read(const std::string& path) {
     try {
-        const Field field = Field::read(path);
+        const Field field = read_field(path);
         BOOST_TEST(field.distance.size() == field.grid.sample_count());
         return true;
     } catch (const Error& error) {
@@ -38,7 +39,7 @@ void for_each_file(const std::function<void(const TemporaryFolder& folder, const
                                             const std::string& damaged, const std::string& whole)>& statement) {
     for_each_format([&](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);
-        example_field(format).write(path);
+        write(example_field(format), path);
         for (const auto& [name, content] : all_contents(folder)) {
             if (name.ends_with(".xdmf")) continue;  // for other programs
             statement(folder, path, name, content);

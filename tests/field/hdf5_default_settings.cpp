@@ -2,6 +2,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <hdf5.h>
 #include <boost/test/unit_test.hpp>
@@ -94,7 +95,7 @@ void write_field(const std::string& path, const Settings& settings = {}) {
 }
 
 void check_read(const std::string& path, bool has_triangles) {
-    const Field field = Field::read(path);
+    const Field field = read_field(path);
     BOOST_TEST(field.grid.origin == origin, boost::test_tools::per_element());
     BOOST_TEST(field.grid.spacing == spacing, boost::test_tools::per_element());
     BOOST_TEST(field.grid.size == (Index3{20, 13, 9}), boost::test_tools::per_element());
@@ -112,7 +113,7 @@ void check_read(const std::string& path, bool has_triangles) {
 /// Read, or refused as unreadable, and nothing else.
 bool can_be_read(const std::string& path) {
     try {
-        Field::read(path);
+        read_field(path);
         return true;
     } catch (const Error& error) {
         BOOST_CHECK(error.code() == ErrorCode::unreadable_input);
@@ -144,10 +145,10 @@ BOOST_AUTO_TEST_CASE(is_read_contiguous_or_in_chunks_of_any_size_and_in_either_b
             }
     for (const hid_t attributes : {H5T_IEEE_F32LE, H5T_IEEE_F64BE}) {
         write_field(path, {.attribute_type = attributes});
-        BOOST_TEST(Field::read(path).grid.spacing == spacing, boost::test_tools::per_element());
+        BOOST_TEST(read_field(path).grid.spacing == spacing, boost::test_tools::per_element());
     }
     write_field(path, {.attribute_type = H5T_STD_I16BE});
-    check_throws(ErrorCode::unreadable_input, {"spacing"}, [&] { Field::read(path); });  // 0.25 became 0
+    check_throws(ErrorCode::unreadable_input, {"spacing"}, [&] { read_field(path); });  // 0.25 became 0
 }
 
 BOOST_AUTO_TEST_CASE(is_refused_with_the_remedy_if_it_is_compressed_incomplete_or_of_another_type) {
@@ -155,7 +156,7 @@ BOOST_AUTO_TEST_CASE(is_refused_with_the_remedy_if_it_is_compressed_incomplete_o
     const std::string path = folder.file("field.h5");
     const auto refused = [&](const Settings& settings, const std::vector<std::string>& fragments) {
         write_field(path, settings);
-        check_throws(ErrorCode::unreadable_input, fragments, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, fragments, [&] { read_field(path); });
     };
     refused({.chunk = {2, 3, 4}, .is_compressed = true}, {path, "/distance", "without filters"});
     refused({.chunk = {2, 3, 4}, .is_complete = false}, {"/distance", "chunks are missing"});

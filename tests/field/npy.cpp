@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
@@ -31,7 +32,7 @@ BOOST_AUTO_TEST_SUITE(an_npy_field)
 
 BOOST_AUTO_TEST_CASE(is_what_numpy_expects) {
     const TemporaryFolder folder;
-    example_field().write(folder.file("field.npy"));
+    write(example_field(), folder.file("field.npy"));
     const std::string content = content_of(folder.file("field.npy"));
     const std::size_t header = content.size() - 24 * sizeof(float);
     BOOST_TEST(header % 64 == 0U);
@@ -42,7 +43,7 @@ BOOST_AUTO_TEST_CASE(is_what_numpy_expects) {
 
 BOOST_AUTO_TEST_CASE(has_a_description_beside_it) {
     const TemporaryFolder folder;
-    example_field().write(folder.file("field.npy"));
+    write(example_field(), folder.file("field.npy"));
     const auto description = nlohmann::json::parse(content_of(folder.file("field.npy.json")));
     BOOST_TEST(description["size"].get<Index3>() == (Index3{4, 3, 2}), boost::test_tools::per_element());
     BOOST_TEST(description["lattice"]["first"].get<Index3>() == (Index3{2, 10, 12}), boost::test_tools::per_element());
@@ -54,18 +55,18 @@ BOOST_AUTO_TEST_CASE(has_a_description_beside_it) {
 BOOST_AUTO_TEST_CASE(of_another_program_needs_origin_spacing_and_size) {
     const TemporaryFolder folder;
     folder.file("a.npy.json", place);
-    const Field field = Field::read(folder.file("a.npy", npy(dictionary) + six_bytes));
+    const Field field = read_field(folder.file("a.npy", npy(dictionary) + six_bytes));
     BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
     BOOST_TEST(field.grid.origin == (Vec3{1, 2, 3.5}), boost::test_tools::per_element());
     BOOST_TEST(field.grid.size == (Index3{3, 2, 1}), boost::test_tools::per_element());
     BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
-    BOOST_TEST(Field::read(folder.file("a.npy", npy(dictionary, 2) + six_bytes)).distance == six_values,
+    BOOST_TEST(read_field(folder.file("a.npy", npy(dictionary, 2) + six_bytes)).distance == six_values,
                boost::test_tools::per_element());
 
     const std::vector<double> doubles(six_values.begin(), six_values.end());
     const std::string big_double = R"({"shape":(1,2,3),"descr":">f8","fortran_order":False})";
     BOOST_TEST(
-        Field::read(folder.file("a.npy", npy(big_double) + bytes_of(doubles, std::endian::big))).distance == six_values,
+        read_field(folder.file("a.npy", npy(big_double) + bytes_of(doubles, std::endian::big))).distance == six_values,
         boost::test_tools::per_element());
 }
 
@@ -74,7 +75,7 @@ BOOST_AUTO_TEST_CASE(with_a_header_that_says_something_else_is_refused) {
     folder.file("a.npy.json", place);
     const auto refused = [&](const std::string& content, const std::string& fragment) {
         const std::string path = folder.file("a.npy", content);
-        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
     };
     const auto header = [](const std::string& type, const std::string& order, const std::string& shape) {
         return npy("{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }") + six_bytes;
@@ -102,10 +103,10 @@ BOOST_AUTO_TEST_CASE(with_a_header_that_says_something_else_is_refused) {
 BOOST_AUTO_TEST_CASE(with_a_description_that_is_missing_or_wrong_is_refused) {
     const TemporaryFolder folder;
     const std::string path = folder.file("a.npy", npy(dictionary) + six_bytes);
-    check_throws(ErrorCode::unreadable_input, {"a.npy.json", "origin"}, [&] { Field::read(path); });
+    check_throws(ErrorCode::unreadable_input, {"a.npy.json", "origin"}, [&] { read_field(path); });
     const auto refused = [&](const std::string& description, const std::string& fragment) {
         folder.file("a.npy.json", description);
-        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
     };
     refused("", "not JSON");
     refused("{\"origin\": [1, 2", "not JSON");

@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 
@@ -41,7 +42,7 @@ BOOST_AUTO_TEST_SUITE(an_nrrd_file_of_another_program)
 
 BOOST_AUTO_TEST_CASE(is_read_with_a_band_without_end_and_an_unknown_sign_rule) {
     const TemporaryFolder folder;
-    const Field field = Field::read(folder.file("a.nrrd", fields + place + "\n" + six_bytes()));
+    const Field field = read_field(folder.file("a.nrrd", fields + place + "\n" + six_bytes()));
     BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
     BOOST_TEST(field.grid.origin == (Vec3{-1, 2, 300}), boost::test_tools::per_element());
     BOOST_TEST(field.grid.spacing == (Vec3{0.5, 1, 2}), boost::test_tools::per_element());
@@ -53,36 +54,36 @@ BOOST_AUTO_TEST_CASE(is_read_with_a_band_without_end_and_an_unknown_sign_rule) {
 BOOST_AUTO_TEST_CASE(is_read_in_either_byte_order_as_float_or_double_with_any_line_ends_and_case) {
     const TemporaryFolder folder;
     const std::string big = replaced(fields, "little", "Big") + place + "\n" + six_bytes(std::endian::big);
-    BOOST_TEST(Field::read(folder.file("big.nrrd", big)).distance == six_values, boost::test_tools::per_element());
+    BOOST_TEST(read_field(folder.file("big.nrrd", big)).distance == six_values, boost::test_tools::per_element());
 
     const std::vector<double> doubles(six_values.begin(), six_values.end());
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         std::string header = replaced(fields, "float", "double") + place + "\n";
         if (order == std::endian::big) header = replaced(header, "little", "big");
-        const Field field = Field::read(folder.file("double.nrrd", header + bytes_of(doubles, order)));
+        const Field field = read_field(folder.file("double.nrrd", header + bytes_of(doubles, order)));
         BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
     }
 
     std::string dos;
     for (const char letter : "# a comment\nContent: x: y\n" + fields.substr(9) + place + "\n")
         if (letter != '\0') dos += letter == '\n' ? std::string("\r\n") : std::string(1, letter);
-    BOOST_TEST(Field::read(folder.file("dos.nrrd", "NRRD0004\r\n" + dos + six_bytes())).distance == six_values,
+    BOOST_TEST(read_field(folder.file("dos.nrrd", "NRRD0004\r\n" + dos + six_bytes())).distance == six_values,
                boost::test_tools::per_element());
 }
 
 BOOST_AUTO_TEST_CASE(may_state_spacings_and_axis_minimums_of_nodes_or_cells) {
     const TemporaryFolder folder;
     const std::string spaced = fields + "spacings: 0.5 1 2\naxis mins: 1 2 3\n";
-    const Field nodes = Field::read(folder.file("n.nrrd", spaced + "centers: node node node\n\n" + six_bytes()));
+    const Field nodes = read_field(folder.file("n.nrrd", spaced + "centers: node node node\n\n" + six_bytes()));
     BOOST_TEST(nodes.grid.origin == (Vec3{1, 2, 3}), boost::test_tools::per_element());
-    const Field cells = Field::read(folder.file("c.nrrd", spaced + "centerings: cell cell cell\n\n" + six_bytes()));
+    const Field cells = read_field(folder.file("c.nrrd", spaced + "centerings: cell cell cell\n\n" + six_bytes()));
     BOOST_TEST(cells.grid.origin == (Vec3{1.25, 2.5, 4}), boost::test_tools::per_element());
 }
 
 BOOST_AUTO_TEST_CASE(that_was_cropped_from_ours_has_the_place_it_states_and_not_the_old_lattice) {
     const TemporaryFolder folder;
     const std::string old_lattice = "clsdf_lattice_origin:=7 7 7\nclsdf_lattice_first:=1 1 1\n";
-    const Field field = Field::read(folder.file("a.nrrd", fields + place + old_lattice + "\n" + six_bytes()));
+    const Field field = read_field(folder.file("a.nrrd", fields + place + old_lattice + "\n" + six_bytes()));
     BOOST_TEST(field.grid.position(0, 0, 0) == (Vec3{-1, 2, 300}), boost::test_tools::per_element());
 }
 
@@ -92,7 +93,7 @@ BOOST_AUTO_TEST_CASE(that_does_not_say_enough_is_refused_with_the_field_the_valu
         const std::string path = folder.file("refused.nrrd", header + "\n" + six_bytes());
         std::vector<std::string> expected = fragments;
         expected.push_back(path);
-        check_throws(ErrorCode::unreadable_input, expected, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, expected, [&] { read_field(path); });
     };
     const std::string whole = fields + place;
     refused(fields, {"'spacings' is missing"});

@@ -1,9 +1,10 @@
 #include "field/example_field.hpp"
-#include "field/formats.hpp"
+#include "io/field_files.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
@@ -55,7 +56,7 @@ BOOST_AUTO_TEST_SUITE(a_vti_field_of_another_program)
 
 BOOST_AUTO_TEST_CASE(is_read_with_its_extent_as_the_part_of_a_lattice) {
     const TemporaryFolder folder;
-    const Field field = Field::read(folder.file("a.vti", vti_file()));
+    const Field field = read_field(folder.file("a.vti", vti_file()));
     BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
     BOOST_CHECK(field.grid == (clsdf::Grid{{1, 2, 3}, {0.5, 1, 2}, {3, 2, 1}, {2, -1, 0}}));
     BOOST_TEST(field.band.outside == std::numeric_limits<double>::infinity());
@@ -66,7 +67,7 @@ BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
     const TemporaryFolder folder;
     const auto refused = [&](const std::string& content, const std::string& fragment) {
         const std::string path = folder.file("a.vti", content);
-        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
     };
     const auto changed = [&](const std::string& from, const std::string& to, const std::string& fragment) {
         refused(vti_file(replaced(vti_text, from, to)), fragment);
@@ -108,7 +109,7 @@ BOOST_AUTO_TEST_SUITE(an_sdf_field_of_another_program)
 BOOST_AUTO_TEST_CASE(is_read_as_sdfgen_writes_it) {
     const TemporaryFolder folder;
     for (const std::string& text : {sdf_text, replaced(sdf_text, "2e1\n", "20\r\n")}) {
-        const Field field = Field::read(folder.file("a.sdf", text));
+        const Field field = read_field(folder.file("a.sdf", text));
         BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
         BOOST_CHECK(field.grid == (clsdf::Grid{{-1, 0.5, 20}, {0.25, 0.25, 0.25}, {3, 2, 1}, {}}));
         BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
@@ -134,9 +135,9 @@ struct LongText {
 BOOST_AUTO_TEST_CASE(of_many_pieces_has_all_its_values_in_their_order) {
     const TemporaryFolder folder;
     const LongText many;
-    const Field field = Field::read(folder.file("a.sdf", many.text));
+    const Field field = read_field(folder.file("a.sdf", many.text));
     BOOST_CHECK(same_bits(field.distance, many.values));
-    field.write(folder.file("b.sdf"));
+    write(field, folder.file("b.sdf"));
     BOOST_CHECK(content_of(folder.file("b.sdf")) == many.text);
 }
 
@@ -145,7 +146,7 @@ BOOST_AUTO_TEST_CASE(of_many_pieces_is_refused_for_its_first_damage) {
     const LongText many;
     const auto refused = [&](const std::string& content, const std::string& fragment) {
         const std::string path = folder.file("a.sdf", content);
-        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
     };
     for (const std::size_t value : {std::size_t{0}, std::size_t{300000}, many.values.size() - 2}) {
         std::string damaged = many.text;
@@ -165,7 +166,7 @@ BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
     const TemporaryFolder folder;
     const auto refused = [&](const std::string& content, const std::string& fragment) {
         const std::string path = folder.file("a.sdf", content);
-        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { Field::read(path); });
+        check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
     };
     refused("", "missing");
     refused(replaced(sdf_text, "3 2 1", "3 2 x"), "'x'");
@@ -184,10 +185,10 @@ BOOST_AUTO_TEST_CASE(has_no_place_for_triangles_or_unequal_spacing) {
     const TemporaryFolder folder;
     const std::string path = folder.file("a.sdf");
     Field field = example_field();
-    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { field.write(path); });
-    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { Field::check_output(path, {.triangle = true}); });
+    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { write(field, path); });
+    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { check_output(path, {.triangle = true}); });
     field.triangle.clear();
-    check_throws(ErrorCode::unsupported, {path, "one spacing"}, [&] { field.write(path); });
+    check_throws(ErrorCode::unsupported, {path, "one spacing"}, [&] { write(field, path); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 
@@ -197,14 +198,14 @@ BOOST_AUTO_TEST_SUITE(an_h5_field)
 
 BOOST_AUTO_TEST_CASE(that_says_it_has_no_checksums_but_is_of_the_newer_format_is_refused) {
     const TemporaryFolder folder;
-    example_field().write(folder.file("a.h5"));
+    write(example_field(), folder.file("a.h5"));
     std::string content = content_of(folder.file("a.h5"));
     BOOST_TEST(content[8] >= 2);  // the version of the superblock
     content[8] = 0;
     check_throws(ErrorCode::unreadable_input, {"old.h5", "superblock"},
-                 [&] { Field::read(folder.file("old.h5", content)); });
+                 [&] { read_field(folder.file("old.h5", content)); });
     check_throws(ErrorCode::unreadable_input, {"text.h5", "not an HDF5 file"},
-                 [&] { Field::read(folder.file("text.h5", "text")); });
+                 [&] { read_field(folder.file("text.h5", "text")); });
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -251,7 +252,7 @@ BOOST_AUTO_TEST_CASE(has_a_description_that_is_refused_where_the_file_is_cut_off
                 writer->finish();
             }
             std::filesystem::resize_file(path, 1 << 20);
-            check_throws(ErrorCode::unreadable_input, {path, "truncated"}, [&] { Field::read(path); });
+            check_throws(ErrorCode::unreadable_input, {path, "truncated"}, [&] { read_field(path); });
         }
     }
 }

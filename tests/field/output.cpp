@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 
@@ -39,7 +40,7 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_the_disk_is_full) {
         {
             const SmallDisk disk(100000);
             check_throws(ErrorCode::output_failure, {"field"},
-                         [&] { field.write(folder.file("field" + format.ending)); });
+                         [&] { write(field, folder.file("field" + format.ending)); });
         }
         BOOST_TEST(folder.file_count() == 0U);
     });
@@ -47,7 +48,7 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_the_disk_is_full) {
 
 BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
     for_each_format([](const TemporaryFolder& folder, const Format& format) {
-        example_field(format).write(folder.file("field" + format.ending));
+        write(example_field(format), folder.file("field" + format.ending));
         const std::size_t files = folder.file_count();
         const std::string before = content_of(folder.file("field" + format.ending));
         Field field = large_field(format);
@@ -55,11 +56,11 @@ BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
         {
             const SmallDisk disk(100000);
             check_throws(ErrorCode::output_failure, {"field"},
-                         [&] { field.write(folder.file("field" + format.ending)); });
+                         [&] { write(field, folder.file("field" + format.ending)); });
         }
         BOOST_CHECK(content_of(folder.file("field" + format.ending)) == before);
         BOOST_TEST(folder.file_count() == files);
-        BOOST_CHECK(Field::read(folder.file("field" + format.ending)).grid.size == example_field(format).grid.size);
+        BOOST_CHECK(read_field(folder.file("field" + format.ending)).grid.size == example_field(format).grid.size);
     });
 }
 
@@ -69,7 +70,7 @@ BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
         std::filesystem::create_symlink("/dev/full", folder.file(name));
         const std::string reason = format.ending == ".vdb" ? "regular file" : "No space left";
         check_throws(ErrorCode::output_failure, {name, reason},
-                     [&] { example_field(format).write(folder.file(name)); });
+                     [&] { write(example_field(format), folder.file(name)); });
     });
 }
 
@@ -77,30 +78,30 @@ BOOST_AUTO_TEST_CASE(refuses_arrays_that_do_not_fit_the_grid_and_unknown_endings
     const TemporaryFolder folder;
     Field field = example_field();
     check_throws(ErrorCode::unsupported, {"field.vtk", ".nrrd", ".npy", ".vti"},
-                 [&] { field.write(folder.file("field.vtk")); });
+                 [&] { write(field, folder.file("field.vtk")); });
     field.triangle.pop_back();
-    check_throws(ErrorCode::invalid_argument, {"triangle", "23", "24"}, [&] { field.write(folder.file("f.nrrd")); });
+    check_throws(ErrorCode::invalid_argument, {"triangle", "23", "24"}, [&] { write(field, folder.file("f.nrrd")); });
     field = example_field();
     field.distance.pop_back();
-    check_throws(ErrorCode::invalid_argument, {"distance", "23", "24"}, [&] { field.write(folder.file("f.nrrd")); });
+    check_throws(ErrorCode::invalid_argument, {"distance", "23", "24"}, [&] { write(field, folder.file("f.nrrd")); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(can_be_checked_before_and_leaves_nothing) {
     const TemporaryFolder folder;
-    Field::check_output(folder.file("field.nrrd"));
-    Field::check_output(folder.file("FIELD.NPY"));
-    check_throws(ErrorCode::unsupported, {"field", ".nrrd"}, [&] { Field::check_output(folder.file("field")); });
-    check_throws(ErrorCode::output_failure, {"missing"}, [&] { Field::check_output(folder.file("missing/a.nrrd")); });
+    check_output(folder.file("field.nrrd"));
+    check_output(folder.file("FIELD.NPY"));
+    check_throws(ErrorCode::unsupported, {"field", ".nrrd"}, [&] { check_output(folder.file("field")); });
+    check_throws(ErrorCode::output_failure, {"missing"}, [&] { check_output(folder.file("missing/a.nrrd")); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
     const TemporaryFolder folder;
-    check_throws(ErrorCode::unreadable_input, {"missing.nrrd"}, [&] { Field::read(folder.file("missing.nrrd")); });
-    check_throws(ErrorCode::unsupported, {"field.vtk"}, [&] { Field::read(folder.file("field.vtk", "x")); });
+    check_throws(ErrorCode::unreadable_input, {"missing.nrrd"}, [&] { read_field(folder.file("missing.nrrd")); });
+    check_throws(ErrorCode::unsupported, {"field.vtk"}, [&] { read_field(folder.file("field.vtk", "x")); });
     std::filesystem::create_directory(folder.file("folder.nrrd"));
-    check_throws(ErrorCode::unreadable_input, {"folder.nrrd"}, [&] { Field::read(folder.file("folder.nrrd")); });
+    check_throws(ErrorCode::unreadable_input, {"folder.nrrd"}, [&] { read_field(folder.file("folder.nrrd")); });
 }
 
 BOOST_AUTO_TEST_SUITE_END()

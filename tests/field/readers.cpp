@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <fmt/format.h>
 #include <boost/test/unit_test.hpp>
@@ -45,7 +46,7 @@ void check_with_reader(const TemporaryFolder& folder, const std::string& kind, c
     Field written = field;
     if (ending == "sdf") written.triangle.clear();
     const std::string path = folder.file("field." + ending);
-    written.write(path);
+    write(written, path);
     const std::string expected = folder.file("expected");
     const nlohmann::json about{{"origin", field.grid.position(0, 0, 0)},
                                {"spacing", field.grid.spacing},
@@ -93,7 +94,7 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
     for (const std::string header : {"32", "64"}) {
         for (const std::string way : {"appended", "base64"}) {
             BOOST_TEST_CONTEXT(way << " with headers of " << header << " bits") {
-                const Field read = Field::read(folder.file("field_" + way + "_" + header + ".vti"));
+                const Field read = read_field(folder.file("field_" + way + "_" + header + ".vti"));
                 BOOST_CHECK(same_bits(read.distance, field.distance));
                 BOOST_CHECK(read.triangle == field.triangle);
                 BOOST_CHECK(read.grid == field.grid);
@@ -103,7 +104,7 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
         }
         const auto refused = [&](const std::string& way, const std::string& word) {
             check_throws(ErrorCode::unreadable_input, {"field_" + way, word},
-                         [&] { Field::read(folder.file("field_" + way + "_" + header + ".vti")); });
+                         [&] { read_field(folder.file("field_" + way + "_" + header + ".vti")); });
         };
         refused("ascii", "ascii");
         refused("encoded", "base64");
@@ -123,7 +124,7 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_openvdb_as_its_active_voxels_with_the_bac
     const TemporaryFolder folder;
     const Field field = plain_field(equal, clsdf::Band::symmetric(0.25));
     check_with_reader(folder, "vdb_rewritten", "vdb", field);
-    const Field read = Field::read(folder.file("field_rewritten.vdb"));
+    const Field read = read_field(folder.file("field_rewritten.vdb"));
     BOOST_TEST(read.grid.size == (clsdf::Index3{21, 13, 8}), boost::test_tools::per_element());
     BOOST_CHECK(read.sign == clsdf::SignRule::automatic);
     BOOST_TEST(read.band.inside == 0.25);

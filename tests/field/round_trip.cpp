@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 
@@ -30,8 +31,8 @@ BOOST_AUTO_TEST_SUITE(a_field_that_was_written)
 BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
     for_each_format(&Format::is_described, [](const TemporaryFolder& folder, const Format& format) {
         const Field written = example_field(format);
-        written.write(folder.file("field" + format.ending));
-        const Field read = Field::read(folder.file("field" + format.ending));
+        write(written, folder.file("field" + format.ending));
+        const Field read = read_field(folder.file("field" + format.ending));
         BOOST_CHECK(same_bits(read.distance, written.distance));
         BOOST_TEST(read.triangle == written.triangle, boost::test_tools::per_element());
         BOOST_CHECK(read.grid == written.grid);
@@ -51,8 +52,8 @@ BOOST_AUTO_TEST_CASE(has_all_its_values_where_it_is_read_in_parts_on_all_cores) 
         for (std::uint32_t i = 0; i < written.grid.sample_count(); ++i)
             written.distance.push_back(static_cast<float>(i * 2654435761U >> 8));
         const std::string path = folder.file("field" + format.ending);
-        written.write(path);
-        BOOST_CHECK(same_bits(Field::read(path).distance, written.distance));
+        write(written, path);
+        BOOST_CHECK(same_bits(read_field(path).distance, written.distance));
     });
 }
 
@@ -73,8 +74,8 @@ BOOST_AUTO_TEST_CASE(has_every_number_of_its_grid_and_band_bit_by_bit) {
                 written.grid.size = {1, 2, 1};
                 written.band = {std::abs(any_double(random)), std::abs(any_double(random))};
                 written.distance = {1, -1};
-                written.write(path);
-                const Field read = Field::read(path);
+                write(written, path);
+                const Field read = read_field(path);
                 BOOST_CHECK(read.grid == written.grid);
                 BOOST_TEST(read.band.inside == written.band.inside);
                 BOOST_TEST(read.band.outside == written.band.outside);
@@ -87,18 +88,18 @@ BOOST_AUTO_TEST_CASE(has_no_triangles_where_it_had_none_even_beside_old_ones) {
     for_each_format(&Format::has_extras, [](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);
         Field field = example_field(format);
-        field.write(path);
+        write(field, path);
         field.triangle.clear();
-        field.write(path);
-        BOOST_TEST(Field::read(path).triangle.empty());
+        write(field, path);
+        BOOST_TEST(read_field(path).triangle.empty());
     });
 }
 
 BOOST_AUTO_TEST_CASE(is_read_without_its_triangles_where_their_file_was_left_behind) {
     for_each_format(&Format::extras_beside, [](const TemporaryFolder& folder, const Format& format) {
-        example_field(format).write(folder.file("field" + format.ending));
+        write(example_field(format), folder.file("field" + format.ending));
         BOOST_REQUIRE(std::filesystem::remove(folder.file("field_triangle" + format.ending)));
-        const Field read = Field::read(folder.file("field" + format.ending));
+        const Field read = read_field(folder.file("field" + format.ending));
         BOOST_TEST(read.triangle.empty());
         BOOST_TEST(read.distance.size() == 24U);
     });
@@ -109,19 +110,19 @@ BOOST_AUTO_TEST_CASE(is_refused_with_the_triangles_of_another_grid) {
         const std::string path = folder.file("field" + format.ending);
         Field other = example_field(format);
         other.grid.size = {2, 3, 4};
-        other.write(folder.file("other" + format.ending));
-        example_field(format).write(path);
+        write(other, folder.file("other" + format.ending));
+        write(example_field(format), path);
         std::filesystem::rename(folder.file("other_triangle" + format.ending),
                                 folder.file("field_triangle" + format.ending));
         check_throws(clsdf::ErrorCode::unreadable_input, {"field_triangle" + format.ending, "compute both again"},
-                     [&] { Field::read(path); });
+                     [&] { read_field(path); });
     });
 }
 
 BOOST_AUTO_TEST_CASE(has_the_same_bytes_at_another_time) {
     const TemporaryFolder folder;
     const auto write_all = [&] {
-        for (const Format& format : all_formats()) example_field(format).write(folder.file("field" + format.ending));
+        for (const Format& format : all_formats()) write(example_field(format), folder.file("field" + format.ending));
         return all_contents(folder);
     };
     const auto before = write_all();

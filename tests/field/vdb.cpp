@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 
@@ -44,8 +45,8 @@ BOOST_AUTO_TEST_CASE(has_the_same_bits_for_every_band) {
           clsdf::Band{infinity, 0.2}, clsdf::Band{0.2, infinity}, clsdf::Band{infinity, infinity}}) {
         BOOST_TEST_CONTEXT("band " << band.inside << " inside, " << band.outside << " outside") {
             const Field field = ball(band);
-            field.write(folder.file("ball.vdb"));
-            const Field read = Field::read(folder.file("ball.vdb"));
+            write(field, folder.file("ball.vdb"));
+            const Field read = read_field(folder.file("ball.vdb"));
             BOOST_CHECK(same_bits(read.distance, field.distance));
             BOOST_CHECK(read.triangle == field.triangle);
             BOOST_CHECK(read.grid == field.grid);
@@ -57,7 +58,7 @@ BOOST_AUTO_TEST_CASE(is_smaller_than_its_samples_where_the_band_is_narrow) {
     const TemporaryFolder folder;
     Field field = ball({0.15, 0.15});
     field.triangle.clear();
-    field.write(folder.file("ball.vdb"));
+    write(field, folder.file("ball.vdb"));
     BOOST_TEST(content_of(folder.file("ball.vdb")).size() < 3 * field.distance.size());
 }
 
@@ -65,17 +66,18 @@ BOOST_AUTO_TEST_CASE(of_voxels_too_small_for_openvdb_says_so) {
     const TemporaryFolder folder;
     Field field = ball({0.2, 0.2});
     field.grid.spacing = {1e-6, 1e-6, 1e-6};
-    check_throws(ErrorCode::unsupported, {"ball.vdb", "scale the mesh"}, [&] { field.write(folder.file("ball.vdb")); });
+    check_throws(ErrorCode::unsupported, {"ball.vdb", "scale the mesh"},
+                 [&] { write(field, folder.file("ball.vdb")); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(that_is_damaged_has_a_wrong_checksum_wherever_the_damage_is) {
     const TemporaryFolder folder;
-    ball({0.2, 0.2}).write(folder.file("ball.vdb"));
+    write(ball({0.2, 0.2}), folder.file("ball.vdb"));
     const std::string whole = content_of(folder.file("ball.vdb"));
     const auto refused = [&](const std::string& damaged) {
         check_throws(ErrorCode::unreadable_input, {"damaged.vdb", "checksum"},
-                     [&] { Field::read(folder.file("damaged.vdb", damaged)); });
+                     [&] { read_field(folder.file("damaged.vdb", damaged)); });
     };
     for (std::size_t position = 8; position < whole.size(); position += 101) {
         std::string damaged = whole;
@@ -93,9 +95,9 @@ BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_CASE(a_build_without_openvdb_says_what_to_install_before_anything_is_computed) {
     const TemporaryFolder folder;
     const std::string path = folder.file("field.vdb");
-    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { Field::check_output(path); });
-    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { example_field().write(path); });
-    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { Field::read(path); });
+    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { check_output(path); });
+    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { write(example_field(), path); });
+    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { read_field(path); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 

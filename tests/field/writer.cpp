@@ -2,7 +2,7 @@
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
-#include <clsdf/field_writer.hpp>
+#include <clsdf/io.hpp>
 
 #include <boost/test/unit_test.hpp>
 
@@ -40,7 +40,7 @@ BOOST_AUTO_TEST_CASE(has_the_same_bytes_as_one_written_whole_however_it_is_cut) 
     for_each_format([](const TemporaryFolder& folder, const Format& format) {
         const Field field = tall_field(format);
         const std::string path = folder.file("field" + format.ending);
-        field.write(path);
+        write(field, path);
         const auto whole = all_contents(folder);
         for (const std::size_t step : {1U, 3U, 8U, 19U}) {
             FieldWriter writer(path, field, {.triangle = !field.triangle.empty()});

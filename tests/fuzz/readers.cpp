@@ -2,6 +2,7 @@
 
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/shapes.hpp>
 
@@ -39,7 +40,7 @@ std::size_t take_mesh(const std::string& path) {
 }
 
 std::size_t take_field(const std::string& path) {
-    const Field field = Field::read(path);
+    const Field field = read_field(path);
     try {
         field.grid.validate();
         field.band.validate();
@@ -87,7 +88,7 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
         if (has_triangles && ending == ".sdf") continue;
         const fs::path sound = folder / "sound";
         fs::create_directory(sound);
-        example_field(!is_plain, has_triangles).write((sound / ("field" + ending)).string());
+        write(example_field(!is_plain, has_triangles), (sound / ("field" + ending)).string());
         if (fs::exists(sound / reader.damaged)) reader.seeds.push_back(content_of(sound / reader.damaged));
         if (reader.beside.empty())
             for (const auto& entry : fs::directory_iterator(sound))

@@ -1,4 +1,5 @@
 #include <clsdf/error.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/shapes.hpp>
 

@@ -1,3 +1,4 @@
+#include <clsdf/eigen.hpp>
 #include <clsdf/mesh.hpp>
 
 #include "support/throws.hpp"
@@ -38,24 +39,50 @@ BOOST_AUTO_TEST_CASE(a_view_reads_the_callers_arrays_whatever_their_type) {
     check_is_the_tetrahedron(MeshView(floats, indices));
     check_is_the_tetrahedron(MeshView(corners, faces));
 
+    // Four numbers a vertex, and all first corners before all second ones.
+    std::vector<float> fours;
+    for (const Vec3& corner : corners) {
+        for (const double x : corner) fours.push_back(static_cast<float>(x));
+        fours.push_back(7);
+    }
+    std::vector<std::uint32_t> planes;
+    for (std::size_t k = 0; k < 3; ++k)
+        for (const Triangle& face : faces) planes.push_back(face[k]);
+    check_is_the_tetrahedron(MeshView(fours.data(), 4, {4, 1}, planes.data(), 4, {1, 4}));
+}
+
+BOOST_AUTO_TEST_CASE(matrices_of_either_order_are_meshes) {
+    std::vector<double> doubles;
+    std::vector<std::uint32_t> indices;
+    for (const Vec3& corner : corners) doubles.insert(doubles.end(), corner.begin(), corner.end());
+    for (const Triangle& face : faces) indices.insert(indices.end(), face.begin(), face.end());
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
     const Eigen::Map<const RowMajor> map(doubles.data(), 4, 3);
     const Eigen::Map<const Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>> index_map(indices.data(),
                                                                                                        4, 3);
-    check_is_the_tetrahedron(MeshView(map, index_map));
+    check_is_the_tetrahedron(mesh_view(map, index_map));
     const RowMajor rows = map;
     const Eigen::Ref<const RowMajor> reference = rows;
     const Eigen::Matrix<float, 3, Eigen::Dynamic> columns = map.transpose().cast<float>();
     const Eigen::Matrix<int, 3, Eigen::Dynamic> index_columns = index_map.transpose().cast<int>();
-    check_is_the_tetrahedron(MeshView(reference, index_columns));
-    check_is_the_tetrahedron(MeshView(columns, index_map));
-}
+    check_is_the_tetrahedron(mesh_view(reference, index_columns));
+    check_is_the_tetrahedron(mesh_view(columns, index_map));
 
-BOOST_AUTO_TEST_CASE(a_matrix_with_gaps_between_its_rows_is_refused) {
-    const Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> homogeneous =
-        Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>::Ones(4, 4);
-    const Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor> triangle(1, 3);
-    check_throws(ErrorCode::invalid_argument, {"gaps"}, [&] { MeshView(homogeneous.leftCols<3>(), triangle); });
+    // libigl's: a row for each, column by column in memory.
+    const Eigen::MatrixXd V = map;
+    const Eigen::MatrixXi F = index_map.cast<int>();
+    check_is_the_tetrahedron(mesh_view(V, F));
+    const Eigen::MatrixXf transposed = map.transpose().cast<float>();
+    check_is_the_tetrahedron(mesh_view(transposed, F));
+
+    // Parts of larger matrices.
+    Eigen::MatrixXd homogeneous = Eigen::MatrixXd::Ones(4, 4);
+    homogeneous.leftCols<3>() = map;
+    check_is_the_tetrahedron(mesh_view(homogeneous.leftCols<3>(), F));
+    const Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> rows_of_four = homogeneous;
+    check_is_the_tetrahedron(mesh_view(rows_of_four.leftCols(3), F));
+
+    check_throws(ErrorCode::invalid_argument, {"vertices", "4 x 4", "n x 3"}, [&] { mesh_view(homogeneous, F); });
 }
 
 BOOST_AUTO_TEST_CASE(an_array_that_is_cut_off_is_refused) {

@@ -1,3 +1,4 @@
+#include <clsdf/io.hpp>
 #include <clsdf/shapes.hpp>
 #include <clsdf/topology.hpp>
 

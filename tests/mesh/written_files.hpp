@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clsdf/error.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
 
 #include "support/temporary_folder.hpp"

@@ -5,6 +5,7 @@
 
 #include <clsdf/bounding_solids.hpp>
 #include <clsdf/error.hpp>
+#include <clsdf/io.hpp>
 #include <clsdf/reference.hpp>
 #include <clsdf/topology.hpp>
 

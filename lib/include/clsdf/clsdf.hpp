@@ -11,7 +11,6 @@
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/field_array.hpp>
-#include <clsdf/field_writer.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/length.hpp>
 #include <clsdf/mesh.hpp>
@@ -19,5 +18,4 @@
 #include <clsdf/shapes.hpp>
 #include <clsdf/sign.hpp>
 #include <clsdf/topology.hpp>
-#include <clsdf/unfinished_files.hpp>
 #include <clsdf/version.hpp>

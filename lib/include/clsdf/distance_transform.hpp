@@ -2,7 +2,6 @@
 
 #include <clsdf/device.hpp>
 #include <clsdf/field.hpp>
-#include <clsdf/field_writer.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/method.hpp>
 #include <clsdf/topology.hpp>

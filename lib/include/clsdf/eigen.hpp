@@ -1,0 +1,66 @@
+#pragma once
+
+/// Eigen's matrices as meshes. The library needs no Eigen of its caller: whoever includes this header has it.
+#include <clsdf/error.hpp>
+#include <clsdf/mesh.hpp>
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+
+namespace clsdf {
+
+namespace detail {
+
+/// A matrix as triples: its numbers, how many triples it has, and how they lie.
+template <typename Scalar>
+struct TriplesOfMatrix {
+    const Scalar* numbers = nullptr;
+    std::size_t count = 0;
+    TripleLayout layout;
+};
+
+template <typename Matrix>
+auto triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
+    static_assert(Matrix::Flags & Eigen::DirectAccessBit,
+                  "clsdf::mesh_view looks at matrices, maps, blocks and references; evaluate an expression first");
+    constexpr int rows = Matrix::RowsAtCompileTime, columns = Matrix::ColsAtCompileTime;
+    static_assert(rows == 3 || columns == 3 || (rows == Eigen::Dynamic && columns == Eigen::Dynamic),
+                  "clsdf::mesh_view takes n x 3 or 3 x n matrices");
+    const Matrix& matrix = any.derived();
+    const bool row_by_row = columns == 3 || (rows != 3 && matrix.cols() == 3);
+    if (!row_by_row && matrix.rows() != 3)
+        throw Error(ErrorCode::invalid_argument,
+                    std::string("the matrix of ") + what + " has " + std::to_string(matrix.rows()) + " x " +
+                        std::to_string(matrix.cols()) + " numbers; n x 3 or 3 x n make triples");
+    TriplesOfMatrix<typename Matrix::Scalar> triples;
+    triples.numbers = matrix.data();
+    triples.count = static_cast<std::size_t>(row_by_row ? matrix.rows() : matrix.cols());
+    triples.layout = row_by_row ? TripleLayout{matrix.rowStride(), matrix.colStride()}
+                                : TripleLayout{matrix.colStride(), matrix.rowStride()};
+    return triples;
+}
+
+}  // namespace detail
+
+/// A view of a mesh in Eigen's matrices, maps, blocks or references, which it must not outlive: n x 3, a row per vertex
+/// or triangle (libigl's V and F), or 3 x n, a column for each; row- or column-major, with gaps or without. 3 x 3 of
+/// dynamic size are rows. Vertices are double or float, indices have 32 bits. Nothing is copied. Throws
+/// Error(invalid_argument) if a matrix of dynamic size has neither 3 rows nor 3 columns.
+template <typename Vertices, typename Triangles>
+MeshView mesh_view(const Eigen::MatrixBase<Vertices>& vertices, const Eigen::MatrixBase<Triangles>& triangles) {
+    using Index = typename Triangles::Scalar;
+    static_assert(std::is_same_v<typename Vertices::Scalar, double> || std::is_same_v<typename Vertices::Scalar, float>,
+                  "clsdf::mesh_view takes vertices in double or float");
+    static_assert(std::is_integral_v<Index> && sizeof(Index) == 4, "clsdf::mesh_view takes indices of 32 bits");
+    const auto corners = detail::triples_of(vertices, "vertices");
+    const auto faces = detail::triples_of(triangles, "triangles");
+    // A negative index becomes one that is out of range, which Mesh reports.
+    return {corners.numbers, corners.count, corners.layout, reinterpret_cast<const std::uint32_t*>(faces.numbers),
+            faces.count,     faces.layout};
+}
+
+}  // namespace clsdf

@@ -1,0 +1,150 @@
+#include "io/description.hpp"
+
+#include "io/field_files.hpp"
+#include "io/raw_values.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/version.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace clsdf {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr std::size_t largest_description = std::size_t{1} << 20;
+
+class DescriptionReader {
+public:
+    DescriptionReader(const std::string& source, const std::string& text) : source_(source) {
+        try {
+            object_ = json::parse(text);
+        } catch (const json::exception& error) {
+            fail(fmt::format("not JSON: {}", error.what()));
+        }
+        if (!object_.is_object()) fail("expected a JSON object");
+    }
+
+    template <class Number>
+    std::array<Number, 3> triple(const json::json_pointer& member) const {
+        std::array<Number, 3> result{};
+        const json* array = find(member);
+        if (array == nullptr) fail(fmt::format("member '{}' is missing; state three numbers", member.to_string()));
+        if (!array->is_array() || array->size() != 3) fail(member, *array, "expected three numbers");
+        for (std::size_t axis = 0; axis < 3; ++axis) result[axis] = number<Number>(member, (*array)[axis]);
+        return result;
+    }
+
+    double width(const json::json_pointer& member) const {
+        const json* value = find(member);
+        return value == nullptr || value->is_null() ? Band::full().outside : number<double>(member, *value);
+    }
+
+    std::string text(const json::json_pointer& member) const {
+        const json* value = find(member);
+        if (value == nullptr) return {};
+        if (!value->is_string()) fail(member, *value, "expected a string");
+        return value->get<std::string>();
+    }
+
+    bool has(const json::json_pointer& member) const { return find(member) != nullptr; }
+
+private:
+    const json* find(const json::json_pointer& member) const {
+        return object_.contains(member) ? &object_.at(member) : nullptr;
+    }
+
+    template <class Number>
+    Number number(const json::json_pointer& member, const json& value) const {
+        const bool fits = std::is_integral_v<Number> ? value.is_number_integer() : value.is_number();
+        if (!fits) fail(member, value, std::is_integral_v<Number> ? "expected a whole number" : "expected a number");
+        return value.get<Number>();
+    }
+
+    [[noreturn]] void fail(const json::json_pointer& member, const json& value, const std::string& what) const {
+        const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80);
+        fail(fmt::format("member '{}': {}: {}", member.to_string(), text, what));
+    }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", source_, what));
+    }
+
+    const std::string& source_;
+    json object_;
+};
+
+json::json_pointer member(const std::string& name) {
+    return json::json_pointer("/" + name);
+}
+
+Grid stated_grid(const DescriptionReader& reader) {
+    Grid grid;
+    grid.size = reader.triple<std::int64_t>(member("size"));
+    grid.spacing = reader.triple<double>(member("spacing"));
+    grid.origin = reader.triple<double>(member("origin"));
+    grid.validate();
+    return grid;
+}
+
+Description describe(const DescriptionReader& reader, const Grid& stated) {
+    Description result;
+    Field& field = result.field;
+    field.grid = stated;
+    if (reader.has(member("lattice")))
+        field.grid = with_lattice(stated, reader.triple<double>(member("lattice/origin")),
+                                  reader.triple<std::int64_t>(member("lattice/first")));
+    field.band = {reader.width(member("band/inside")), reader.width(member("band/outside"))};
+    field.band.validate();
+    field.mesh_name = reader.text(member("mesh"));
+    field.sign = reader.has(member("sign")) ? parse_sign_rule(reader.text(member("sign"))) : SignRule::automatic;
+    for (const OutputKind& kind : extra_kinds()) {
+        const std::string file = reader.text(member(kind.name));
+        if (!file.empty()) result.files.emplace(kind.name, file);
+    }
+    return result;
+}
+
+}  // namespace
+
+std::string description_text(const FieldDescription& field, const std::map<std::string, std::string>& files) {
+    const Grid& grid = field.grid;
+    // Infinity, which JSON does not have, becomes null.
+    ordered_json object{
+        {"program", "clsdf " + version()},
+        {"mesh", field.mesh_name},
+        {"origin", grid.position(0, 0, 0)},
+        {"spacing", grid.spacing},
+        {"size", grid.size},
+        {"lattice", {{"origin", grid.origin}, {"first", grid.first}}},
+        {"band", {{"inside", field.band.inside}, {"outside", field.band.outside}}},
+        {"sign", name_of(field.sign)},
+    };
+    for (const auto& [output, file] : files) object[output] = file;
+    // A name of a mesh need not be UTF-8.
+    return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+}
+
+Description read_description(const std::string& path) {
+    InputFile file(path);
+    if (file.size() > largest_description)
+        file.fail(fmt::format("{} bytes are too many for the description of a field", file.size()));
+    const std::string text = file.beginning(largest_description);
+    const DescriptionReader reader(path, text);
+    return describe(reader, stated_grid(reader));
+}
+
+Description parse_description(const std::string& source, const std::string& text, const Grid& stated) {
+    return describe(DescriptionReader(source, text), stated);
+}
+
+std::optional<Index3> described_size(const std::string& source, const std::string& text) {
+    const DescriptionReader reader(source, text);
+    if (!reader.has(member("size"))) return std::nullopt;
+    return reader.triple<std::int64_t>(member("size"));
+}
+
+}  // namespace clsdf

@@ -1,0 +1,187 @@
+#include "io/field_files.hpp"
+
+#include "core/atomic_file.hpp"
+#include "core/quoted.hpp"
+#include "core/unfinished_files.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/field.hpp>
+#include <clsdf/io.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <new>
+#include <utility>
+
+namespace clsdf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array formats{
+    Format{".nrrd", nrrd_writer, read_nrrd},
+    Format{".npy", npy_writer, read_npy},
+    Format{".vti", vti_writer, read_vti},
+    Format{".h5", h5_writer, read_h5},
+    Format{".vdb", vdb_writer, read_vdb, true, check_vdb},
+    Format{".sdf", sdf_writer, read_sdf, false},
+};
+
+std::string endings() {
+    std::string text;
+    for (std::size_t i = 0; i < formats.size(); ++i)
+        text.append(i == 0 ? "" : i + 1 < formats.size() ? ", " : " or ").append(formats[i].ending);
+    return text;
+}
+
+}  // namespace
+
+const Format& format_of(const std::string& path, ErrorCode code) {
+    std::string ending = fs::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](char letter) {
+        return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter;
+    });
+    for (const Format& format : formats)
+        if (format.ending == ending) return format;
+    throw Error(code, fmt::format("{}: no field format ends in \"{}\"; choose {}", path, ending, endings()));
+}
+
+void check_place_for(const Outputs& outputs, const std::string& path, const Format& format) {
+    if (format.check_build != nullptr) format.check_build(path);
+    if (format.has_extras) return;
+    for (const OutputKind& kind : extra_kinds())
+        if (kind.wanted(outputs))
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("{}: {} has no place for the output {}; choose another format, or do without", path,
+                                    format.ending, kind.name));
+}
+
+Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first) {
+    const Grid part{lattice_origin, stated.spacing, stated.size, lattice_first};
+    part.validate();
+    return part.position(0, 0, 0) == stated.position(0, 0, 0) ? part : stated;
+}
+
+std::string extra_path(const std::string& path, const OutputKind& kind) {
+    const fs::path file(path);
+    return (file.parent_path() / (file.stem().string() + "_" + kind.name + file.extension().string())).string();
+}
+
+std::string file_name(const std::string& path) {
+    return fs::path(path).filename().string();
+}
+
+std::string path_beside(const std::string& path, const std::string& name) {
+    const fs::path file(name);
+    if (name.empty() || file.filename() != file || name == "." || name == "..")
+        throw Error(ErrorCode::unreadable_input,
+                    fmt::format("{}: {} is not the name of a file in the same folder", path, quoted(name, 80)));
+    return (fs::path(path).parent_path() / file).string();
+}
+
+namespace fs = std::filesystem;
+
+void check_output(const std::string& path, const Outputs& outputs) {
+    check_place_for(outputs, path, format_of(path, ErrorCode::unsupported));
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status))
+        AtomicFile(std::string(path));  // without commit() it leaves nothing
+}
+
+void write(const Field& field, const std::string& path) {
+    format_of(path, ErrorCode::unsupported);
+    field.grid.validate();
+    const std::size_t samples = field.grid.sample_count();
+    const Outputs outputs = outputs_of(field);
+    const FieldSlab slab = slab_of(field);
+    for (const OutputKind& kind : kinds_of(outputs)) {
+        const std::size_t values = kind.bytes(slab).size() / kind.sample_bytes();
+        if (kind.bytes(slab).size() != samples * kind.sample_bytes())
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("field: {} has {} values, but the grid {} samples", kind.name, values, samples));
+    }
+    FieldWriter writer(path, field, outputs);
+    writer.append(slab);
+    writer.finish();
+}
+
+Field read_field(const std::string& path) {
+    const Format& format = format_of(path, ErrorCode::unsupported);
+    try {
+        return format.read(path);
+    } catch (const Error& error) {
+        // A grid, band or sign rule of the file that makes no sense is the file's fault, not the caller's.
+        if (error.code() != ErrorCode::invalid_argument) throw;
+        throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", path, error.what()));
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory, fmt::format("{}: the field does not fit the memory", path));
+    }
+}
+
+namespace {
+
+Error misuse(const std::string& what) {
+    return {ErrorCode::invalid_argument, "field writer: " + what};
+}
+
+// The slices of a slab, the same number of each output that was announced and none of the others.
+std::int64_t slices_in(const FieldSlab& slab, const Grid& grid, const Outputs& outputs) {
+    const auto slice = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
+    const std::size_t samples = slab.distance.size();
+    if (samples == 0 || samples % slice != 0)
+        throw misuse(fmt::format("{} samples are no whole slices of {} x {}", samples, grid.size[0], grid.size[1]));
+    for (const OutputKind& kind : extra_kinds()) {
+        const std::size_t bytes = kind.bytes(slab).size();
+        const std::size_t expected = kind.wanted(outputs) ? samples * kind.sample_bytes() : 0;
+        if (bytes != expected)
+            throw misuse(fmt::format("{} has {} bytes in a slab of {} samples, and {} were announced", kind.name, bytes,
+                                     samples, expected));
+    }
+    return static_cast<std::int64_t>(samples / slice);
+}
+
+}  // namespace
+
+FieldWriter::FieldWriter(const std::string& path, const FieldDescription& field, const Outputs& outputs)
+    : field_(field), outputs_(outputs) {
+    const Format& format = format_of(path, ErrorCode::unsupported);
+    field.grid.validate();
+    field.band.validate();
+    check_place_for(outputs, path, format);
+    format_ = format.writer(path, field, outputs);
+}
+
+FieldWriter::FieldWriter(FieldWriter&&) noexcept = default;
+FieldWriter& FieldWriter::operator=(FieldWriter&&) noexcept = default;
+FieldWriter::~FieldWriter() = default;
+
+void FieldWriter::append(const FieldSlab& slab) {
+    // Gone if anything is thrown: what was half written must not be finished.
+    std::unique_ptr<FormatWriter> format = std::exchange(format_, nullptr);
+    if (!format) throw misuse("nothing can be appended after a failure or after finish()");
+    const std::int64_t slices = slices_in(slab, field_.grid, outputs_);
+    if (slices > field_.grid.size[2] - slices_)
+        throw misuse(
+            fmt::format("{} slices after {} are more than the {} of the grid", slices, slices_, field_.grid.size[2]));
+    format->append(slab, slices_);
+    slices_ += slices;
+    format_ = std::move(format);
+}
+
+void FieldWriter::finish() {
+    const std::unique_ptr<FormatWriter> format = std::exchange(format_, nullptr);
+    if (!format) throw misuse("nothing is left to finish after a failure or after finish()");
+    if (slices_ != field_.grid.size[2])
+        throw misuse(fmt::format("{} of {} slices were appended", slices_, field_.grid.size[2]));
+    format->finish();
+}
+
+void abandon_unfinished_files() noexcept {
+    UnfinishedFiles::of_process().abandon();
+}
+
+}  // namespace clsdf

@@ -1,0 +1,210 @@
+#include "io/description.hpp"
+#include "io/field_files.hpp"
+#include "io/hdf5.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace clsdf {
+namespace {
+
+using hdf5::Handle;
+using hdf5::StoredArray;
+
+constexpr std::size_t largest_description = std::size_t{1} << 20;
+constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
+
+/// HDF5 says where the values lie, in files whose structure has checksums: without them it trusts what it reads.
+class WithChecksums : public hdf5::Source {
+public:
+    explicit WithChecksums(InputFile& file) : file_(file), root_(open(file)) {}
+
+    bool has(const OutputKind& kind) const override { return H5Lexists(root_.get(), kind.name, H5P_DEFAULT) > 0; }
+
+    StoredArray array(const OutputKind& kind) const override {
+        if (!has(kind)) file_.fail(fmt::format("there is no dataset '/{}'", kind.name));
+        const Handle array = opened(kind);
+        const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
+        if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.get()) != 0)
+            fail(kind, "its values are in chunks, compressed or in another file; save it contiguous");
+        StoredArray stored;
+        stored.shape = shape_of(array, kind);
+        stored.values = type_of(array, kind);
+        const haddr_t offset = H5Dget_offset(array.get());
+        if (offset == HADDR_UNDEF) fail(kind, "it has no values");
+        stored.values.offset = offset;
+        stored.values.bytes = H5Dget_storage_size(array.get());
+        return stored;
+    }
+
+    Vec3 triple(const OutputKind& kind, const std::string& name) const override {
+        const Handle array = opened(kind);
+        if (H5Aexists(array.get(), name.c_str()) <= 0)
+            fail(kind, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+        const Handle attribute(H5Aopen(array.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+        const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+        const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+        Vec3 result{};
+        const H5T_class_t kind_of_type = H5Tget_class(type.get());
+        if (H5Sget_simple_extent_npoints(space.get()) != 3 ||
+            (kind_of_type != H5T_FLOAT && kind_of_type != H5T_INTEGER) ||
+            H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, result.data()) < 0)
+            fail(kind, fmt::format("attribute '{}' is not three numbers", name));
+        return result;
+    }
+
+    std::optional<std::string> text(const std::string& name) const override {
+        if (H5Aexists(root_.get(), name.c_str()) <= 0) return std::nullopt;
+        const Handle attribute(H5Aopen(root_.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
+        const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+        const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+        const std::size_t size = H5Tget_size(type.get());
+        std::string text(std::min(size, largest_description), '\0');
+        if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
+            H5Sget_simple_extent_npoints(space.get()) != 1 || size > largest_description ||
+            H5Aread(attribute.get(), type.get(), text.data()) < 0)
+            file_.fail(fmt::format("attribute '{}' is not one text of fixed length", name));
+        return text.substr(0, text.find('\0'));
+    }
+
+private:
+    static Handle open(InputFile& file) {
+        const Handle access = hdf5::access();
+        Handle root(H5Fopen(file.path().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+        if (!root.is_valid()) file.fail("HDF5: " + hdf5::Session::reason());
+        return root;
+    }
+
+    Handle opened(const OutputKind& kind) const {
+        Handle array(H5Dopen2(root_.get(), kind.name, H5P_DEFAULT), H5Dclose);
+        if (!array.is_valid()) fail(kind, "HDF5: " + hdf5::Session::reason());
+        return array;
+    }
+
+    std::vector<std::int64_t> shape_of(const Handle& array, const OutputKind& kind) const {
+        const Handle space(H5Dget_space(array.get()), H5Sclose);
+        const std::size_t dimensions = kind.components > 1 ? 4 : 3;
+        std::vector<hsize_t> shape(dimensions);
+        if (H5Sget_simple_extent_ndims(space.get()) != static_cast<int>(dimensions) ||
+            H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr) < 0)
+            fail(kind,
+                 fmt::format("it has not {} dimensions: z, y, x{}", dimensions, dimensions > 3 ? ", component" : ""));
+        return {shape.begin(), shape.end()};
+    }
+
+    RawValues type_of(const Handle& array, const OutputKind& kind) const {
+        const Handle type(H5Dget_type(array.get()), H5Tclose);
+        const auto is = [&](hid_t other) { return H5Tequal(type.get(), other) > 0; };
+        RawValues values;
+        if (is(H5T_IEEE_F32LE) || is(H5T_IEEE_F32BE))
+            values.type = ValueType::float32;
+        else if (is(H5T_IEEE_F64LE) || is(H5T_IEEE_F64BE))
+            values.type = ValueType::float64;
+        else if (is(H5T_STD_U32LE) || is(H5T_STD_U32BE))
+            values.type = ValueType::uint32;
+        else
+            fail(kind, "its values are neither floats nor doubles nor 32-bit indices");
+        if (!reads_as(values.type, kind.type)) fail(kind, fmt::format("{} is of another type", kind.content));
+        values.order = H5Tget_order(type.get()) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
+        return values;
+    }
+
+    [[noreturn]] void fail(const OutputKind& kind, const std::string& what) const {
+        file_.fail(fmt::format("dataset '/{}': {}", kind.name, what));
+    }
+
+    InputFile& file_;
+    Handle root_;
+};
+
+/// The version of the superblock, 0 and 1 of which have no checksums.
+int version_of(InputFile& file) {
+    const std::string beginning = file.beginning(signature.size() + 1);
+    if (!beginning.starts_with(signature)) file.fail(R"(not an HDF5 file: it does not begin with "\x89HDF")");
+    if (beginning.size() == signature.size()) file.fail("the file is truncated");
+    return static_cast<unsigned char>(beginning.back());
+}
+
+using Place = std::array<std::size_t, 4>;  // the last axis has values side by side
+
+/// Three dimensions become the last three.
+template <class Numbers>
+Place padded(const Numbers& numbers, std::size_t dimensions, std::size_t padding) {
+    Place place;
+    place.fill(padding);
+    for (std::size_t i = 0; i < dimensions; ++i) place[4 - dimensions + i] = static_cast<std::size_t>(numbers[i]);
+    return place;
+}
+
+void read_chunks(InputFile& file, const StoredArray& array, ValueType wanted, std::span<std::byte> room) {
+    const std::size_t width = width_of(wanted);
+    const std::size_t dimensions = array.shape.size();
+    const Place shape = padded(array.shape, dimensions, 1);
+    const Place edges = padded(array.chunk_shape, dimensions, 1);
+    const std::size_t count = edges[0] * edges[1] * edges[2] * edges[3];
+    std::vector<std::byte> stored(count * width_of(array.values.type));
+    std::vector<std::byte> converted(count * width);
+    for (const StoredArray::Chunk& chunk : array.chunks) {
+        file.read(chunk.offset, stored);
+        convert_values(stored, array.values, wanted, converted);
+        const Place first = padded(chunk.first, dimensions, 0);
+        Place size;
+        for (std::size_t axis = 0; axis < 4; ++axis) size[axis] = std::min(edges[axis], shape[axis] - first[axis]);
+        for (std::size_t a = 0; a < size[0]; ++a)
+            for (std::size_t b = 0; b < size[1]; ++b)
+                for (std::size_t c = 0; c < size[2]; ++c) {
+                    const std::size_t from = ((a * edges[1] + b) * edges[2] + c) * edges[3];
+                    const std::size_t to =
+                        (((first[0] + a) * shape[1] + first[1] + b) * shape[2] + first[2] + c) * shape[3] + first[3];
+                    std::ranges::copy(std::span(converted).subspan(from * width, size[3] * width),
+                                      room.begin() + static_cast<std::ptrdiff_t>(to * width));
+                }
+    }
+}
+
+void read_array(InputFile& file, const hdf5::Source& source, const OutputKind& kind, Field& field) {
+    const StoredArray array = source.array(kind);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (array.shape[2 - axis] != field.grid.size[axis] ||
+            (array.shape.size() > 3 && array.shape[3] != kind.components))
+            file.fail(fmt::format("dataset '/{}': the shape ({}) is not the distance's", kind.name,
+                                  fmt::join(array.shape, ", ")));
+    if (array.chunks.empty()) {
+        checked_count(file, array.values, array.shape);
+        read_output(file, array.values, kind, field);
+    } else {
+        read_chunks(file, array, kind.type, kind.allocate(field, field.grid.sample_count()));
+    }
+}
+
+Field read_source(InputFile& file, const hdf5::Source& source) {
+    Field field;
+    field.band = Band::full();
+    field.sign = SignRule::automatic;
+    const std::vector<std::int64_t> shape = source.array(distance_kind()).shape;
+    field.grid.size = {shape[2], shape[1], shape[0]};
+    field.grid.origin = source.triple(distance_kind(), "origin");
+    field.grid.spacing = source.triple(distance_kind(), "spacing");
+    field.grid.validate();
+    if (const std::optional<std::string> text = source.text("clsdf"))
+        field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
+    read_array(file, source, distance_kind(), field);
+    for (const OutputKind& kind : extra_kinds())
+        if (source.has(kind)) read_array(file, source, kind, field);
+    return field;
+}
+
+}  // namespace
+
+Field read_h5(const std::string& path) {
+    InputFile file(path);
+    if (version_of(file) < 2) return read_source(file, *hdf5::open_without_checksums(file));
+    const hdf5::Session session;
+    return read_source(file, WithChecksums(file));
+}
+
+}  // namespace clsdf

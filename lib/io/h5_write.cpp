@@ -1,0 +1,375 @@
+#include "core/atomic_file.hpp"
+#include "io/description.hpp"
+#include "io/field_files.hpp"
+#include "io/hdf5.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <utility>
+
+#if H5_VERSION_GE(1, 13, 0)
+#include <H5FDdevelop.h>
+#endif
+
+namespace clsdf::hdf5 {
+namespace {
+
+/// What HDF5 writes of a file when the values of its arrays are left out, in memory. A file of 4 GiB takes some
+/// kilobytes here; and where a disk is full, HDF5 1.10 would crash when the program ends.
+class Layout {
+public:
+    /// For H5Pset_driver: files that are created with this list are this layout, which must live as long as they do.
+    /// Holds the driver of HDF5's virtual file layer as long as it lives itself.
+    Layout();
+    void use(const Handle& access);
+    bool is_valid() const { return driver_.is_valid(); }
+
+    /// Zeros stand for what is left out. The values have to be written afterwards.
+    void write_to(AtomicFile& file) const;
+
+    void write(std::uint64_t begin, const std::byte* bytes, std::size_t count);
+    void read(std::uint64_t begin, std::byte* bytes, std::size_t count) const;
+    std::uint64_t end = 0;  ///< of the file, as HDF5 sets it
+
+private:
+    using Page = std::array<std::byte, 4096>;
+
+    std::map<std::uint64_t, Page> pages_;
+    Handle driver_;
+};
+
+// What HDF5 sees of a layout: its own record, and ours behind it.
+struct OpenLayout {
+    H5FD_t record;
+    Layout* layout;
+};
+
+OpenLayout* opened(H5FD_t* file) {
+    return reinterpret_cast<OpenLayout*>(file);
+}
+
+const OpenLayout* opened(const H5FD_t* file) {
+    return reinterpret_cast<const OpenLayout*>(file);
+}
+
+H5FD_t* open_layout(const char*, unsigned, hid_t access, haddr_t) noexcept {
+    const void* const info = H5Pget_driver_info(access);
+    if (info == nullptr) return nullptr;
+    auto* const file = new (std::nothrow) OpenLayout{};
+    if (file == nullptr) return nullptr;
+    file->layout = *static_cast<Layout* const*>(info);
+    return &file->record;
+}
+
+herr_t close_layout(H5FD_t* file) noexcept {
+    delete opened(file);
+    return 0;
+}
+
+herr_t query(const H5FD_t*, unsigned long* flags) noexcept {
+    *flags = H5FD_FEAT_AGGREGATE_METADATA;
+    return 0;
+}
+
+haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) noexcept {
+    return opened(file)->layout->end;
+}
+
+herr_t set_end_of_file(H5FD_t* file, H5FD_mem_t, haddr_t end) noexcept {
+    opened(file)->layout->end = end;
+    return 0;
+}
+
+herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, std::size_t count, void* bytes) noexcept {
+    opened(file)->layout->read(begin, static_cast<std::byte*>(bytes), count);
+    return 0;
+}
+
+herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t begin, std::size_t count, const void* bytes) noexcept {
+    try {
+        opened(file)->layout->write(begin, static_cast<const std::byte*>(bytes), count);
+        return 0;
+    } catch (...) {
+        return -1;
+    }
+}
+
+H5FD_class_t driver_class() {
+    H5FD_class_t driver{};
+#if H5_VERSION_GE(1, 13, 0)
+    driver.version = H5FD_CLASS_VERSION;
+    driver.value = 512;  // the first that HDF5 leaves to programs
+#endif
+    driver.name = "clsdf_layout";
+    driver.maxaddr = haddr_t{1} << 62U;
+    driver.fc_degree = H5F_CLOSE_WEAK;
+    driver.fapl_size = sizeof(void*);  // of the pointer to our layout
+    driver.open = open_layout;
+    driver.close = close_layout;
+    driver.query = query;
+    driver.get_eoa = end_of_file;
+    driver.set_eoa = set_end_of_file;
+    driver.get_eof = end_of_file;
+    driver.read = read;
+    driver.write = write;
+    return driver;
+}
+
+hid_t register_driver() {
+    static const H5FD_class_t driver = driver_class();
+    return H5FDregister(&driver);
+}
+
+Layout::Layout() : driver_(register_driver(), H5FDunregister) {}
+
+void Layout::use(const Handle& access) {
+    Layout* const self = this;
+    H5Pset_driver(access.get(), driver_.get(), &self);
+}
+
+void Layout::write(std::uint64_t begin, const std::byte* bytes, std::size_t count) {
+    while (count > 0) {
+        Page& page = pages_[begin / sizeof(Page)];
+        const std::size_t offset = begin % sizeof(Page);
+        const std::size_t part = std::min(count, sizeof(Page) - offset);
+        std::copy_n(bytes, part, page.begin() + static_cast<std::ptrdiff_t>(offset));
+        begin += part;
+        bytes += part;
+        count -= part;
+    }
+}
+
+void Layout::read(std::uint64_t begin, std::byte* bytes, std::size_t count) const {
+    while (count > 0) {
+        const auto page = pages_.find(begin / sizeof(Page));
+        const std::size_t offset = begin % sizeof(Page);
+        const std::size_t part = std::min(count, sizeof(Page) - offset);
+        if (page == pages_.end())
+            std::fill_n(bytes, part, std::byte{});
+        else
+            std::copy_n(page->second.begin() + static_cast<std::ptrdiff_t>(offset), part, bytes);
+        begin += part;
+        bytes += part;
+        count -= part;
+    }
+}
+
+void Layout::write_to(AtomicFile& file) const {
+    for (const auto& [index, page] : pages_) {
+        const std::uint64_t begin = index * sizeof(Page);
+        if (begin >= end) break;
+        file.seek(begin);
+        file.write(std::span(page).first(static_cast<std::size_t>(std::min<std::uint64_t>(sizeof(Page), end - begin))));
+    }
+}
+
+}  // namespace
+
+}  // namespace clsdf::hdf5
+
+namespace clsdf {
+namespace {
+
+using hdf5::Handle;
+
+hid_t type_of(ValueType type) {
+    return type == ValueType::uint32 ? H5T_STD_U32LE : H5T_IEEE_F32LE;
+}
+
+// z, y, x and the components of a sample.
+std::vector<hsize_t> shape_of(const Grid& grid, const OutputKind& kind) {
+    std::vector<hsize_t> shape(grid.size.rbegin(), grid.size.rend());
+    if (kind.components > 1) shape.push_back(static_cast<hsize_t>(kind.components));
+    return shape;
+}
+
+/// HDF5 lays out the file and writes everything but the values: contiguous arrays, whose places it then tells, with
+/// checksums over all else (its file format of 1.8), and no times, so that the same field has the same bytes.
+class H5Layout {
+public:
+    explicit H5Layout(std::string path) : path_(std::move(path)) {}
+
+    /// Writes all but the values and returns the offset of each output's.
+    std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
+                                     const std::vector<OutputKind>& kinds) const {
+        const hdf5::Session session;
+        hdf5::Layout layout;
+        if (!layout.is_valid()) fail();
+        std::vector<std::uint64_t> offsets = lay_out(layout, field, kinds);
+        layout.write_to(target);
+        return offsets;
+    }
+
+private:
+    std::vector<std::uint64_t> lay_out(hdf5::Layout& layout, const FieldDescription& field,
+                                       const std::vector<OutputKind>& kinds) const {
+        const Handle access = checked(hdf5::access());
+        layout.use(access);
+        check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_LATEST));
+        const Handle creation = checked({H5Pcreate(H5P_FILE_CREATE), H5Pclose});
+        check(H5Pset_obj_track_times(creation.get(), false));
+        Handle file = checked({H5Fcreate("layout", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
+        write_text(file.get(), "clsdf", description_text(field));
+        std::vector<std::uint64_t> offsets;
+        offsets.reserve(kinds.size());
+        for (const OutputKind& kind : kinds) offsets.push_back(write_array(file.get(), kind, field.grid));
+        if (!file.close()) fail();
+        return offsets;
+    }
+
+    std::uint64_t write_array(hid_t file, const OutputKind& kind, const Grid& grid) const {
+        const std::vector<hsize_t> shape = shape_of(grid, kind);
+        const Handle space =
+            checked({H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose});
+        const Handle creation = checked({H5Pcreate(H5P_DATASET_CREATE), H5Pclose});
+        check(H5Pset_layout(creation.get(), H5D_CONTIGUOUS));
+        check(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY));
+        check(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER));
+        check(H5Pset_obj_track_times(creation.get(), false));
+        const Handle array = checked(
+            {H5Dcreate2(file, kind.name, type_of(kind.type), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+             H5Dclose});
+        write_triple(array.get(), "origin", grid.position(0, 0, 0));
+        write_triple(array.get(), "spacing", grid.spacing);
+        const haddr_t offset = H5Dget_offset(array.get());
+        if (offset == HADDR_UNDEF) fail();
+        return offset;
+    }
+
+    void write_triple(hid_t object, const char* name, const Vec3& values) const {
+        const hsize_t count = 3;
+        const Handle space = checked({H5Screate_simple(1, &count, nullptr), H5Sclose});
+        write_attribute(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, space, values.data());
+    }
+
+    void write_text(hid_t object, const char* name, const std::string& text) const {
+        const Handle space = checked({H5Screate(H5S_SCALAR), H5Sclose});
+        const Handle type = checked({H5Tcopy(H5T_C_S1), H5Tclose});
+        check(H5Tset_size(type.get(), text.size() + 1));
+        check(H5Tset_cset(type.get(), H5T_CSET_UTF8));
+        write_attribute(object, name, type.get(), type.get(), space, text.c_str());
+    }
+
+    void write_attribute(hid_t object, const char* name, hid_t stored, hid_t given, const Handle& space,
+                         const void* values) const {
+        const Handle attribute =
+            checked({H5Acreate2(object, name, stored, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose});
+        check(H5Awrite(attribute.get(), given, values));
+    }
+
+    Handle checked(Handle handle) const {
+        if (!handle.is_valid()) fail();
+        return handle;
+    }
+
+    void check(herr_t result) const {
+        if (result < 0) fail();
+    }
+
+    [[noreturn]] void fail() const {
+        throw Error(ErrorCode::output_failure,
+                    fmt::format("cannot write '{}': HDF5: {}", path_, hdf5::Session::reason()));
+    }
+
+    std::string path_;
+};
+
+std::string escaped_for_xml(std::string_view text) {
+    std::string result;
+    for (const char letter : text) {
+        if (letter == '&')
+            result += "&amp;";
+        else if (letter == '<')
+            result += "&lt;";
+        else if (letter == '>')
+            result += "&gt;";
+        else
+            result += letter;
+    }
+    return result;
+}
+
+// What tells ParaView and VisIt where the samples lie. XDMF orders everything as HDF5 does: z, y, x.
+std::string xdmf_text(const std::string& path, const Grid& grid, const std::vector<OutputKind>& kinds) {
+    const Vec3 origin = grid.position(0, 0, 0);
+    const auto triple = [](const auto& values) { return fmt::format("{} {} {}", values[2], values[1], values[0]); };
+    std::string attributes;
+    for (const OutputKind& kind : kinds)
+        attributes += fmt::format(
+            "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n"
+            "        <DataItem Dimensions=\"{}\" NumberType=\"{}\" Precision=\"{}\" Format=\"HDF\">{}:/{}</DataItem>\n"
+            "      </Attribute>\n",
+            kind.name, kind.components > 1 ? "Vector" : "Scalar", fmt::join(shape_of(grid, kind), " "),
+            kind.type == ValueType::uint32 ? "UInt" : "Float", width_of(kind.type), escaped_for_xml(file_name(path)),
+            kind.name);
+    return fmt::format(
+        "<?xml version=\"1.0\"?>\n"
+        "<Xdmf Version=\"3.0\">\n"
+        "  <Domain>\n"
+        "    <Grid Name=\"field\" GridType=\"Uniform\">\n"
+        "      <Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"{}\"/>\n"
+        "      <Geometry GeometryType=\"ORIGIN_DXDYDZ\">\n"
+        "        <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">{}</DataItem>\n"
+        "        <DataItem Dimensions=\"3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">{}</DataItem>\n"
+        "      </Geometry>\n"
+        "{}"
+        "    </Grid>\n"
+        "  </Domain>\n"
+        "</Xdmf>\n",
+        triple(grid.size), triple(origin), triple(grid.spacing), attributes);
+}
+
+std::string xdmf_path(const std::string& path) {
+    return std::filesystem::path(path).replace_extension(".xdmf").string();
+}
+
+class H5Writer : public FormatWriter {
+public:
+    H5Writer(const std::string& path, const FieldDescription& field, const Outputs& outputs)
+        : kinds_(kinds_of(outputs)),
+          slice_(static_cast<std::uint64_t>(field.grid.size[0]) * static_cast<std::uint64_t>(field.grid.size[1])),
+          xdmf_(xdmf_path(path)),
+          file_(path) {
+        xdmf_.write(xdmf_text(path, field.grid, kinds_));
+        offsets_ = H5Layout(path).write(file_, field, kinds_);
+    }
+
+    void append(const FieldSlab& slab, std::int64_t first_slice) override {
+        for (std::size_t i = 0; i < kinds_.size(); ++i) {
+            const OutputKind& kind = kinds_[i];
+            file_.seek(offsets_[i] + static_cast<std::uint64_t>(first_slice) * slice_ * kind.sample_bytes());
+            write_little_endian(file_, kind.bytes(slab), width_of(kind.type));
+        }
+    }
+
+    void finish() override {
+        xdmf_.commit();
+        file_.commit();
+    }
+
+private:
+    std::vector<OutputKind> kinds_;
+    std::uint64_t slice_;
+    std::vector<std::uint64_t> offsets_;
+    AtomicFile xdmf_;
+    AtomicFile file_;
+};
+
+}  // namespace
+
+std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field,
+                                        const Outputs& outputs) {
+    return std::make_unique<H5Writer>(path, field, outputs);
+}
+
+}  // namespace clsdf

@@ -1,0 +1,94 @@
+#pragma once
+
+#include "field/outputs.hpp"
+#include "io/raw_values.hpp"
+
+#include <clsdf/grid.hpp>
+
+#include <hdf5.h>
+
+#include <array>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace clsdf::hdf5 {
+
+/// One thread at a time in the library, which need not be built for more, and nothing printed by it.
+class Session {
+public:
+    Session();
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    /// What the call that failed last says about it.
+    static std::string reason();
+
+private:
+    std::lock_guard<std::mutex> lock_;
+    H5E_auto2_t print_ = nullptr;  // what the program around us wants
+    void* print_data_ = nullptr;
+};
+
+/// A handle and the function that closes it.
+class Handle {
+public:
+    Handle(hid_t id, herr_t (*closing)(hid_t)) : id_(id), close_(closing) {}
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    ~Handle() { close(); }
+
+    hid_t get() const { return id_; }
+    bool is_valid() const { return id_ >= 0; }
+    /// Whether it closed without an error.
+    bool close() { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
+
+private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+/// How files are opened: without locks, which some file systems do not have.
+Handle access();
+
+/// An array of an HDF5 file: how its values are stored, and where. A contiguous one has no chunks, and its values lie
+/// in a row; one in chunks has each of them once.
+struct StoredArray {
+    struct Chunk {
+        std::array<std::uint64_t, 4> first{};  ///< in order of the shape; of three dimensions the last is 0
+        std::uint64_t offset = 0;
+    };
+
+    std::vector<std::int64_t> shape;  // z, y, x and, if there are several, the components
+    RawValues values;
+    std::vector<Chunk> chunks;
+    std::array<std::uint64_t, 4> chunk_shape{};  ///< of three dimensions the last is 1
+};
+
+/// What the reader of a field asks an HDF5 file. Everything throws Error(unreadable_input).
+class Source {
+public:
+    Source() = default;
+    Source(const Source&) = delete;
+    Source& operator=(const Source&) = delete;
+    virtual ~Source() = default;
+
+    virtual bool has(const OutputKind& kind) const = 0;
+    /// Its number of dimensions and the type of its values are those of the kind.
+    virtual StoredArray array(const OutputKind& kind) const = 0;
+    /// Three numbers along x, y, z: an attribute of an array.
+    virtual Vec3 triple(const OutputKind& kind, const std::string& name) const = 0;
+    /// A text of fixed length: an attribute of the file.
+    virtual std::optional<std::string> text(const std::string& name) const = 0;
+};
+
+/// A file in the format before HDF5 1.8, which HDF5 writes unless told otherwise (superblock of version 0 or 1).
+/// Nothing in it has a checksum, and HDF5 itself may crash if it is damaged; so this is read by a reader of its own,
+/// which knows as much of the format as fields need and trusts no byte. The file must outlive the source.
+std::unique_ptr<Source> open_without_checksums(InputFile& file);
+}  // namespace clsdf::hdf5

@@ -1,0 +1,149 @@
+#include "io/description.hpp"
+#include "io/field_files.hpp"
+#include "io/vdb.hpp"
+#include "io/vdb_seal.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <openvdb/tools/Dense.h>
+
+#include <optional>
+
+namespace clsdf {
+namespace {
+
+using namespace vdb;
+using openvdb::Coord;
+
+/// Grids as OpenVDB reads them.
+class VdbReader {
+public:
+    VdbReader(InputFile& file, bool is_ours) : input_(file), is_ours_(is_ours), file_(file.path()) {
+        file_.open(false);
+    }
+
+    openvdb::FloatGrid::Ptr distance() {
+        for (auto name = file_.beginName(); name != file_.endName(); ++name)
+            if (*name == distance_kind().name) return read<openvdb::FloatGrid>(*name);
+        for (auto name = file_.beginName(); name != file_.endName(); ++name)
+            if (file_.readGridMetadata(*name)->isType<openvdb::FloatGrid>()) return read<openvdb::FloatGrid>(*name);
+        input_.fail("it has no grid of floats");
+    }
+
+    bool has(const std::string& name) const { return file_.hasGrid(name); }
+
+    template <class GridType>
+    typename GridType::Ptr read(const std::string& name) {
+        auto grid = openvdb::gridPtrCast<GridType>(file_.readGrid(name));
+        if (!grid) input_.fail(fmt::format("grid '{}' is of another type", name));
+        return grid;
+    }
+
+    Grid lattice(const openvdb::GridBase& grid) const {
+        if (!grid.transform().isLinear()) input_.fail("its grid is not linear; resample it");
+        const openvdb::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getMat4();
+        Grid result;
+        for (int row = 0; row < 3; ++row)
+            for (int column = 0; column < 3; ++column)
+                if (row != column && matrix(row, column) != 0)
+                    input_.fail("its grid is not parallel to the axes; resample it");
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const int i = static_cast<int>(axis);
+            result.spacing[axis] = matrix(i, i);
+            result.origin[axis] = matrix(3, i);
+        }
+        return result;
+    }
+
+    // The block of samples: as stated, or around everything that is active.
+    void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Index3>& stated) const {
+        const openvdb::CoordBBox active = distance.evalActiveVoxelBoundingBox();
+        if (stated && (active.empty() || (active.min() >= Coord(0) && fits(active.max(), *stated)))) {
+            grid.size = *stated;
+            return;
+        }
+        if (active.empty()) input_.fail("no voxel of its grid is active");
+        double volume = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            grid.first[axis] = active.min()[axis];
+            grid.size[axis] = std::int64_t{active.max()[axis]} - active.min()[axis] + 1;
+            volume *= static_cast<double>(grid.size[axis]);
+        }
+        constexpr double sparsest = 1e5;
+        if (!is_ours_ && volume > sparsest * static_cast<double>(distance.activeVoxelCount()))
+            input_.fail(
+                fmt::format("its active voxels are strewn over {} samples; crop it", fmt::join(grid.size, " x ")));
+    }
+
+    template <class GridType>
+    void copy(const GridType& source, const Grid& grid, std::span<std::byte> room) const {
+        using Dense = openvdb::tools::Dense<typename GridType::ValueType, openvdb::tools::LayoutXYZ>;
+        const Coord first = coordinates(grid.first);
+        const openvdb::CoordBBox box(first, first + coordinates(grid.size) - Coord(1));
+        Dense dense(box, reinterpret_cast<typename GridType::ValueType*>(room.data()));
+        openvdb::tools::copyToDense(source, dense);
+    }
+
+private:
+    static bool fits(const Coord& last, const Index3& size) {
+        return last[0] < size[0] && last[1] < size[1] && last[2] < size[2];
+    }
+
+    InputFile& input_;
+    bool is_ours_;
+    openvdb::io::File file_;
+};
+
+Field read_checked(InputFile& file, bool is_ours) {
+    initialise();
+    VdbReader reader(file, is_ours);
+    const openvdb::FloatGrid::Ptr distance = reader.distance();
+    const auto description = distance->getMetadata<openvdb::StringMetadata>(description_key);
+    const std::string source = file.path() + ": metadata 'clsdf'";
+
+    Field field;
+    const Grid lattice = reader.lattice(*distance);
+    Grid block = lattice;
+    reader.set_block(block, *distance, description ? described_size(source, description->value()) : std::nullopt);
+    block.validate();
+    const Grid in_file = block;
+    if (description) {
+        field = parse_description(source, description->value(), block).field;
+    } else {
+        const auto background = static_cast<double>(distance->background());
+        const bool has_band = distance->getGridClass() == openvdb::GRID_LEVEL_SET && background > 0;
+        field.grid = block;
+        field.band = has_band ? Band::symmetric(background) : Band::full();
+        field.sign = SignRule::automatic;
+    }
+    const std::size_t samples = field.grid.sample_count();
+    reader.copy(*distance, in_file, distance_kind().allocate(field, samples));
+    for (const OutputKind& kind : extra_kinds()) {
+        if (!reader.has(kind.name)) continue;
+        if (is_index(kind))
+            reader.copy(*reader.read<openvdb::Int32Grid>(kind.name), in_file, kind.allocate(field, samples));
+        else if (is_vector(kind))
+            reader.copy(*reader.read<openvdb::Vec3SGrid>(kind.name), in_file, kind.allocate(field, samples));
+    }
+    return field;
+}
+
+}  // namespace
+
+Field read_vdb(const std::string& path) {
+    InputFile file(path);
+    const bool is_ours = check_vdb_seal(file);
+    try {
+        return read_checked(file, is_ours);
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& error) {
+        file.fail(fmt::format("OpenVDB: {}", error.what()));
+    }
+}
+
+}  // namespace clsdf
