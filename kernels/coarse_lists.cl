@@ -10,18 +10,6 @@
 #include "coarse_clusters.h"
 #include "request.h"
 
-// Every `stride`-th polyhedron's point.
-__kernel void coarse_points(uint stride, uint count, __global const Polyhedron* polyhedra,
-                            __global SurfacePoint* points) {
-    const uint n = get_global_id(0);
-    if (n >= count) return;
-    __global const Polyhedron* p = polyhedra + (size_t)n * stride;
-    points[n].origin[0] = p->origin_x;
-    points[n].origin[1] = p->origin_y;
-    points[n].origin[2] = p->origin_z;
-    vstore3(vload3(0, p->foot), 0, points[n].foot);
-}
-
 // An upper bound of the distance to the mesh for every sample of a coarse brick: how far from it the nearest of some of
 // the surface's points is, taken at the sample that is farthest from that point. (A coarse bound is enough here, the
 // bricks find finer ones.) One work-item LANES columns of four bricks along z of a group, those beyond the part too, so

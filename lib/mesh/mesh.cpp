@@ -162,4 +162,13 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::str
 
 Mesh::Mesh(const MeshView& view, std::string name) : Mesh(copy_vertices(view), copy_triangles(view), std::move(name)) {}
 
+void Mesh::move(std::vector<Vec3> vertices) {
+    if (vertices.size() != vertices_.size())
+        throw Error(ErrorCode::invalid_argument, fmt::format("{} has {} vertices, and {} positions are given; give one "
+                                                             "for each",
+                                                             name_, vertices_.size(), vertices.size()));
+    box_ = check(vertices, triangles_, name_);
+    vertices_ = std::move(vertices);
+}
+
 }  // namespace clsdf

@@ -27,7 +27,7 @@ constexpr double flat = 1e-9;
 /// Decides one vertex after the other; keeps its memory in between.
 class GapTest {
 public:
-    GapTest(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings, const RecordPlanes& planes,
+    GapTest(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings, const FramePlanes& planes,
             double margin, std::span<std::uint8_t> marks)
         : faces_(faces),
           edges_(edges),
@@ -213,7 +213,7 @@ private:
     const MeshFaces& faces_;
     std::span<const FaceEdges> edges_;
     const OneRings& rings_;
-    const RecordPlanes& planes_;
+    const FramePlanes& planes_;
     double per_unit_;  // only the directions of what it scales are used
     double margin_;
     std::span<std::uint8_t> marks_;
@@ -229,12 +229,8 @@ private:
 
 }  // namespace
 
-double rejection_margin(double half_width, double slack) {
-    return slack / (4 * std::max(half_width, 1.0));
-}
-
 void find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
-               const RecordPlanes& planes, double margin, std::span<const std::uint32_t> vertices,
+               const FramePlanes& planes, double margin, std::span<const std::uint32_t> vertices,
                std::span<std::uint8_t> marks) {
     tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, planes, margin, marks); });
     for_each_range(vertices.size(), [&](std::size_t begin, std::size_t end) {

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "polyhedra/face_edges.hpp"
+#include "polyhedra/frame_planes.hpp"
 #include "polyhedra/gap_screen.hpp"
 #include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/one_rings.hpp"
-#include "polyhedra/record_planes.hpp"
 
 #include <cstdint>
 #include <span>
@@ -13,12 +13,14 @@ namespace clsdf::polyhedra {
 
 /// A direction that is rejected by less than this lies within a quarter of the slack of the polyhedron (docs/method.md,
 /// 'Gaps at saddle vertices').
-double rejection_margin(double half_width, double slack);
+///
+/// Of a distance d in units, a quarter of the slack 1e-3 + 2e-5 d is d times this or more.
+inline constexpr double rejection_margin = 5e-6;
 
 /// Sets the marks of `vertices`. A vertex without vertex_gap has its whole normal cone in its faces' polyhedra, widened
 /// by a quarter of the slack.
 void find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
-               const RecordPlanes& planes, double margin, std::span<const std::uint32_t> vertices,
+               const FramePlanes& planes, double margin, std::span<const std::uint32_t> vertices,
                std::span<std::uint8_t> marks);
 
 }  // namespace clsdf::polyhedra

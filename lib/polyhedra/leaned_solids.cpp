@@ -2,9 +2,9 @@
 #include <clsdf/error.hpp>
 
 #include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/frame_planes.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/non_manifold_edges.hpp"
-#include "polyhedra/pack.hpp"
 #include "polyhedra/point_site.hpp"
 #include "polyhedra/solid_mesh.hpp"
 
@@ -72,24 +72,22 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     const Mesh welded = weld(mesh);
     const std::vector<Triangle>& triangles = welded.triangles();
     const LatticeView lattice{welded.box().lower, half_width / half_width_in_units};
-    const double slack = 1e-3 + 2e-5 * half_width_in_units;
-    const float open = open_slope(half_width_in_units, slack);
 
     std::vector<std::uint32_t> order(triangles.size());
     std::iota(order.begin(), order.end(), 0U);
     const MeshFaces faces{welded.vertices(), triangles, lattice};
     const OneRings rings(triangles, welded.vertices().size());
     PairedEdges edges = pair_edges(triangles, rings);
-    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, open);
+    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, CLSDF_OPEN_SLOPE);
     UninitializedVector<TriangleFrame> frames(triangles.size());
     std::vector<FaceSlopes> slopes(triangles.size());
-    std::vector<Polyhedron> records(triangles.size());
-    measure_edges(faces, edges.faces, of_non_manifold, open, [&](EdgeSlopes& stretch) {
+    std::vector<FramePlanes::Directions> directions(triangles.size());
+    measure_edges(faces, edges.faces, of_non_manifold, CLSDF_OPEN_SLOPE, [&](EdgeSlopes& stretch) {
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
             frames[face] = stretch.frame(face);
             lean(frames[face], stretch.slopes(face));
             slopes[face] = stretch.slopes(face);
-            records[face] = pack(frames[face], slopes[face], order[face], faces, triangles[face]);
+            directions[face] = {frames[face].normal, frames[face].inwards};
         }
     });
 
@@ -111,16 +109,16 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     std::vector<std::uint32_t> used;
     for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex)
         if (rings.size(vertex) > 0) used.push_back(vertex);
-    find_gaps(faces, edges.faces, rings, RecordPlanes(records, edges.faces, lattice),
-              rejection_margin(half_width_in_units, slack), used, marks);
+    find_gaps(faces, edges.faces, rings, FramePlanes(directions, slopes), rejection_margin, used, marks);
     for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
         if (!(marks[vertex] & vertex_gap)) continue;
         bool all = true;
         for (std::size_t i = 0; i < rings.size(vertex) && all; ++i)
             all = std::find(selected.begin(), selected.end(), rings.corner(vertex, i).face) != selected.end();
         if (!all) continue;
-        const PointSite site = point_site(faces, order, indices, rings, vertex, open);
-        add(site.face, SolidPart::point_site, site.frame, site.slopes);
+        const SiteFrustum site = point_site(faces, order, indices, rings, vertex);
+        const Vector position = (to_vector(faces.position(vertex)) - to_vector(lattice.origin)) / lattice.unit;
+        add(site.face, SolidPart::point_site, point_frame(position, site.normal), site.slopes);
     }
     return result;
 }

@@ -64,6 +64,8 @@ public:
         return corners_[start_[vertex]] == corner.packed();
     }
 
+    std::size_t bytes() const { return (start_.size() + corners_.size()) * sizeof(std::uint32_t); }
+
 private:
     class Filing;
 

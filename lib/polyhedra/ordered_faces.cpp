@@ -161,9 +161,6 @@ OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> orde
     checked_face_count(order.size());
     OrderedFaces faces;
     Numbering(mesh, order, faces, scratch).run(scratch);
-    faces.positions = UninitializedVector<Vec3>(faces.vertices.size(), scratch);
-    for_each_index(faces.vertices.size(),
-                   [&](std::size_t i) { faces.positions[i] = mesh.vertices()[faces.vertices[i]]; });
     return faces;
 }
 

@@ -18,7 +18,6 @@ struct OrderedFaces {
     static constexpr std::size_t stretch = 3072;
 
     UninitializedVector<Triangle> triangles;
-    UninitializedVector<Vec3> positions;          ///< of the vertices, by number
     UninitializedVector<std::uint32_t> vertices;  ///< the mesh's index of each
     /// Of each stretch the first of the vertices that it names and none before it does; then the number of vertices.
     std::vector<std::uint32_t> first_vertices;

@@ -73,25 +73,24 @@ bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, Fac
 
 }  // namespace
 
-PointSite point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
-                     std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex, float open) {
-    PointSite site;
+SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
+                       std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex) {
+    SiteFrustum site;
+    site.vertex = vertex;
     site.face = rings.corner(vertex, 0).face;
     for (std::size_t i = 1; i < rings.size(vertex); ++i) {
         const std::uint32_t face = rings.corner(vertex, i).face;
         if (order[face] < order[site.face]) site.face = face;
     }
-    const LatticeView& lattice = faces.lattice;
-    const Vector position = (to_vector(faces.position(vertex)) - to_vector(lattice.origin)) / lattice.unit;
-
     const auto rays = extreme_rays(neighbour_directions(faces, vertices, rings, vertex));
     Vector sum = Vector::Zero();
     if (rays)
         for (const Vector& ray : *rays) sum += ray;
     const double length = sum.norm();
-    site.frame = point_frame(position, length > 1e-3 ? Vector(sum / length) : Vector::UnitZ());
-    const bool bounded = rays && rays->size() >= 3 && length > 1e-3 && set_slopes(*rays, site.frame, site.slopes);
-    if (!bounded) site.slopes.above = site.slopes.below = {open, open, open};
+    site.normal = length > 1e-3 ? Vector(sum / length) : Vector::UnitZ();
+    const TriangleFrame frame = point_frame(Vector::Zero(), site.normal);
+    const bool bounded = rays && rays->size() >= 3 && length > 1e-3 && set_slopes(*rays, frame, site.slopes);
+    if (!bounded) site.slopes.above = site.slopes.below = {CLSDF_OPEN_SLOPE, CLSDF_OPEN_SLOPE, CLSDF_OPEN_SLOPE};
     return site;
 }
 

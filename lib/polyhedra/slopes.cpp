@@ -6,10 +6,6 @@
 
 namespace clsdf::polyhedra {
 
-float open_slope(double half_width, double slack) {
-    return std::max(CLSDF_OPEN_SLOPE, widened(2 * half_width / slack));
-}
-
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
     const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
                           frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];

@@ -24,9 +24,6 @@ inline float widened(double x) {
     return static_cast<float>(x * (1 + 1e-6));
 }
 
-/// The slope that no point of the band gets past (docs/method.md, 'Leaned frusta'): open * slack >= half_width.
-float open_slope(double half_width, double slack);
-
 /// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other
 /// contains: the obtuse corner's vertices are cut off otherwise. No other corner of a triangle is obtuse.
 void lean(const TriangleFrame& frame, FaceSlopes& slopes);

@@ -4,7 +4,7 @@
 #include "polyhedra/edges_of_vertex.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
-#include "polyhedra/pack.hpp"
+#include "polyhedra/records.hpp"
 #include "polyhedra/triangle_frame.hpp"
 #include "slices/mauch_cone.hpp"
 #include "slices/record_frame.hpp"
@@ -240,11 +240,11 @@ private:
 MauchPieces mauch_pieces(const Mesh& mesh, const LatticeView& lattice, double half_width, const Layout& grid) {
     const Faces faces(mesh, lattice);
     const OneRings rings(faces.triangles, mesh.vertices().size());
-    const MeshFaces seen{mesh.vertices(), faces.triangles, lattice};
     MauchPieces result;
     result.polyhedra.resize(faces.order.size());
     for_each_index(faces.order.size(), [&](std::size_t face) {
-        result.polyhedra[face] = pack(faces.frames[face], FaceSlopes{}, faces.order[face], seen, faces.triangles[face]);
+        result.polyhedra[face] =
+            pack(faces.frames[face], FaceSlopes{}, faces.order[face], mesh.vertices(), faces.triangles[face], lattice);
     });
 
     struct State {

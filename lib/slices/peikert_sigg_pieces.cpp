@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "peikert_sigg/peikert_sigg_polyhedra.hpp"
-#include "polyhedra/pack.hpp"
+#include "polyhedra/records.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
 namespace clsdf::slices {
@@ -25,7 +25,6 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
                                       const Layout& grid) {
     const peikert_sigg::Polyhedra paper =
         peikert_sigg::peikert_sigg_polyhedra(mesh, half_width * lattice.unit, close_gaps);
-    const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
     PeikertSiggPieces result;
     result.closed_gaps = paper.closings.size();
     result.polyhedra.resize(paper.polyhedra.size());
@@ -34,7 +33,7 @@ PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const LatticeView& latti
         const auto& [a, b, c] = mesh.triangles()[index];
         const std::array<Vec3, 3> corners{mesh.vertices()[a], mesh.vertices()[b], mesh.vertices()[c]};
         result.polyhedra[i] = polyhedra::pack(polyhedra::triangle_frame(corners, lattice), polyhedra::FaceSlopes{},
-                                              index, faces, mesh.triangles()[index]);
+                                              index, mesh.vertices(), mesh.triangles()[index], lattice);
     });
     result.pieces = collect_pieces(paper.polyhedra.size(), grid, [&](std::size_t i, PieceCollector& collector) {
         const peikert_sigg::Polyhedron& polyhedron = paper.polyhedra[i];

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/leaned_frusta.hpp"
+#include "polyhedra/records.hpp"
 #include "slices/convex_pieces.hpp"
 
 namespace clsdf::slices {

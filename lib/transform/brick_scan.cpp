@@ -19,14 +19,14 @@ constexpr std::size_t slices_of_a_group = 32;
 class BrickScan final : public FieldScan {
 public:
     BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-              const Layout& layout, const PreparedMesh& mesh, const cl::Buffer& sign_bits, const BrickVariant& variant,
-              const ShortLaunches& launches)
+              const Layout& layout, const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
+              const cl::Buffer& sign_bits, const BrickVariant& variant, const ShortLaunches& launches)
         : layout_(layout),
           with_triangle_(variant.triangle),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
           fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
           fill_group_slices_(programs.body == KernelBody::by_group ? 1 : slices_of_a_group),
-          lists_(make_coarse_lists(context, programs, pool, layout, *mesh.polyhedra, mesh.record_count, launches)),
+          lists_(make_coarse_lists(context, programs, pool, layout, mesh, points, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
         const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
@@ -116,9 +116,10 @@ private:
 
 std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                                           const PreparedMesh& mesh, const cl::Buffer& sign_bits,
-                                           const BrickVariant& variant, const ShortLaunches& launches) {
-    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, sign_bits, variant, launches);
+                                           const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
+                                           const cl::Buffer& sign_bits, const BrickVariant& variant,
+                                           const ShortLaunches& launches) {
+    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, points, sign_bits, variant, launches);
 }
 
 }  // namespace clsdf::transform

@@ -16,9 +16,6 @@ namespace clsdf::transform {
 
 namespace {
 
-// Surface points that the coarse bounds look at, at most: they need not be tight.
-constexpr std::size_t cap_points = 4096;
-
 // Measured on a core, and rounded up.
 constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
 constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
@@ -49,15 +46,16 @@ double groups_of_a_cluster(const Layout& layout) {
 class CoarseListMaker {
 public:
     CoarseListMaker(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-                    const Layout& layout, const cl::Buffer& polyhedra, std::size_t polyhedron_count,
-                    const ShortLaunches& launches)
+                    const Layout& layout, const PreparedMesh& records,
+                    const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches)
         : context_(context),
           queue_(context.queue()),
           programs_(programs),
           pool_(pool),
           layout_(layout),
-          polyhedra_(polyhedra),
-          polyhedron_count_(polyhedron_count),
+          polyhedra_(*records.polyhedra),
+          polyhedron_count_(records.record_count),
+          surface_points_(points),
           launches_(launches),
           bricks_(coarse_brick_count(layout)),
           parts_(programs.parallel_parts(context, bricks_)),
@@ -74,6 +72,7 @@ public:
         // After an error: what is under way reads and writes what lies here.
         if (room_starts_.empty() || context_.drain()) return;
         for (std::vector<cl_uint>* used : {&room_starts_, &touches_found_, &starts_}) keep_for_good(*used);
+        keep_for_good(surface_points_);
     }
 
     CoarseLists make() {
@@ -95,7 +94,6 @@ private:
     static constexpr const char* touches_purpose = "touches of the coarse lists";
 
     enum CapsArgument : cl_uint { caps_layout, caps_count, caps_points, caps_caps, caps_first };
-    enum PointsArgument : cl_uint { points_stride, points_count, points_polyhedra, points_points };
     enum CountArgument : cl_uint {
         count_layout,
         count_count,
@@ -125,20 +123,13 @@ private:
     device::BufferPool::Lease find_caps() {
         const std::size_t bricks = coarse_group_count(layout_) * CLSDF_COARSE_GROUP;
         auto caps = pool_->lease(bricks * sizeof(float), "bounds of the coarse bricks");
-        if (has_uniform_caps(layout_) || polyhedron_count_ == 0) {
+        if (surface_points_ == nullptr) {
             queue_.enqueueFillBuffer(*caps, layout_.half_width, 0, bricks * sizeof(float));
             return caps;
         }
-        const std::size_t stride = std::max<std::size_t>(1, polyhedron_count_ / cap_points);
-        const std::size_t count = (polyhedron_count_ + stride - 1) / stride;
+        const std::size_t count = surface_points_->size();
         const auto points = pool_->lease(count * sizeof(SurfacePoint), "points of the surface");
-        cl::Kernel gather(programs_.coarse_lists, "coarse_points");
-        gather.setArg(points_stride, static_cast<cl_uint>(stride));
-        gather.setArg(points_count, static_cast<cl_uint>(count));
-        gather.setArg(points_polyhedra, polyhedra_);
-        gather.setArg(points_points, *points);
-        queue_.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(in_whole_groups(count)),
-                                    cl::NDRange(common_group));
+        queue_.enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), surface_points_->data());
 
         cl::Kernel kernel(programs_.coarse_lists, "coarse_caps");
         kernel.setArg(caps_layout, layout_);
@@ -272,6 +263,7 @@ private:
     const Layout& layout_;
     const cl::Buffer& polyhedra_;
     std::size_t polyhedron_count_;
+    std::shared_ptr<const SurfacePoints> surface_points_;
     const ShortLaunches& launches_;
     std::size_t bricks_;
     std::size_t parts_;
@@ -294,10 +286,10 @@ bool has_uniform_caps(const Layout& layout) {
 
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const cl::Buffer& polyhedra, std::size_t polyhedron_count,
+                              const PreparedMesh& records, const std::shared_ptr<const SurfacePoints>& points,
                               const ShortLaunches& launches) {
     return device::guarded(
-        [&] { return CoarseListMaker(context, programs, pool, layout, polyhedra, polyhedron_count, launches).make(); });
+        [&] { return CoarseListMaker(context, programs, pool, layout, records, points, launches).make(); });
 }
 
 }  // namespace clsdf::transform

@@ -2,8 +2,10 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
+#include "transform/prepared_mesh.hpp"
 #include "transform/short_launches.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace clsdf::transform {
@@ -29,8 +31,10 @@ struct CoarseLists {
 /// below it.
 bool has_uniform_caps(const Layout& layout);
 
+/// `points`: as in Inputs.
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const cl::Buffer& polyhedra, std::size_t polyhedron_count, const ShortLaunches& launches);
+                              const PreparedMesh& records, const std::shared_ptr<const SurfacePoints>& points,
+                              const ShortLaunches& launches);
 
 }  // namespace clsdf::transform

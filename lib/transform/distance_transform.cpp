@@ -2,7 +2,6 @@
 
 #include "core/keep.hpp"
 #include "core/moved_from.hpp"
-#include "core/scratch_memory.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/layout_of.hpp"
@@ -12,45 +11,109 @@
 #include "transform/slab_pipeline.hpp"
 #include "transform/slabs.hpp"
 #include "transform/slice_scan.hpp"
+#include "transform/stages.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-#include <new>
+#include <list>
 #include <optional>
 #include <utility>
 
 namespace clsdf {
 
 struct DistanceTransform::State {
+    /// A plan of an earlier call, which the next call of the same kind takes.
+    struct KeptPlan {
+        Grid grid;
+        Band band;
+        Outputs outputs;
+        std::unique_ptr<Plan::State> plan;
+
+        bool fits(const Grid& other_grid, const Band& other_band, const Outputs& other_outputs) const {
+            return grid == other_grid && band.inside == other_band.inside && band.outside == other_band.outside &&
+                   outputs.triangle == other_outputs.triangle;
+        }
+    };
+
     Device device;
-    Mesh mesh;
     TransformOptions options;
     Topology topology;
     SignRule sign = SignRule::none;
     Scan scan = Scan::bricks;
+    std::size_t vertex_count = 0;       // of the caller's mesh
+    std::vector<std::uint32_t> welded;  // of each of them its index here, or no_vertex; empty if they are the same
     std::size_t compile_steps = 0;
     double compile_seconds = 0;
     bool first_use = false;
     transform::Programs programs;
     std::shared_ptr<device::BufferPool> pool;
-    ScratchMemory scratch;
+    std::unique_ptr<transform::Stages> stages;
+    std::list<KeptPlan> plans;  // that was used last first
     TransformStatistics statistics;
 
-    State(Device device_in, Mesh mesh_in, TransformOptions options_in)
+    State(Device device_in, Mesh mesh, TransformOptions options_in)
         : device(std::move(device_in)),
-          mesh(std::move(mesh_in)),
           options(std::move(options_in)),
           topology(describe_topology(mesh)),
           scan(resolve_scan(options.polyhedra, options.scan)),
+          vertex_count(mesh.vertices().size()),
           programs(build_programs()),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
         // Edges between vertices that are equal but not one would be open ones: exact, but slow.
-        if (topology.coincident_vertices > 0) mesh = weld(mesh);
+        if (topology.coincident_vertices > 0) {
+            Mesh one_of_each = weld(mesh);
+            welded.assign(vertex_count, no_vertex);
+            for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
+                for (std::size_t k = 0; k < 3; ++k) welded[mesh.triangles()[t][k]] = one_of_each.triangles()[t][k];
+            mesh = std::move(one_of_each);
+        }
         const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
         sign = resolved.rule;
         if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
+        stages = std::make_unique<transform::Stages>(device.internal(), pool, std::move(mesh), options, scan);
+    }
+
+    static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
+
+    const Mesh& mesh() const { return stages->mesh(); }
+
+    void move(std::span<const Vec3> positions) {
+        if (positions.size() != vertex_count)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{} has {} vertices, and {} positions are given to move them to; give one for each",
+                                    mesh().name(), vertex_count, positions.size()));
+        if (welded.empty()) {
+            stages->move({positions.begin(), positions.end()});
+        } else {
+            stages->move(positions_of_welded(positions));
+        }
+        plans.clear();
+    }
+
+    /// Throws if vertices that were one move apart.
+    std::vector<Vec3> positions_of_welded(std::span<const Vec3> positions) const {
+        std::vector<Vec3> result(mesh().vertices());
+        std::vector<std::uint32_t> first(result.size(), no_vertex);
+        for (std::uint32_t vertex = 0; vertex < vertex_count; ++vertex) {
+            const std::uint32_t index = welded[vertex];
+            if (index == no_vertex) continue;
+            const Vec3& to = positions[vertex];
+            if (first[index] == no_vertex) {
+                first[index] = vertex;
+                result[index] = to;
+            } else if (const Vec3& other = result[index]; other != to) {
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("vertices {} and {} of {} had equal coordinates and count as one, and they "
+                                        "move apart, to ({}, {}, {}) and ({}, {}, {}); move them together, or make "
+                                        "a new transform",
+                                        first[index], vertex, mesh().name(), other[0], other[1], other[2], to[0], to[1],
+                                        to[2]));
+            }
+        }
+        return result;
     }
 
     transform::Programs build_programs() {
@@ -94,33 +157,67 @@ struct DistanceTransform::State {
     State(const State&) = delete;
     State& operator=(const State&) = delete;
     ~State() {
-        if (device.internal().is_lost()) keep_for_good(mesh);  // which the device reads where the host has it
+        if (device.internal().is_lost()) keep_for_good(stages);  // whose mesh the device reads where the host has it
     }
 
-    std::shared_ptr<const transform::PreparedMesh> prepare(const Grid& grid, const Band& band) {
+    transform::Inputs inputs(const Grid& grid, const Band& band) {
+        const Layout layout = transform::layout_of(grid, band, sign);
         try {
-            return std::make_shared<const transform::PreparedMesh>(transform::prepare_mesh(
-                device.internal(), pool, scratch, mesh, grid, transform::layout_of(grid, band, sign), options, scan));
-        } catch (const std::bad_alloc&) {
-            throw Error(ErrorCode::out_of_memory,
-                        fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
-                                    mesh.name(), mesh.triangles().size()));
+            return stages->inputs(grid, layout, sign);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
         }
+        return stages->inputs(grid, layout, sign);
     }
 
-    std::unique_ptr<Plan::State> make_plan(std::shared_ptr<const transform::PreparedMesh> prepared,
-                                           std::optional<transform::SweepMesh>& sweep_mesh, const Grid& grid,
-                                           const Band& band, const Outputs& outputs) {
-        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(prepared), sweep_mesh, mesh, grid,
-                                                  band, sign, outputs, options, [this] { throw_if_stopped(); });
+    std::unique_ptr<Plan::State> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
+                                           const Outputs& outputs) {
+        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(inputs), grid, band, sign, outputs,
+                                                  options, [this] { throw_if_stopped(); });
         // Only the sweep sees whether triangles are large.
-        if (sweep_mesh && sweep_mesh->has_large_triangles) {
+        if (plan->has_large_triangles) {
             transform::TestCase large = test_case_of(grid, band, outputs);
             large.is_large = true;
             test(large);
         }
         pool->trim();
         return plan;
+    }
+
+    /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
+    std::unique_ptr<Plan::State> take_plan(const Grid& grid, const Band& band, const Outputs& outputs) {
+        const auto found = std::find_if(plans.begin(), plans.end(),
+                                        [&](const KeptPlan& kept) { return kept.fits(grid, band, outputs); });
+        if (found == plans.end()) return nullptr;
+        std::unique_ptr<Plan::State> plan = std::move(found->plan);
+        plans.erase(found);
+        // What its set-up took belongs to the call that made it.
+        plan->statistics.polyhedra_seconds = plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
+        return plan;
+    }
+
+    /// Keeps a plan for the next call, and what it and others are made of, within the budget.
+    void keep(std::unique_ptr<Plan::State> plan) {
+        if (scan == Scan::bricks) plans.push_front({plan->grid, plan->band, plan->outputs, std::move(plan)});
+        plan.reset();
+        const std::size_t budget =
+            options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
+        const std::size_t lattices = stages->device_bytes();
+        std::size_t bytes = lattices;
+        for (auto kept = plans.begin(); kept != plans.end();) {
+            bytes += kept->plan->own_bytes();
+            kept = bytes > budget ? plans.erase(kept) : std::next(kept);
+        }
+        if (lattices > budget) stages->keep_within(budget);
+    }
+
+    /// Releases what is kept for later calls. Returns whether there was something.
+    bool forget() {
+        const bool is_kept = !plans.empty() || stages->device_bytes() > 0;
+        plans.clear();
+        stages->keep_within(0);
+        pool->release();
+        return is_kept;
     }
 
     void throw_if_stopped() const {
@@ -154,7 +251,6 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.lanes_evaluated += slab.lanes_evaluated;
     total.samples_covered += slab.samples_covered;
     total.band_samples += slab.band_samples;
-    total.polyhedra_seconds = slab.polyhedra_seconds;
     total.lists_seconds += slab.lists_seconds;
     total.sign_seconds += slab.sign_seconds;
     total.field_seconds += slab.field_seconds;
@@ -225,7 +321,7 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
     large.is_large = true;
     // It runs all that the other one runs.
     if (device.internal().is_tested(large.index())) return false;
-    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh) ? large : test_case);
+    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case);
 }
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
@@ -234,10 +330,17 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     throw_if_stopped();
     compile(grid, band, outputs);
     pool->restart_peak();
-    const auto prepared = prepare(grid, band);
-    std::optional<transform::SweepMesh> sweep_mesh;
-    throw_if_stopped();
     statistics = {};
+    std::unique_ptr<Plan::State> plan;
+    if (slabs.size() == 1) plan = take_plan(grid, band, outputs);
+    transform::Inputs inputs_of_grid;
+    const auto set_inputs = [&] {
+        const Stopwatch watch;
+        inputs_of_grid = inputs(grid, band);
+        statistics.polyhedra_seconds = watch.seconds();
+        throw_if_stopped();
+    };
+    if (!plan) set_inputs();
     const auto samples = static_cast<double>(grid.sample_count());
     std::reverse(slabs.begin(), slabs.end());
     for (std::size_t done = 0; !slabs.empty();) {
@@ -250,10 +353,11 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         transform::SlabPipeline::Slot& slot = pipeline.next();
         try {
             pipeline.place(slot, slab, outputs, part);
-            const auto plan = make_plan(prepared, sweep_mesh, slab, band, outputs);
+            if (!plan) plan = make_plan(inputs_of_grid, slab, band, outputs);
             throw_if_stopped();
             compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples);
             add(statistics, plan->statistics);
+            if (count < grid.sample_count()) plan.reset();
         } catch (const Error& error) {
             // How long a slab's lists are is known when they are made.
             if (error.code() != ErrorCode::out_of_memory || !transform::is_divisible(slab)) throw;
@@ -263,8 +367,9 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             // What is under way keeps its buffers.
             device::guarded([&] { device.internal().queue().finish(); });
             pipeline.take_back(slot);
-            pool->release();
-            scratch.release();
+            plan.reset();
+            forget();
+            if (!inputs_of_grid.records) set_inputs();
             continue;
         }
         pipeline.deliver(slot, slab);
@@ -273,7 +378,8 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     pipeline.finish();
     move_compilation_to(statistics);
     statistics.device_bytes = pool->peak();
-    statistics.host_bytes = pipeline.host_bytes() + scratch.bytes();
+    statistics.host_bytes = pipeline.host_bytes() + stages->host_bytes();
+    if (plan) keep(std::move(plan));
     if (options.progress) options.progress(1.0);
 }
 
@@ -295,6 +401,10 @@ const Topology& DistanceTransform::topology() const {
 SignRule DistanceTransform::sign() const {
     return state().sign;
 }
+void DistanceTransform::move(std::span<const Vec3> positions) {
+    state().move(positions);
+}
+
 const TransformStatistics& DistanceTransform::statistics() const {
     return state().statistics;
 }
@@ -310,9 +420,12 @@ bool DistanceTransform::compile(const Grid& grid, const Band& band, const Output
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {
     State& prepared = state();
-    std::optional<transform::SweepMesh> sweep_mesh;
     prepared.compile(grid, band, outputs);
-    auto plan_state = prepared.make_plan(prepared.prepare(grid, band), sweep_mesh, grid, band, outputs);
+    const Stopwatch watch;
+    transform::Inputs inputs = prepared.inputs(grid, band);
+    const double seconds = watch.seconds();
+    auto plan_state = prepared.make_plan(std::move(inputs), grid, band, outputs);
+    plan_state->statistics.polyhedra_seconds = seconds;
     prepared.move_compilation_to(plan_state->statistics);
     Plan plan(std::move(plan_state));
     device::guarded(
@@ -359,7 +472,7 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
     field.grid = grid;
     field.band = band;
     field.sign = sign();
-    field.mesh_name = state().mesh.name();
+    field.mesh_name = state().mesh().name();
     grid.validate();
     try {
         field.distance.resize(grid.sample_count());

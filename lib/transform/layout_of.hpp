@@ -5,7 +5,7 @@
 #include <clsdf/sign.hpp>
 
 #include "layout.h"
-#include "polyhedra/leaned_frusta.hpp"
+#include "polyhedra/records.hpp"
 
 #include <cstddef>
 

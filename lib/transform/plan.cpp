@@ -15,13 +15,12 @@
 namespace clsdf {
 
 Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
-                   std::shared_ptr<const transform::PreparedMesh> prepared_in,
-                   std::optional<transform::SweepMesh>& sweep_mesh, const Mesh& mesh, const Grid& grid_in,
-                   const Band& band_in, SignRule sign_in, const Outputs& outputs_in, const TransformOptions& options,
+                   transform::Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
+                   const Outputs& outputs_in, const TransformOptions& options,
                    const std::function<void()>& between_launches)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
-      prepared(std::move(prepared_in)),
+      inputs(std::move(inputs_in)),
       grid(grid_in),
       band(band_in),
       sign(sign_in),
@@ -31,27 +30,30 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     const Layout layout = transform::layout_of(grid, band, sign);
     const transform::ShortLaunches launches(context, between_launches);
     const Stopwatch sign_watch;
-    sign_bits_ = transform::sweep_signs(context, programs, pool, layout, grid, mesh, sign, sweep_mesh, launches);
+    transform::SignBits signs =
+        transform::sweep_signs(context, programs, pool, layout, inputs.sweep_mesh.get(), sign, launches);
+    sign_bits_ = std::move(signs.bits);
+    has_large_triangles = signs.has_large_triangles;
     statistics.sign_seconds = sign_watch.seconds();
+    const transform::PreparedMesh& records = *inputs.records;
     device::guarded([&] {
         const transform::BrickVariant variant{outputs.triangle, options.count, transform::has_long_bricks(grid)};
-        scan_ = prepared->pieces ? transform::make_slice_scan(context, programs, pool, layout, *prepared, *sign_bits_,
-                                                              variant, options.slice_minimum)
-                                 : transform::make_brick_scan(context, programs, pool, layout, *prepared, *sign_bits_,
-                                                              variant, launches);
+        scan_ = records.pieces ? transform::make_slice_scan(context, programs, pool, layout, records, *sign_bits_,
+                                                            variant, options.slice_minimum)
+                               : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points,
+                                                            *sign_bits_, variant, launches);
         context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
         context.queue().flush();
     });
 
-    statistics.triangles = mesh.triangles().size();
-    statistics.polyhedra = prepared->polyhedron_count;
-    statistics.box_polyhedra = prepared->boxes;
-    statistics.saddle_vertices = prepared->saddle_vertices;
-    statistics.point_sites = prepared->point_sites;
-    statistics.closed_gaps = prepared->closed_gaps;
-    statistics.polyhedra_seconds = prepared->seconds;
+    statistics.triangles = records.triangle_count;
+    statistics.polyhedra = records.polyhedron_count;
+    statistics.box_polyhedra = records.boxes;
+    statistics.saddle_vertices = records.saddle_vertices;
+    statistics.point_sites = records.point_sites;
+    statistics.closed_gaps = records.closed_gaps;
     statistics.lists_seconds = watch.seconds();
-    statistics.device_bytes = prepared->device_bytes() + sign_bits_.bytes();
+    statistics.device_bytes = records.device_bytes() + sign_bits_.bytes();
     scan_->describe(statistics);
 }
 
@@ -63,7 +65,7 @@ Plan::State::~State() {
     // Whatever takes them next must not share them with what may be under way.
     keep_for_good(scan_);
     keep_for_good(sign_bits_);
-    keep_for_good(prepared);
+    keep_for_good(inputs);
 }
 
 cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,

@@ -3,24 +3,20 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "transform/field_scan.hpp"
-#include "transform/prepared_mesh.hpp"
 #include "transform/programs.hpp"
-#include "transform/sweep_mesh.hpp"
+#include "transform/stages.hpp"
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace clsdf {
 
-/// A plan's buffers and launches. The prepared mesh is shared by the plans of a grid's slabs, and so is what their
-/// set-up needs for the sign, which the first one makes. `between_launches` of the set-up may throw.
+/// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
 struct Plan::State {
     State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
-          std::shared_ptr<const transform::PreparedMesh> prepared_in, std::optional<transform::SweepMesh>& sweep_mesh,
-          const Mesh& mesh, const Grid& grid_in, const Band& band_in, SignRule sign_in, const Outputs& outputs_in,
-          const TransformOptions& options, const std::function<void()>& between_launches);
+          transform::Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
+          const Outputs& outputs_in, const TransformOptions& options, const std::function<void()>& between_launches);
 
     /// Waits for what is under way: its buffers go back to the pool.
     ~State();
@@ -39,12 +35,16 @@ struct Plan::State {
 
     Device device;
     std::shared_ptr<device::BufferPool> pool;
-    std::shared_ptr<const transform::PreparedMesh> prepared;
+    transform::Inputs inputs;
     Grid grid;
     Band band;
     SignRule sign;
     Outputs outputs;
     TransformStatistics statistics;
+    bool has_large_triangles = false;  ///< see transform::SignBits
+
+    /// What nobody else holds: the records are shared.
+    std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }
 
 private:
     device::BufferPool::Lease sign_bits_;

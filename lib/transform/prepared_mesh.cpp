@@ -1,8 +1,7 @@
 #include "transform/prepared_mesh.hpp"
 
-#include "core/stopwatch.hpp"
+#include "core/parallel.hpp"
 #include "device/host_filling.hpp"
-#include "polyhedra/leaned_frusta.hpp"
 #include "slices/leaned_pieces.hpp"
 #include "slices/mauch_pieces.hpp"
 #include "slices/peikert_sigg_pieces.hpp"
@@ -20,20 +19,11 @@ namespace clsdf::transform {
 
 namespace {
 
+// Surface points that the coarse bounds look at, at most twice as many: they need not be tight.
+constexpr std::size_t most_surface_points = 4096;
+
 // Squares of distances stay far inside a float's range.
 constexpr double farthest = 1e14;
-
-void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double low = (mesh.box().lower[axis] - lattice.origin[axis]) / lattice.unit;
-        const double high = (mesh.box().upper[axis] - lattice.origin[axis]) / lattice.unit;
-        if (!(std::abs(low) < farthest) || !(std::abs(high) < farthest))
-            throw Error(ErrorCode::invalid_argument, fmt::format("{} reaches more than 1e14 voxels from the grid's "
-                                                                 "origin on axis {}; use a larger spacing, or a grid "
-                                                                 "near the mesh",
-                                                                 mesh.name(), "xyz"[axis]));
-    }
-}
 
 /// No sample is farther from the mesh than from its box's farthest point.
 double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
@@ -73,32 +63,180 @@ PreparedPieces prepare_pieces(device::Context& context, const std::shared_ptr<de
     return prepared;
 }
 
+/// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
+std::size_t spare_records(std::size_t faces) {
+    return 64 + faces / 128;
+}
+
+std::size_t in_whole_record_groups(std::size_t count) {
+    return (count + polyhedra::record_group - 1) / polyhedra::record_group * polyhedra::record_group;
+}
+
+/// Records that the host writes into the device's memory.
+class RecordFilling {
+public:
+    RecordFilling(device::Context& context, std::shared_ptr<device::BufferPool> pool, std::size_t room)
+        : context_(context), pool_(std::move(pool)) {
+        make_room(room);
+    }
+
+    std::span<Polyhedron> records() const { return records_; }
+
+    /// For more records; keeps those that were written.
+    void make_room(std::size_t count) {
+        if (count <= records_.size() && filling_) return;
+        auto larger = std::make_unique<device::HostFilling>(context_, pool_, count * sizeof(Polyhedron), "polyhedra");
+        const std::span<Polyhedron> room(static_cast<Polyhedron*>(larger->memory()), count);
+        std::copy(records_.begin(), records_.end(), room.begin());
+        filling_ = std::move(larger);
+        records_ = room;
+    }
+
+    /// The groups that `count` face records are, filled up with the last one.
+    std::size_t fill_group(std::size_t count) const {
+        const std::size_t end = in_whole_record_groups(count);
+        for (std::size_t i = count; i < end; ++i) records_[i] = records_[count - 1];
+        return end;
+    }
+
+    device::BufferPool::Lease finish() { return filling_->finish(); }
+
+private:
+    device::Context& context_;
+    std::shared_ptr<device::BufferPool> pool_;
+    std::unique_ptr<device::HostFilling> filling_;
+    std::span<Polyhedron> records_;
+};
+
+void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared) {
+    prepared.triangle_count = topology.order.size();
+    prepared.polyhedron_count = topology.order.size() + frusta.sites.size();
+    prepared.saddle_vertices = frusta.saddle_vertices;
+    prepared.point_sites = frusta.sites.size();
+    prepared.boxes = frusta.boxes;
+}
+
+/// Behind the faces' records, of which there are `count`.
+PreparedMesh finish_with_sites(RecordFilling& filling, std::size_t count, const polyhedra::MeshTopology& topology,
+                               const polyhedra::Frusta& frusta, const polyhedra::LatticeView& lattice,
+                               std::span<const polyhedra::RecordRange> sites) {
+    std::size_t end = in_whole_record_groups(count);
+    std::size_t site_count = 0;
+    for (const polyhedra::RecordRange& range : sites) site_count += range.end - range.begin;
+    filling.make_room(end + site_count);
+    filling.fill_group(count);
+    for (const polyhedra::RecordRange& range : sites) {
+        const std::size_t size = range.end - range.begin;
+        write_site_records(topology, frusta, lattice, range.begin, filling.records().subspan(end, size));
+        end += size;
+    }
+    PreparedMesh prepared;
+    set_counts(topology, frusta, prepared);
+    prepared.record_count = end;
+    prepared.polyhedra = filling.finish();
+    return prepared;
+}
+
 }  // namespace
+
+void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = (mesh.box().lower[axis] - lattice.origin[axis]) / lattice.unit;
+        const double high = (mesh.box().upper[axis] - lattice.origin[axis]) / lattice.unit;
+        if (!(std::abs(low) < farthest) || !(std::abs(high) < farthest))
+            throw Error(ErrorCode::invalid_argument, fmt::format("{} reaches more than 1e14 voxels from the grid's "
+                                                                 "origin on axis {}; use a larger spacing, or a grid "
+                                                                 "near the mesh",
+                                                                 mesh.name(), "xyz"[axis]));
+    }
+}
 
 std::size_t PreparedMesh::device_bytes() const {
     return polyhedra.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
 }
 
-PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          ScratchMemory& scratch, const Mesh& mesh, const Grid& grid, const Layout& layout,
-                          const TransformOptions& options, Scan scan) {
-    const Stopwatch watch;
-    const polyhedra::LatticeView lattice = lattice_of(grid);
-    check_distance(mesh, lattice);
-    const PolyhedronWidths widths =
-        scan == Scan::slices ? widths_for_slices(mesh, grid, layout) : polyhedron_widths(layout);
+FirstGeometry first_geometry(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                             const polyhedra::MeshTopology& topology, const Mesh& mesh,
+                             const polyhedra::LatticeView& lattice) {
+    const std::size_t count = topology.order.size();
+    RecordFilling filling(context, pool, in_whole_record_groups(count) + spare_records(count));
+    const polyhedra::FirstRecords records{lattice, filling.records().first(count)};
+    FirstGeometry geometry{polyhedra::make_frusta(topology, mesh.vertices(), &records), {}};
+    const polyhedra::RecordRange sites{0, geometry.frusta.sites.size()};
+    geometry.records = finish_with_sites(filling, count, topology, geometry.frusta, lattice, {&sites, 1});
+    return geometry;
+}
 
+PreparedMesh all_records(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                         const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                         const polyhedra::LatticeView& lattice) {
+    const std::size_t count = topology.order.size();
+    RecordFilling filling(context, pool, in_whole_record_groups(count) + frusta.sites.size());
+    for_each_range(count, [&](std::size_t begin, std::size_t end) {
+        write_face_records(topology, frusta, lattice, begin, filling.records().subspan(begin, end - begin));
+    });
+    const polyhedra::RecordRange sites{0, frusta.sites.size()};
+    return finish_with_sites(filling, count, topology, frusta, lattice, {&sites, 1});
+}
+
+PreparedMesh near_records(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                          const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near) {
+    RecordFilling filling(context, pool, in_whole_record_groups(near.face_count) + near.site_count);
+    // Ranges of like size, for all cores.
+    struct Piece {
+        std::size_t first;
+        std::size_t record;
+        std::size_t count;
+    };
+    constexpr std::size_t size = 256;
+    std::vector<Piece> pieces;
+    std::size_t record = 0;
+    for (const polyhedra::RecordRange& range : near.faces)
+        for (std::size_t begin = range.begin; begin < range.end; begin += size) {
+            const std::size_t count = std::min(size, range.end - begin);
+            pieces.push_back({begin, record, count});
+            record += count;
+        }
+    const auto write = [&](const Piece& piece) {
+        write_face_records(topology, frusta, lattice, piece.first,
+                           filling.records().subspan(piece.record, piece.count));
+    };
+    for_each_stretch(pieces.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { write(pieces[i]); });
+    return finish_with_sites(filling, near.face_count, topology, frusta, lattice, near.sites);
+}
+
+SurfacePoints surface_points(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                             const polyhedra::LatticeView& lattice) {
+    const std::size_t faces = topology.order.size();
+    const std::size_t stride = std::max<std::size_t>(1, faces / most_surface_points);
+    SurfacePoints points((faces + stride - 1) / stride);
+    for_each_index(points.size(), [&](std::size_t i) {
+        Polyhedron record;
+        write_face_records(topology, frusta, lattice, i * stride, {&record, 1});
+        points[i] = {{record.origin_x, record.origin_y, record.origin_z},
+                     {record.foot[0], record.foot[1], record.foot[2]}};
+    });
+    return points;
+}
+
+PreparedMesh records_with_pieces(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                 const Mesh& mesh, const Grid& grid, const Layout& layout,
+                                 const TransformOptions& options, const polyhedra::MeshTopology* topology,
+                                 const polyhedra::Frusta* frusta) {
+    const polyhedra::LatticeView lattice = lattice_of(grid);
+    const PolyhedronWidths widths = widths_for_slices(mesh, grid, layout);
     PreparedMesh prepared;
     const auto upload_polyhedra = [&](std::span<const Polyhedron> records) {
-        prepared.record_count = records.size();
-        prepared.polyhedron_count = records.size();
+        prepared.triangle_count = mesh.triangles().size();
+        prepared.record_count = prepared.polyhedron_count = records.size();
         prepared.polyhedra = upload(context, pool, records.data(), records.size_bytes(), "polyhedra");
     };
     if (options.polyhedra == Polyhedra::peikert_sigg) {
         const slices::PeikertSiggPieces paper =
             slices::peikert_sigg_pieces(mesh, lattice, widths.half_width, options.close_gaps, layout);
-        prepared.closed_gaps = paper.closed_gaps;
         upload_polyhedra(paper.polyhedra);
+        prepared.closed_gaps = paper.closed_gaps;
         prepared.pieces = prepare_pieces(context, pool, paper.pieces);
     } else if (options.polyhedra == Polyhedra::mauch) {
         const slices::MauchPieces mauch = slices::mauch_pieces(mesh, lattice, widths.half_width, layout);
@@ -107,31 +245,18 @@ PreparedMesh prepare_mesh(device::Context& context, const std::shared_ptr<device
         prepared.boxes = mauch.boxes;
         prepared.pieces = prepare_pieces(context, pool, mauch.pieces);
     } else {
-        std::span<Polyhedron> records;
-        std::unique_ptr<device::HostFilling> filling;
-        const auto memory = [&](std::size_t count) {
-            const std::size_t bytes = count * sizeof(Polyhedron);
-            auto larger = std::make_unique<device::HostFilling>(context, pool, bytes, "polyhedra");
-            const std::span<Polyhedron> filled(static_cast<Polyhedron*>(larger->memory()), count);
-            std::copy(records.begin(), records.end(), filled.begin());
-            filling = std::move(larger);
-            return records = filled;
-        };
-        ScratchMemory::Computation computation(scratch);
-        const polyhedra::LeanedCounts counts =
-            polyhedra::leaned_frusta(mesh, lattice, widths.half_width, widths.slack, memory, &scratch);
-        computation.succeed();
-        prepared.saddle_vertices = counts.saddle_vertices;
-        prepared.point_sites = counts.point_sites;
-        prepared.boxes = counts.boxes;
-        prepared.record_count = prepared.polyhedron_count = counts.records;
-        records = records.first(counts.records);
-        if (scan == Scan::slices)
-            prepared.pieces =
-                prepare_pieces(context, pool, slices::leaned_pieces(records, widths.half_width, widths.slack, layout));
-        prepared.polyhedra = filling->finish();
+        const std::size_t faces = topology->order.size();
+        UninitializedVector<Polyhedron> records(faces + frusta->sites.size());
+        const std::span<Polyhedron> all(records);
+        for_each_range(faces, [&](std::size_t begin, std::size_t end) {
+            write_face_records(*topology, *frusta, lattice, begin, all.subspan(begin, end - begin));
+        });
+        write_site_records(*topology, *frusta, lattice, 0, all.subspan(faces));
+        upload_polyhedra(records);
+        set_counts(*topology, *frusta, prepared);
+        prepared.pieces =
+            prepare_pieces(context, pool, slices::leaned_pieces(records, widths.half_width, widths.slack, layout));
     }
-    prepared.seconds = watch.seconds();
     return prepared;
 }
 

@@ -3,7 +3,6 @@
 #include "transform/known_field.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
-#include "transform/prepared_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -108,13 +107,10 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device.internal();
     const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device.shared());
-    ScratchMemory scratch;
-    const auto prepared = std::make_shared<const PreparedMesh>(
-        prepare_mesh(context, pool, scratch, known.mesh(), known.grid(),
-                     layout_of(known.grid(), known.band(), options.sign), options, test_case.scan));
-    std::optional<SweepMesh> sweep_mesh;
-    Plan::State plan(device, pool, programs, prepared, sweep_mesh, known.mesh(), known.grid(), known.band(),
-                     options.sign, outputs, options, watch.begins);
+    Stages stages(context, pool, known.mesh(), options, test_case.scan);
+    Plan::State plan(device, pool, programs,
+                     stages.inputs(known.grid(), layout_of(known.grid(), known.band(), options.sign), options.sign),
+                     known.grid(), known.band(), options.sign, outputs, options, watch.begins);
     return device::guarded([&] {
         std::vector<float> distance(known.grid().sample_count());
         std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);

@@ -15,7 +15,7 @@ struct Crossings {
     device::BufferPool::Lease starts;   ///< of the rows' crossings, were they listed row by row; and `count`
     device::BufferPool::Lease records;  ///< SweepRecord, in no order
     std::size_t record_count = 0;       ///< those that are left over included
-    bool has_large_triangles = false;   ///< see SweepMesh
+    bool has_large_triangles = false;   ///< see SignBits
 };
 
 /// Throws Error(out_of_memory) where there are 2^32 crossings or more.

@@ -47,22 +47,20 @@ device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& 
 
 }  // namespace
 
-device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& programs,
-                                      const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                                      const Grid& grid, const Mesh& mesh, SignRule rule,
-                                      std::optional<SweepMesh>& sweep_mesh, const ShortLaunches& launches) {
+SignBits sweep_signs(device::Context& context, const Programs& programs,
+                     const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh* mesh,
+                     SignRule rule, const ShortLaunches& launches) {
     return device::guarded([&] {
         const cl::CommandQueue& queue = context.queue();
         const std::size_t rows = sign_row_count(layout);
         const std::size_t bytes = rows * static_cast<std::size_t>(layout.sign_words) * sizeof(cl_uint);
-        auto bits = pool->lease(bytes, "sign bits");
-        if (rule == SignRule::none) {
-            queue.enqueueFillBuffer(*bits, cl_uint{0}, 0, bytes);
-            return bits;
+        SignBits result{pool->lease(bytes, "sign bits")};
+        if (mesh == nullptr || mesh->triangle_count == 0) {
+            queue.enqueueFillBuffer(*result.bits, cl_uint{0}, 0, bytes);
+            return result;
         }
-        if (!sweep_mesh) sweep_mesh = make_sweep_mesh(context, pool, grid, mesh);
-        const Crossings crossings = find_crossings(context, programs, pool, layout, *sweep_mesh, launches);
-        sweep_mesh->has_large_triangles |= crossings.has_large_triangles;
+        const Crossings crossings = find_crossings(context, programs, pool, layout, *mesh, launches);
+        result.has_large_triangles = crossings.has_large_triangles;
         const auto keys = keys_by_row(context, programs, pool, crossings, launches);
 
         cl::Kernel sweep(programs.sign_sweep, "sign_rows");
@@ -72,7 +70,7 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
         sweep.setArg(rows_parity, cl_int{rule == SignRule::parity ? 1 : 0});
         sweep.setArg(rows_starts, *crossings.starts);
         sweep.setArg(rows_keys, *keys);
-        sweep.setArg(rows_sign_bits, *bits);
+        sweep.setArg(rows_sign_bits, *result.bits);
         const double words_and_keys =
             layout.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
         launches.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
@@ -83,7 +81,7 @@ device::BufferPool::Lease sweep_signs(device::Context& context, const Programs& 
             queue.enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
                                        cl::NDRange(items_of_group));
         });
-        return bits;
+        return result;
     });
 }
 

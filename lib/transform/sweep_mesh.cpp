@@ -70,34 +70,54 @@ device::BufferPool::Lease sweep_triangles(const device::Context& context,
     return triangles;
 }
 
+/// A lattice as the sweep sees it.
+struct SweepLattice {
+    SweepLattice(const Grid& grid_in, const Mesh& mesh)
+        : grid(grid_in),
+          view(lattice_of(grid)),
+          bits_y(bits_of(grid.spacing[1] / grid.voxel())),
+          bits_z(bits_of(grid.spacing[2] / grid.voxel())),
+          first_x(first_x_of(mesh, grid, view)) {}
+
+    /// On an axis, in snapped steps.
+    double steps(std::size_t axis, const Place& at) const {
+        return std::nearbyint((at.sample + at.past) * std::ldexp(1.0, axis == 1 ? bits_y : bits_z));
+    }
+    Place place(std::size_t axis, double position) const { return place_of(position, grid, view, axis); }
+
+    /// Whether the vertex lies within the sweep's integers; then `vertex` is set.
+    bool snap(const Vec3& position, SweepVertex& vertex) const {
+        const Place on_x = place(0, position[0]), on_y = place(1, position[1]), on_z = place(2, position[2]);
+        if (!(std::abs(steps(1, on_y)) < snapped_limit) || !(std::abs(steps(2, on_z)) < snapped_limit)) return false;
+        const auto snapped = [](const Place& at, int bits) {
+            const double scale = std::ldexp(1.0, bits);
+            return static_cast<std::int64_t>(at.sample * scale) +
+                   static_cast<std::int64_t>(std::nearbyint(at.past * scale));
+        };
+        vertex = {snapped(on_y, bits_y), snapped(on_z, bits_z), (on_x.sample - first_x) + on_x.past};
+        return true;
+    }
+
+    const Grid& grid;
+    polyhedra::LatticeView view;
+    int bits_y, bits_z;
+    std::int32_t first_x;
+};
+
 device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const std::shared_ptr<device::BufferPool>& pool,
-                                         const Grid& grid, const Mesh& mesh, int bits_y, int bits_z,
-                                         std::int32_t first_x) {
+                                         const SweepLattice& lattice, const Mesh& mesh) {
     const std::vector<Vec3>& positions = mesh.vertices();
     const std::size_t bytes = positions.size() * sizeof(SweepVertex);
     auto lease = pool->lease(bytes, "vertices of the sign's sweep");
     auto* vertices =
         static_cast<SweepVertex*>(queue.enqueueMapBuffer(*lease, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes));
-    const double scale_y = std::ldexp(1.0, bits_y), scale_z = std::ldexp(1.0, bits_z);
-    const polyhedra::LatticeView lattice = lattice_of(grid);
     std::atomic<std::size_t> too_far{positions.size()};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
-        for (std::size_t v = range.begin(); v != range.end(); ++v) {
-            const auto place = [&](std::size_t axis) { return place_of(positions[v][axis], grid, lattice, axis); };
-            const Place on_x = place(0), on_y = place(1), on_z = place(2);
-            const double y = std::nearbyint((on_y.sample + on_y.past) * scale_y);
-            const double z = std::nearbyint((on_z.sample + on_z.past) * scale_z);
+        for (std::size_t v = range.begin(); v != range.end(); ++v)
             // A vertex that is not finite is in no triangle, or the mesh would not be.
-            if (!(std::abs(y) < snapped_limit) || !(std::abs(z) < snapped_limit)) {
-                if (std::isfinite(y) && std::isfinite(z)) lower(too_far, v);
-                continue;
-            }
-            const auto snapped = [](const Place& at, double scale) {
-                return static_cast<std::int64_t>(at.sample * scale) +
-                       static_cast<std::int64_t>(std::nearbyint(at.past * scale));
-            };
-            vertices[v] = {snapped(on_y, scale_y), snapped(on_z, scale_z), (on_x.sample - first_x) + on_x.past};
-        }
+            if (!lattice.snap(positions[v], vertices[v]) && std::isfinite(positions[v][1]) &&
+                std::isfinite(positions[v][2]))
+                lower(too_far, v);
     });
     queue.enqueueUnmapMemObject(*lease, vertices);
     if (too_far < positions.size())
@@ -106,7 +126,7 @@ device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const st
             fmt::format(
                 "vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an exact sign; use a "
                 "larger spacing or an unsigned field",
-                too_far.load(), mesh.name(), 61 - std::max(bits_y, bits_z)));
+                too_far.load(), mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
     return lease;
 }
 
@@ -135,14 +155,53 @@ bool expects_large_triangles(const Grid& grid, const Mesh& mesh) {
 SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                           const Grid& grid, const Mesh& mesh) {
     return device::guarded([&] {
-        const int bits_y = bits_of(grid.spacing[1] / grid.voxel()), bits_z = bits_of(grid.spacing[2] / grid.voxel());
-        const std::int32_t first_x = first_x_of(mesh, grid, lattice_of(grid));
+        const SweepLattice lattice(grid, mesh);
         return SweepMesh{sweep_triangles(context, pool, mesh),
-                         sweep_vertices(context.queue(), pool, grid, mesh, bits_y, bits_z, first_x),
+                         sweep_vertices(context.queue(), pool, lattice, mesh),
                          mesh.triangles().size(),
-                         bits_y,
-                         bits_z,
-                         first_x};
+                         lattice.bits_y,
+                         lattice.bits_z,
+                         lattice.first_x,
+                         !context.capabilities().is_processor};
+    });
+}
+
+bool is_within_sweep(const Mesh& mesh, const Grid& grid) {
+    const SweepLattice lattice(grid, mesh);
+    SweepVertex any;
+    return lattice.snap(mesh.box().lower, any) && lattice.snap(mesh.box().upper, any);
+}
+
+SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
+                          const std::vector<polyhedra::RecordRange>& faces) {
+    return device::guarded([&] {
+        const SweepLattice lattice(grid, mesh);
+        std::size_t count = 0;
+        for (const polyhedra::RecordRange& range : faces) count += range.end - range.begin;
+        SweepMesh result{pool->lease(count * sizeof(Triangle), "triangles"),
+                         pool->lease(3 * count * sizeof(SweepVertex), "vertices of the sign's sweep"),
+                         count,
+                         lattice.bits_y,
+                         lattice.bits_z,
+                         lattice.first_x,
+                         true};
+        if (count == 0) return result;
+        // Each face has vertices of its own.
+        std::vector<Triangle> triangles(count);
+        std::vector<SweepVertex> vertices(3 * count);
+        std::size_t n = 0;
+        for (const polyhedra::RecordRange& range : faces)
+            for (std::size_t face = range.begin; face < range.end; ++face, ++n)
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const std::uint32_t vertex = topology.faces.vertices[topology.faces.triangles[face][k]];
+                    lattice.snap(mesh.vertices()[vertex], vertices[3 * n + k]);
+                    triangles[n][k] = static_cast<std::uint32_t>(3 * n + k);
+                }
+        const cl::CommandQueue& queue = context.queue();
+        queue.enqueueWriteBuffer(*result.triangles, CL_FALSE, 0, count * sizeof(Triangle), triangles.data());
+        queue.enqueueWriteBuffer(*result.vertices, CL_TRUE, 0, vertices.size() * sizeof(SweepVertex), vertices.data());
+        return result;
     });
 }
 

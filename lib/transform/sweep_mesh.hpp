@@ -4,6 +4,8 @@
 #include <clsdf/mesh.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "polyhedra/cluster_index.hpp"
+#include "polyhedra/mesh_topology.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +21,10 @@ struct SweepMesh {
     int bits_y = 0;  ///< of a snapped vertex, below a sample
     int bits_z = 0;
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
-    bool has_large_triangles = false;  ///< found by a sweep: more than CLSDF_LARGE_ROWS rows
+
+    /// Of the device, the triangles not counted if they are the mesh's own.
+    std::size_t device_bytes() const { return vertices.bytes() + (own_triangles ? triangles.bytes() : 0); }
+    bool own_triangles = true;
 };
 
 /// Whether some of the mesh's triangles are large on the grid, guessed from a sample of them.
@@ -28,5 +33,13 @@ bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 /// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
 SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                           const Grid& grid, const Mesh& mesh);
+
+/// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
+bool is_within_sweep(const Mesh& mesh, const Grid& grid);
+
+/// Some of the mesh's faces alone: those that rows of a part of the lattice can cross. The sign has the same bits.
+SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
+                          const std::vector<polyhedra::RecordRange>& faces);
 
 }  // namespace clsdf::transform

@@ -45,11 +45,8 @@ struct Coverage {
 class CoverageTest {
 public:
     CoverageTest(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width, double slack,
-                 const polyhedra::LeanedFrustaOptions& options = {})
-        : lattice_(lattice),
-          half_width_(half_width),
-          slack_(slack),
-          frusta_(polyhedra::leaned_frusta(mesh, lattice, half_width, slack, options)) {
+                 const polyhedra::FrustaOptions& options = {})
+        : lattice_(lattice), half_width_(half_width), slack_(slack), frusta_(leaned_frusta(mesh, lattice, options)) {
         for (const Triangle& triangle : mesh.triangles()) {
             std::array<Eigen::Vector3d, 3> corners;
             for (std::size_t i = 0; i < 3; ++i)
@@ -62,7 +59,7 @@ public:
         for (const Polyhedron& record : frusta_.polyhedra) pointwise_.emplace_back(record, half_width, slack);
     }
 
-    const polyhedra::LeanedFrusta& frusta() const { return frusta_; }
+    const LeanedFrusta& frusta() const { return frusta_; }
     const std::vector<PlainTriangle>& triangles() const { return triangles_; }
 
     Vec3 to_samples(const Eigen::Vector3d& voxels) const {
@@ -171,7 +168,7 @@ private:
     polyhedra::LatticeView lattice_;
     double half_width_;
     double slack_;
-    polyhedra::LeanedFrusta frusta_;
+    LeanedFrusta frusta_;
     std::vector<PlainTriangle> triangles_;
     std::vector<PointwisePolyhedron> pointwise_;
 };

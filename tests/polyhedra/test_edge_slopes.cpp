@@ -1,11 +1,10 @@
 #include "coverage.hpp"
 #include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/frame_planes.hpp"
 #include "polyhedra/gap_screen.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/morton_order.hpp"
-#include "polyhedra/pack.hpp"
 #include "polyhedra/pair_edges.hpp"
-#include "polyhedra/record_planes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
@@ -27,7 +26,7 @@ struct Edges {
     polyhedra::OneRings rings;
     polyhedra::PairedEdges paired;
     std::vector<polyhedra::FaceSlopes> slopes;
-    std::vector<Polyhedron> records;
+    std::vector<polyhedra::FramePlanes::Directions> directions;
 
     Edges(const polyhedra::MeshFaces& faces, std::size_t size)
         : rings(faces.triangles, faces.positions.size()), paired(pair_edges(faces.triangles, rings)) {
@@ -38,7 +37,7 @@ struct Edges {
             for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
                 lean(stretch.frame(face), stretch.slopes(face));
                 slopes.push_back(stretch.slopes(face));
-                records.push_back(pack(stretch.frame(face), slopes.back(), 0, faces, faces.triangles[face]));
+                directions.push_back({stretch.frame(face).normal, stretch.frame(face).inwards});
             }
         }
     }
@@ -102,9 +101,7 @@ BOOST_AUTO_TEST_CASE(vertices_at_the_borders_of_stretches_are_judged_like_all_ot
     const Mesh mesh = make_shape("noisy");
     BOOST_REQUIRE(mesh.triangles().size() > 4 * polyhedra::OrderedFaces::stretch);
     const LatticeView lattice{mesh.box().lower, 1.0 / 64};
-    constexpr double width = 16;
-    const double slack = least_slack(width);
-    const polyhedra::LeanedFrusta frusta = leaned_frusta(mesh, lattice, width, slack);
+    const LeanedFrusta frusta = leaned_frusta(mesh, lattice);
 
     // As one stretch, and every vertex by the full test.
     const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
@@ -112,9 +109,8 @@ BOOST_AUTO_TEST_CASE(vertices_at_the_borders_of_stretches_are_judged_like_all_ot
     std::vector<std::uint32_t> vertices(mesh.vertices().size());
     std::iota(vertices.begin(), vertices.end(), 0U);
     std::vector<std::uint8_t> marks(vertices.size());
-    find_gaps(faces, edges.paired.faces, edges.rings,
-              polyhedra::RecordPlanes(edges.records, edges.paired.faces, lattice),
-              polyhedra::rejection_margin(width, slack), vertices, marks);
+    find_gaps(faces, edges.paired.faces, edges.rings, polyhedra::FramePlanes(edges.directions, edges.slopes),
+              polyhedra::rejection_margin, vertices, marks);
     const auto count = [&](std::uint8_t mark) {
         return static_cast<std::size_t>(
             std::count_if(marks.begin(), marks.end(), [mark](std::uint8_t of) { return (of & mark) != 0; }));
@@ -141,10 +137,7 @@ BOOST_AUTO_TEST_CASE(ordered_faces_name_their_vertices_in_order) {
             }
         }
         BOOST_TEST(faces.vertices.size() == named);
-        BOOST_TEST(faces.positions.size() == named);
         BOOST_TEST(faces.first_vertices.back() == named);
-        for (std::size_t i = 0; i < named; ++i)
-            BOOST_REQUIRE((faces.positions[i] == mesh.vertices()[faces.vertices[i]]));
     }
 }
 

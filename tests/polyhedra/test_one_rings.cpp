@@ -21,13 +21,11 @@ namespace clsdf::test {
 namespace {
 
 using polyhedra::LatticeView;
-using polyhedra::leaned_frusta;
-using polyhedra::LeanedFrusta;
 
 constexpr double half_width = 4;
 
 LeanedFrusta frusta_of(const Mesh& mesh) {
-    return leaned_frusta(mesh, {}, half_width, least_slack(half_width));
+    return leaned_frusta(mesh, {});
 }
 
 /// A tip at (0, 0, height) over a ring of radius 10 whose vertices lie `wave` above and below the plane in turn.

@@ -21,8 +21,6 @@ namespace clsdf::test {
 namespace {
 
 using polyhedra::LatticeView;
-using polyhedra::leaned_frusta;
-using polyhedra::LeanedFrusta;
 using polyhedra::Vector;
 
 constexpr double half_width = 8;
@@ -59,7 +57,7 @@ BOOST_AUTO_TEST_CASE(the_sums_of_the_floats_are_the_frame) {
             LatticeView lattice{random.point(-50, 50), 0.5, {1, 2, 4}};
             const std::array<Vec3, 3> corners{random.point(-20, 20), random.point(-20, 20), random.point(-20, 20)};
             const Mesh mesh = single_triangle(corners[0], corners[1], corners[2]);
-            const Polyhedron record = leaned_frusta(mesh, lattice, half_width, slack).polyhedra.front();
+            const Polyhedron record = leaned_frusta(mesh, lattice).polyhedra.front();
             const PointwisePolyhedron pointwise(record, half_width, slack);
             const polyhedra::TriangleFrame frame = polyhedra::triangle_frame(corners, lattice);
             for (int i = 0; i < 20; ++i) {
@@ -167,7 +165,7 @@ BOOST_AUTO_TEST_CASE(frames_made_together_are_those_made_one_by_one) {
 BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {
     const Mesh mesh = single_triangle({0.1, 0.2, 7.3}, {10.1, 0.2, 7.3}, {4.6, 3.2, 7.3});
     const LatticeView lattice{{0, 0, 0}, 1, {1, 1, 2}};
-    const Polyhedron record = leaned_frusta(mesh, lattice, half_width, slack).polyhedra.front();
+    const Polyhedron record = leaned_frusta(mesh, lattice).polyhedra.front();
     BOOST_TEST(record.origin_x == 5);
     BOOST_TEST(record.origin_y == 0);
     BOOST_TEST(record.origin_z == 4);
@@ -178,7 +176,7 @@ BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {
 BOOST_AUTO_TEST_CASE(a_mesh_beyond_all_integers_keeps_its_place) {
     const double far = 1e10;
     const Mesh mesh = single_triangle({far, 0, 0}, {far + 4, 0, 0}, {far, 3, 0});
-    const Polyhedron record = leaned_frusta(mesh, {}, half_width, slack).polyhedra.front();
+    const Polyhedron record = leaned_frusta(mesh, {}).polyhedra.front();
     BOOST_TEST(record.origin_x == 1 << 30);
     BOOST_TEST(std::abs(PointwisePolyhedron(record, half_width, slack).distance({far, 0, 5}) - 5) < 1e-3);
 }
@@ -189,7 +187,7 @@ BOOST_AUTO_TEST_CASE(the_same_bytes_on_any_number_of_threads) {
         const LatticeView lattice{mesh.box().lower, 0.01, {1, 1, 1}};
         const auto with_threads = [&](std::size_t threads) {
             const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-            return leaned_frusta(mesh, lattice, half_width, slack);
+            return leaned_frusta(mesh, lattice);
         };
         const LeanedFrusta one = with_threads(1);
         BOOST_TEST(same_bytes(one, with_threads(2)), mesh.name());
@@ -197,64 +195,10 @@ BOOST_AUTO_TEST_CASE(the_same_bytes_on_any_number_of_threads) {
     }
 }
 
-BOOST_AUTO_TEST_CASE(memory_that_is_used_again_changes_nothing) {
-    ScratchMemory scratch;
-    for (const char* name : {"sphere6", "knot", "noisy", "sphere6", "noisy"}) {
-        const Mesh mesh = make_shape(name);
-        const LatticeView lattice{mesh.box().lower, 0.01, {1, 1, 1}};
-        LeanedFrusta again;
-        const polyhedra::LeanedCounts counts = leaned_frusta(
-            mesh, lattice, half_width, slack,
-            [&](std::size_t count) {
-                again.polyhedra.resize(count);
-                return std::span<Polyhedron>(again.polyhedra);
-            },
-            &scratch);
-        again.polyhedra.resize(counts.records);
-        const LeanedFrusta fresh = leaned_frusta(mesh, lattice, half_width, slack);
-        BOOST_TEST(same_bytes(again, fresh), name);
-        BOOST_TEST(counts.saddle_vertices == fresh.saddle_vertices);
-        BOOST_TEST(counts.point_sites == fresh.point_sites);
-        scratch.trim();
-    }
-}
-
-BOOST_AUTO_TEST_CASE(unusually_many_point_sites_get_more_room) {
-    // Three faces at an edge: its ends need one each.
-    std::vector<Vec3> vertices;
-    std::vector<Triangle> triangles;
-    for (std::uint32_t i = 0; i < 200; ++i) {
-        const double x = 50.0 * i;
-        vertices.insert(vertices.end(), {{x, 0, -5}, {x, 0, 5}, {x + 10, 0, 0}, {x - 5, 8, 0}, {x - 5, -8, 0}});
-        for (const std::uint32_t page : {2U, 3U, 4U}) triangles.push_back({5 * i, 5 * i + 1, 5 * i + page});
-    }
-    const Mesh mesh(std::move(vertices), std::move(triangles), "books");
-    std::vector<std::size_t> sizes;
-    std::vector<Polyhedron> records;
-    const polyhedra::LeanedCounts counts = leaned_frusta(
-        mesh, {}, half_width, slack,
-        [&](std::size_t count) {
-            sizes.push_back(count);
-            std::vector<Polyhedron> larger(count);
-            std::copy(records.begin(), records.end(), larger.begin());
-            records = std::move(larger);
-            return std::span<Polyhedron>(records);
-        },
-        nullptr);
-    BOOST_REQUIRE(sizes.size() == 2U);
-    BOOST_TEST(sizes[0] < counts.records);
-    BOOST_TEST(sizes[1] == counts.records);
-    BOOST_TEST(counts.point_sites == 400U);
-    BOOST_TEST(counts.records == mesh.triangles().size() + counts.point_sites);
-    LeanedFrusta again;
-    again.polyhedra.assign(records.begin(), records.end());
-    BOOST_TEST(same_bytes(again, leaned_frusta(mesh, {}, half_width, slack)));
-}
-
 BOOST_AUTO_TEST_CASE(the_scale_of_the_coordinates_does_not_matter) {
     const Mesh mesh = make_shape("knot");
     const LatticeView lattice{mesh.box().lower, 0.01, {1, 1, 1}};
-    const LeanedFrusta expected = leaned_frusta(mesh, lattice, half_width, slack);
+    const LeanedFrusta expected = leaned_frusta(mesh, lattice);
     for (const int exponent : {-300, -66, 66, 300}) {
         const double scale = std::ldexp(1.0, exponent);
         const auto enlarge = [scale](Vec3& v) { v = {v[0] * scale, v[1] * scale, v[2] * scale}; };
@@ -262,7 +206,7 @@ BOOST_AUTO_TEST_CASE(the_scale_of_the_coordinates_does_not_matter) {
         enlarge(enlarged.origin);
         enlarged.unit *= scale;
         BOOST_TEST_CONTEXT("scale 2^" << exponent)
-        BOOST_TEST(same_bytes(leaned_frusta(changed(mesh, enlarge), enlarged, half_width, slack), expected));
+        BOOST_TEST(same_bytes(leaned_frusta(changed(mesh, enlarge), enlarged), expected));
     }
 }
 
@@ -298,14 +242,14 @@ BOOST_AUTO_TEST_CASE(triangles_come_octant_by_octant) {
 BOOST_AUTO_TEST_CASE(triangles_of_equal_place_come_in_the_callers_order_and_every_one_once) {
     Random random(3);
     const Mesh mesh = random_soup(random, 500, 5000);
-    const LeanedFrusta frusta = leaned_frusta(mesh, {{-1, -1, -1}, 0.01, {1, 1, 1}}, half_width, slack);
+    const LeanedFrusta frusta = leaned_frusta(mesh, {{-1, -1, -1}, 0.01, {1, 1, 1}});
     std::vector<int> seen(mesh.triangles().size());
     for (std::size_t i = 0; i < seen.size(); ++i) ++seen[frusta.polyhedra[i].triangle];
     BOOST_TEST(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
     BOOST_TEST(frusta.polyhedra.size() == seen.size() + frusta.point_sites);
 
     const Mesh stack({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(100, {0, 1, 2}), "stack");
-    const LeanedFrusta stacked = leaned_frusta(stack, {}, half_width, slack);
+    const LeanedFrusta stacked = leaned_frusta(stack, {});
     for (std::uint32_t i = 0; i < 100; ++i) BOOST_TEST(stacked.polyhedra[i].triangle == i);
 }
 
@@ -315,12 +259,12 @@ BOOST_AUTO_TEST_CASE(vertices_that_no_triangle_uses_are_not_looked_at) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     vertices.push_back({nan, std::numeric_limits<double>::infinity(), 1e300});
     const Mesh mesh(vertices, clean.triangles(), "unused");
-    BOOST_TEST(same_bytes(leaned_frusta(mesh, {}, half_width, slack), leaned_frusta(clean, {}, half_width, slack)));
+    BOOST_TEST(same_bytes(leaned_frusta(mesh, {}), leaned_frusta(clean, {})));
 }
 
 BOOST_AUTO_TEST_CASE(degenerate_triangles_are_boxes_around_segments_and_points) {
     const Mesh mesh({{0, 0, 0}, {9, 0, 0}, {3, 0, 0}, {30, 0, 0}}, {{0, 1, 2}, {0, 0, 1}, {3, 3, 3}}, "degenerate");
-    const LeanedFrusta frusta = leaned_frusta(mesh, {}, half_width, slack);
+    const LeanedFrusta frusta = leaned_frusta(mesh, {});
     BOOST_TEST(frusta.boxes == 3U);
     BOOST_TEST(frusta.point_sites == 0U);
     for (const Polyhedron& record : frusta.polyhedra) {
@@ -344,7 +288,7 @@ BOOST_AUTO_TEST_CASE(degenerate_triangles_are_boxes_around_segments_and_points) 
 
 BOOST_AUTO_TEST_CASE(a_point_site_is_an_equilateral_triangle_shrunk_to_its_vertex) {
     const Counterexample example = h1();
-    const LeanedFrusta frusta = leaned_frusta(example.mesh, {}, half_width, slack);
+    const LeanedFrusta frusta = leaned_frusta(example.mesh, {});
     BOOST_REQUIRE(frusta.point_sites == 1U);
     const Polyhedron& site = frusta.polyhedra.back();
     for (std::size_t half = 0; half < 2; ++half) {
@@ -364,7 +308,7 @@ BOOST_AUTO_TEST_CASE(a_point_site_is_an_equilateral_triangle_shrunk_to_its_verte
 BOOST_AUTO_TEST_CASE(slopes_of_a_roof_are_those_of_its_bisector) {
     // Two faces that meet at a right angle, the edge up.
     const Mesh mesh({{0, 0, 0}, {0, 10, 0}, {6, 5, -6}, {-6, 5, -6}}, {{0, 2, 1}, {0, 1, 3}}, "roof");
-    const LeanedFrusta frusta = leaned_frusta(mesh, {}, half_width, slack);
+    const LeanedFrusta frusta = leaned_frusta(mesh, {});
     for (const Polyhedron& record : frusta.polyhedra) {
         // The base is the edge they share; tan of half of 90 degrees.
         BOOST_TEST(record.base[0] == 5);
@@ -378,7 +322,7 @@ BOOST_AUTO_TEST_CASE(slopes_of_a_roof_are_those_of_its_bisector) {
 
 BOOST_AUTO_TEST_CASE(compact_polyhedra_are_bounded_by_their_lateral_planes_alone) {
     const Mesh mesh = make_shape("noisy");
-    const LeanedFrusta frusta = leaned_frusta(mesh, {mesh.box().lower, 0.01, {1, 1, 1}}, half_width, slack);
+    const LeanedFrusta frusta = leaned_frusta(mesh, {mesh.box().lower, 0.01, {1, 1, 1}});
     std::size_t compact = 0;
     for (const Polyhedron& record : frusta.polyhedra) {
         if (!(record.flags & CLSDF_POLYHEDRON_COMPACT)) continue;

@@ -56,7 +56,7 @@ BOOST_AUTO_TEST_CASE(pieces_hold_what_the_records_hold_and_are_exact) {
             Random random(seed);
             const Mesh mesh = awkward_mesh(random);
             const polyhedra::LatticeView lattice{{0.3, -0.2, 0.1}, 1, {1, 1.3, 1.7}};
-            const polyhedra::LeanedFrusta frusta = polyhedra::leaned_frusta(mesh, lattice, half_width, slack);
+            const LeanedFrusta frusta = leaned_frusta(mesh, lattice);
             const Layout everywhere = layout_at({-1000, -1000, -1000}, {2000, 2000, 2000});
             const ConvexPieces pieces = slices::leaned_pieces(frusta.polyhedra, half_width, slack, everywhere);
             std::vector<std::vector<Piece>> pieces_of(frusta.polyhedra.size());

@@ -5,13 +5,14 @@
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "transform/layout_of.hpp"
-#include "transform/prepared_mesh.hpp"
 #include "transform/programs.hpp"
+#include "transform/stages.hpp"
 
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -59,15 +60,14 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     device::Context& context = device.internal();
     const transform::Programs programs(context, body);
     const auto pool = std::make_shared<device::BufferPool>(device.shared());
-    ScratchMemory scratch;
     Coarse found{transform::layout_of(grid, band, SignRule::nonzero), {}, {}, {}};
     const Layout& layout = found.layout;
-    const transform::PreparedMesh prepared =
-        transform::prepare_mesh(context, pool, scratch, mesh, grid, layout, {}, Scan::bricks);
+    transform::Stages stages(context, pool, mesh, {}, Scan::bricks);
+    const transform::Inputs inputs = stages.inputs(grid, layout, SignRule::none);
+    const transform::PreparedMesh& prepared = *inputs.records;
     found.polyhedra = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);
-    const transform::CoarseLists coarse =
-        transform::make_coarse_lists(context, programs, pool, layout, *prepared.polyhedra, prepared.record_count,
-                                     transform::ShortLaunches(context, {}));
+    const transform::CoarseLists coarse = transform::make_coarse_lists(
+        context, programs, pool, layout, prepared, inputs.points, transform::ShortLaunches(context, {}));
     found.passes = coarse.passes;
     found.peak = pool->peak();
     const std::size_t bricks = transform::coarse_brick_count(layout);
@@ -86,8 +86,15 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     return found;
 }
 
-Lists lists_of(const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
-    return coarse_of(Device::best(), mesh, grid, band, body).lists;
+/// What the polyhedra of a brick's list are, whatever their numbers: a small part has records of what is near it alone.
+std::vector<Triangle> polyhedra_of(const Coarse& coarse, const Index3& brick) {
+    std::vector<Triangle> names;
+    for (const cl_uint number : coarse.lists.at(brick)) {
+        const Polyhedron& record = coarse.polyhedra[number];
+        names.push_back(
+            {record.triangle, std::bit_cast<cl_uint>(record.base[0]), std::bit_cast<cl_uint>(record.foot[0])});
+    }
+    return names;
 }
 
 /// A polyhedron and its triangle as polyhedron.h states them, in double, without slack.
@@ -178,9 +185,11 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
         for (const Band& band :
              {Band::symmetric(10 * grid.voxel()), Band::symmetric(40 * grid.voxel()), Band::full()}) {
-            const Lists whole = lists_of(mesh, grid, band, body);
+            const Coarse of_whole = coarse_of(Device::best(), mesh, grid, band, body);
+            std::map<Index3, std::vector<Triangle>> whole;
             std::size_t pairs = 0;
-            for (const auto& [brick, list] : whole) {
+            for (const auto& [brick, list] : of_whole.lists) {
+                whole[brick] = polyhedra_of(of_whole, brick);
                 BOOST_TEST((std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()) == list.end()));
                 pairs += list.size();
             }
@@ -188,9 +197,11 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
             for (const auto& [offset, part_size] : parts)
                 BOOST_TEST_CONTEXT("part of " << part_size[0] << " x " << part_size[1] << " x " << part_size[2]
                                               << " from (" << offset[0] << ", " << offset[1] << ", " << offset[2]
-                                              << "), width " << band.outside)
-            for (const auto& [brick, list] : lists_of(mesh, grid.part(offset, part_size), band, body))
-                BOOST_TEST((list == whole.at(brick)));
+                                              << "), width " << band.outside) {
+                    const Coarse part = coarse_of(Device::best(), mesh, grid.part(offset, part_size), band, body);
+                    for (const auto& [brick, list] : part.lists)
+                        BOOST_TEST((polyhedra_of(part, brick) == whole.at(brick)));
+                }
         }
 }
 

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -46,6 +47,10 @@ struct TransformOptions {
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
     std::stop_token stop{};                                 ///< looked at between launches; Error(cancelled)
     bool count = false;                                     ///< fill the statistics counted on the device; costs time
+    /// What may be kept on the device between calls, in bytes: the polyhedra of the lattices, and the lists of the
+    /// grids, that were used last. By default the polyhedra of two lattices, 280 bytes a triangle each, or 256 MiB if
+    /// that is more. 0 keeps nothing.
+    std::optional<std::size_t> kept_bytes{};
 };
 
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
@@ -157,6 +162,15 @@ public:
     const Topology& topology() const;
     /// The rule in use, never `automatic`.
     SignRule sign() const;
+
+    /// Gives the same triangles new positions, one for each vertex of the mesh that the transform was made from. What
+    /// follows from the triangles stays: their order, which vertices count as one, topology() and sign(). Fields of
+    /// later calls depend on the first and on these positions only. Faces may lose their area and regain it, vertices
+    /// that come to coincide stay separate; plans keep the positions they were made with.
+    /// Throws Error(invalid_argument) if the number of positions is another one, or if vertices that had equal
+    /// coordinates, and count as one, move apart; Error(invalid_mesh) if a vertex in use is not finite. After an error
+    /// the positions are those of before.
+    void move(std::span<const Vec3> positions);
 
     /// Builds the other programs that such a field needs and, the first time on this device and driver version, tests
     /// them: a small known field is computed and compared. Computations do it by themselves; this is for programs that

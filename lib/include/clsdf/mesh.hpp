@@ -63,6 +63,10 @@ public:
     /// Copies the caller's arrays.
     explicit Mesh(const MeshView& view, std::string name = "mesh");
 
+    /// New positions of the same vertices. Throws Error(invalid_argument) for another number of them, and
+    /// Error(invalid_mesh) if a vertex in use is not finite; the mesh is as before then.
+    void move(std::vector<Vec3> vertices);
+
     const std::vector<Vec3>& vertices() const { return vertices_; }
     const std::vector<Triangle>& triangles() const { return triangles_; }
     const std::string& name() const { return name_; }

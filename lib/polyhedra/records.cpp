@@ -1,10 +1,12 @@
-#include "polyhedra/pack.hpp"
+#include "polyhedra/records.hpp"
 
+#include "polyhedra/frame_batch.hpp"
 #include "polyhedra/one_rings.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstddef>
+#include <new>
 
 namespace clsdf::polyhedra {
 
@@ -35,14 +37,14 @@ bool is_near(const TriangleFrame& frame, const Polyhedron& polyhedron) {
 }
 
 /// The foot of the altitude from a sample, in units.
-Vector foot_from(const Vector& sample, const TriangleFrame& frame, const MeshFaces& faces, const Triangle& corners) {
-    const LatticeView& lattice = faces.lattice;
+Vector foot_from(const Vector& sample, const TriangleFrame& frame, std::span<const Vec3> positions,
+                 const Triangle& corners, const LatticeView& lattice) {
     Vector foot = frame.foot - sample.cwiseProduct(to_vector(lattice.spacing_in_units));
     if (frame.foot.cwiseAbs().maxCoeff() <= LatticeView::far) return foot;
     // From the end of the base that is nearer; the base runs from its left end to its right one, the next corner.
     const bool is_right = frame.base[CLSDF_HALF_RIGHT] <= frame.base[CLSDF_HALF_LEFT];
     const double to_foot = is_right ? -frame.base[CLSDF_HALF_RIGHT] : frame.base[CLSDF_HALF_LEFT];
-    const Vec3& end = faces.position(corners[is_right ? next_of_three(frame.base_edge) : frame.base_edge]);
+    const Vec3& end = positions[corners[is_right ? next_of_three(frame.base_edge) : frame.base_edge]];
     for (int axis = 0; axis < 3; ++axis) {
         if (!(std::abs(frame.foot[axis]) > LatticeView::far)) continue;
         const auto a = static_cast<std::size_t>(axis);
@@ -51,14 +53,15 @@ Vector foot_from(const Vector& sample, const TriangleFrame& frame, const MeshFac
     return foot;
 }
 
-void pack_origin(const TriangleFrame& frame, const MeshFaces& faces, const Triangle& corners, Polyhedron& polyhedron) {
-    const Vector spacing = to_vector(faces.lattice.spacing_in_units);
+void pack_origin(const TriangleFrame& frame, std::span<const Vec3> positions, const Triangle& corners,
+                 const LatticeView& lattice, Polyhedron& polyhedron) {
+    const Vector spacing = to_vector(lattice.spacing_in_units);
     const Vector samples = frame.foot.cwiseQuotient(spacing);
     polyhedron.origin_x = nearest_sample(samples.x());
     polyhedron.origin_y = nearest_sample(samples.y());
     polyhedron.origin_z = nearest_sample(samples.z());
     const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
-    const Vector offset = foot_from(origin, frame, faces, corners);
+    const Vector offset = foot_from(origin, frame, positions, corners, lattice);
     for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
     const Vector constant(-frame.along.dot(offset), -frame.across().dot(offset), -frame.normal.dot(offset));
     for (int i = 0; i < 3; ++i)
@@ -79,12 +82,12 @@ void pack_gradients(const TriangleFrame& frame, const LatticeView& lattice, Poly
 
 }  // namespace
 
-Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle, const MeshFaces& faces,
-                const Triangle& corners) {
+Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
+                std::span<const Vec3> positions, const Triangle& corners, const LatticeView& lattice) {
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): every member is set below; clearing first costs as much
     Polyhedron polyhedron;
-    pack_origin(frame, faces, corners, polyhedron);
-    pack_gradients(frame, faces.lattice, polyhedron);
+    pack_origin(frame, positions, corners, lattice, polyhedron);
+    pack_gradients(frame, lattice, polyhedron);
     polyhedron.exact_altitude = frame.altitude;
     for (std::size_t half = 0; half < 2; ++half) {
         store(frame.base[half], polyhedron.exact_base[half], polyhedron.base[half]);
@@ -100,6 +103,39 @@ Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint3
     if (is_compact(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_COMPACT;
     if (is_near(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_NEAR;
     return polyhedron;
+}
+
+void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,
+                       const TriangleFrame& frame, Polyhedron& record) {
+    // Constructed in its place rather than copied there.
+    new (&record) Polyhedron(pack(frame, frusta.slopes[face], topology.order[face], frusta.positions,
+                                  topology.faces.triangles[face], lattice));
+    const auto& marks = topology.edges.faces[face].marks;
+    if (((marks[0] | marks[1] | marks[2]) & edge_non_manifold) != 0) record.flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
+}
+
+void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                        std::size_t first, std::span<Polyhedron> records) {
+    constexpr std::size_t together = 64;
+    std::array<TriangleFrame, together> frames;
+    const std::span<const Triangle> triangles(topology.faces.triangles);
+    for (std::size_t begin = 0; begin < records.size(); begin += together) {
+        const std::size_t count = std::min(together, records.size() - begin);
+        triangle_frames(frusta.positions, triangles.subspan(first + begin, count), lattice,
+                        std::span(frames).first(count));
+        for (std::size_t i = 0; i < count; ++i)
+            write_face_record(topology, frusta, lattice, first + begin + i, frames[i], records[begin + i]);
+    }
+}
+
+void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                        std::size_t first, std::span<Polyhedron> records) {
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        const SiteFrustum& site = frusta.sites[first + i];
+        const Vector position = (to_vector(frusta.positions[site.vertex]) - to_vector(lattice.origin)) / lattice.unit;
+        new (&records[i]) Polyhedron(pack(point_frame(position, site.normal), site.slopes, topology.order[site.face],
+                                          frusta.positions, {site.vertex, site.vertex, site.vertex}, lattice));
+    }
 }
 
 }  // namespace clsdf::polyhedra

@@ -1,0 +1,54 @@
+#pragma once
+
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/records.hpp"
+
+#include <clsdf/box.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// Consecutive faces, or point sites: neighbours, because both are in Morton order.
+struct RecordRange {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+};
+
+/// What is near a box: whole groups of records (record_group).
+struct NearRecords {
+    std::vector<RecordRange> faces;  ///< ascending; each begins at a multiple of record_group
+    std::vector<RecordRange> sites;
+    std::size_t face_count = 0;
+    std::size_t site_count = 0;
+};
+
+/// Boxes around clusters of faces and of point sites, and around blocks of clusters.
+///
+/// A cluster's box, in the mesh's units, holds a ball around each of its faces: its centre is the foot of the altitude
+/// on the longest edge, and it holds the face. That is what the kernels look at, their rounding included.
+class ClusterIndex {
+public:
+    /// Faces of a cluster, and clusters of a block.
+    static constexpr std::size_t cluster = 4 * record_group;
+    static constexpr std::size_t block = 16;
+
+    ClusterIndex(const MeshTopology& topology, const Frusta& frusta);
+
+    /// Clusters whose boxes overlap the given one.
+    NearRecords near(const Box& box) const;
+
+    std::size_t face_count() const { return face_count_; }
+    std::size_t bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
+
+private:
+    std::size_t face_count_;
+    std::size_t site_count_;
+    std::vector<Box> clusters_;
+    std::vector<Box> blocks_;
+    std::vector<Box> sites_;  // of record_group point sites each
+};
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "polyhedra/mesh_topology.hpp"
+#include "polyhedra/slopes.hpp"
+#include "polyhedra/vector.hpp"
+#include "polyhedron.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf::polyhedra {
+
+/// The frustum of a vertex by itself, at a gap between those of its faces.
+struct SiteFrustum {
+    std::uint32_t vertex = 0;  ///< its number in MeshTopology::faces
+    std::uint32_t face = 0;    ///< place in the list: the vertex' face that comes first in the caller's order
+    Vector normal;             ///< its frame's
+    FaceSlopes slopes{};
+};
+
+/// The exact bounding polyhedra of a mesh (docs/method.md, 'Leaned frusta'), for every lattice and every band: frames
+/// follow from the positions, and slopes have no unit. Together they are exact: every point y lies in the polyhedron of
+/// a triangle at the distance dist(y, mesh), if tests widen them by a slack of 1e-3 + 2e-5 d units or more, d the
+/// distance in units, which must exceed the tests' rounding, too.
+struct Frusta {
+    UninitializedVector<Vec3> positions;     ///< of the vertices, numbered as in MeshTopology::faces
+    UninitializedVector<FaceSlopes> slopes;  ///< of each face
+    std::vector<SiteFrustum> sites;          ///< ascending by vertex
+    std::size_t saddle_vertices = 0;         ///< with convex and concave edges, by exact predicates
+    std::size_t boxes = 0;                   ///< faces so degenerate that their polyhedron is a box
+
+    std::size_t bytes() const;
+};
+
+/// What the tests switch off to see that it is needed.
+struct FrustaOptions {
+    bool lean = true;         ///< obtuse corners lean their neighbours' planes outward
+    bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
+};
+
+/// Records of all faces for one lattice, written on the way: see write_face_records(). The frusta do not depend on it.
+struct FirstRecords {
+    LatticeView lattice;
+    std::span<Polyhedron> records;  ///< one a face
+};
+
+/// `positions`: of the mesh's vertices, as the mesh numbers them.
+Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FirstRecords* first = nullptr,
+                   const FrustaOptions& options = {});
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "polyhedra/one_rings.hpp"
+#include "polyhedra/ordered_faces.hpp"
+#include "polyhedra/pair_edges.hpp"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace clsdf::polyhedra {
+
+/// What follows from a mesh's triangles, and from the first positions of its vertices as far as the order of the faces
+/// goes. Positions that move later leave it as it is.
+struct MeshTopology {
+    UninitializedVector<std::uint32_t> order;  ///< the mesh's index of each face, in Morton order
+    OrderedFaces faces;
+    OneRings rings;
+    PairedEdges edges;
+
+    /// Throws Error(unsupported) for 2^30 faces or more.
+    explicit MeshTopology(const Mesh& mesh);
+
+    std::size_t bytes() const;
+};
+
+}  // namespace clsdf::polyhedra

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/lattice_view.hpp"
+#include "polyhedra/triangle_frame.hpp"
+#include "polyhedron.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+/// The polyhedra as the device reads them, in a lattice's units.
+namespace clsdf::polyhedra {
+
+/// Kernels take up to so many records that follow each other together, from multiples of their number on. What is
+/// found for them together must not depend on which other records there are, so selections are made of whole groups.
+inline constexpr std::size_t record_group = 16;
+
+/// The record of a polyhedron. corners: the face's vertices.
+Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
+                std::span<const Vec3> positions, const Triangle& corners, const LatticeView& lattice);
+
+/// The record of a face whose frame in the lattice is known.
+void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,
+                       const TriangleFrame& frame, Polyhedron& record);
+
+/// The records of faces that follow each other, from `first` on.
+void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                        std::size_t first, std::span<Polyhedron> records);
+
+/// The records of point sites that follow each other, from `first` on.
+void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
+                        std::size_t first, std::span<Polyhedron> records);
+
+}  // namespace clsdf::polyhedra

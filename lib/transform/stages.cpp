@@ -1,0 +1,205 @@
+#include "transform/stages.hpp"
+
+#include "transform/coarse_lists.hpp"
+#include "transform/layout_of.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <new>
+#include <utility>
+
+namespace clsdf::transform {
+
+namespace {
+
+/// Where samples of the coarse bricks that overlap a grid lie, in the mesh's units.
+Box box_of_coarse_bricks(const Grid& grid, const Layout& layout) {
+    Box box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double first = static_cast<double>(layout.coarse_first[axis]) * CLSDF_COARSE;
+        const double last = first + static_cast<double>(layout.coarse_bricks[axis]) * CLSDF_COARSE - 1;
+        box.lower[axis] = grid.origin[axis] + first * grid.spacing[axis];
+        box.upper[axis] = grid.origin[axis] + last * grid.spacing[axis];
+    }
+    return box;
+}
+
+/// The same, widened by a reach in units, and by the rounding of the positions.
+Box widened(Box box, double reach) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] -= reach + 1e-12 * std::abs(box.lower[axis]);
+        box.upper[axis] += reach + 1e-12 * std::abs(box.upper[axis]);
+    }
+    return box;
+}
+
+/// How far from a coarse brick polyhedra of its list lie at most, in the mesh's units: see coarse_clusters.h.
+double reach_of(const Layout& layout) {
+    const auto half_width = static_cast<double>(layout.half_width);
+    const double units = half_width * (1 + static_cast<double>(layout.slack_rate)) +
+                         static_cast<double>(layout.coarse_slack) + static_cast<double>(layout.brick_slack);
+    return units * (1 + 1e-4) * static_cast<double>(layout.unit);
+}
+
+/// A selection is worth its while if it leaves most of the mesh out.
+bool is_small(double share) {
+    return share < 0.5;
+}
+
+/// Which part of the mesh's box lies in another box.
+double share_of(const Box& mesh, const Box& box) {
+    double share = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double length = mesh.upper[axis] - mesh.lower[axis];
+        const double common = std::min(mesh.upper[axis], box.upper[axis]) - std::max(mesh.lower[axis], box.lower[axis]);
+        if (length > 0) share *= std::clamp(common / length, 0.0, 1.0);
+    }
+    return share;
+}
+
+/// Whether nothing beyond a half width matters.
+bool is_bounded(const Layout& layout) {
+    return std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared);
+}
+
+}  // namespace
+
+std::size_t Stages::Lattice::bytes() const {
+    return (records ? records->device_bytes() : 0) + (sweep_mesh ? sweep_mesh->device_bytes() : 0) +
+           (points ? points->size() * sizeof(SurfacePoint) : 0);
+}
+
+Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
+               const TransformOptions& options, Scan scan)
+    : context_(context), pool_(std::move(pool)), mesh_(std::move(mesh)), options_(options), scan_(scan) {}
+
+void Stages::move(std::vector<Vec3> positions) {
+    if (has_leaned_frusta()) topology();  // of the first positions
+    mesh_.move(std::move(positions));
+    lattices_.clear();
+    geometry_.reset();
+}
+
+const polyhedra::MeshTopology& Stages::topology() {
+    if (!topology_) topology_.emplace(mesh_);
+    return *topology_;
+}
+
+const Stages::Geometry& Stages::geometry() {
+    if (!geometry_) {
+        set_geometry(polyhedra::make_frusta(topology(), mesh_.vertices()));
+    }
+    return *geometry_;
+}
+
+void Stages::set_geometry(polyhedra::Frusta frusta) {
+    polyhedra::ClusterIndex index(topology(), frusta);
+    geometry_.emplace(Geometry{std::move(frusta), std::move(index)});
+}
+
+Stages::Lattice& Stages::lattice(const Grid& grid) {
+    for (auto it = lattices_.begin(); it != lattices_.end(); ++it)
+        if (it->origin == grid.origin && it->spacing == grid.spacing) {
+            lattices_.splice(lattices_.begin(), lattices_, it);
+            return lattices_.front();
+        }
+    lattices_.push_front({grid.origin, grid.spacing, nullptr, nullptr, nullptr});
+    return lattices_.front();
+}
+
+Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign) {
+    try {
+        check_distance(mesh_, lattice_of(grid));
+        Inputs inputs;
+        if (scan_ == Scan::slices) {
+            const bool is_leaned = has_leaned_frusta();
+            inputs.records = std::make_shared<const PreparedMesh>(
+                records_with_pieces(context_, pool_, mesh_, grid, layout, options_, is_leaned ? &topology() : nullptr,
+                                    is_leaned ? &geometry().frusta : nullptr));
+        } else {
+            set_records(grid, layout, inputs);
+        }
+        if (sign != SignRule::none) set_sweep_mesh(grid, layout, inputs);
+        return inputs;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
+                                mesh_.name(), mesh_.triangles().size()));
+    }
+}
+
+void Stages::set_records(const Grid& grid, const Layout& layout, Inputs& inputs) {
+    const polyhedra::LatticeView view = lattice_of(grid);
+    const Box box = widened(box_of_coarse_bricks(grid, layout), reach_of(layout));
+    Lattice& kept = lattice(grid);
+    if (is_bounded(layout) && (geometry_ || is_small(share_of(mesh_.box(), box)))) {
+        const Geometry& known = geometry();
+        const polyhedra::NearRecords near = known.index.near(box);
+        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(known.index.face_count())))
+            inputs.records = std::make_shared<const PreparedMesh>(
+                near_records(context_, pool_, topology(), known.frusta, view, near));
+    }
+    if (!inputs.records && !kept.records) {
+        if (geometry_) {
+            kept.records =
+                std::make_shared<const PreparedMesh>(all_records(context_, pool_, topology(), geometry_->frusta, view));
+        } else {
+            FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, view);
+            set_geometry(std::move(first.frusta));
+            kept.records = std::make_shared<const PreparedMesh>(std::move(first.records));
+        }
+    }
+    if (!inputs.records) inputs.records = kept.records;
+    if (has_uniform_caps(layout)) return;
+    if (!kept.points)
+        kept.points = std::make_shared<const SurfacePoints>(surface_points(topology(), geometry().frusta, view));
+    inputs.points = kept.points;
+}
+
+void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inputs) {
+    Lattice& kept = lattice(grid);
+    if (geometry_) {
+        // Rows run along x: what they cross on the way to the samples.
+        Box box = box_of_coarse_bricks(grid, layout);
+        box.lower[0] = -std::numeric_limits<double>::infinity();
+        const polyhedra::NearRecords near = geometry_->index.near(widened(box, grid.voxel()));
+        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(geometry_->index.face_count())) &&
+            is_within_sweep(mesh_, grid)) {
+            inputs.sweep_mesh = std::make_shared<const SweepMesh>(
+                near_sweep_mesh(context_, pool_, grid, mesh_, topology(), near.faces));
+            return;
+        }
+    }
+    if (!kept.sweep_mesh)
+        kept.sweep_mesh = std::make_shared<const SweepMesh>(make_sweep_mesh(context_, pool_, grid, mesh_));
+    inputs.sweep_mesh = kept.sweep_mesh;
+}
+
+void Stages::keep_within(std::size_t budget) {
+    std::size_t bytes = 0;
+    for (auto it = lattices_.begin(); it != lattices_.end();) {
+        bytes += it->bytes();
+        it = bytes > budget ? lattices_.erase(it) : std::next(it);
+    }
+}
+
+std::size_t Stages::device_bytes() const {
+    std::size_t bytes = 0;
+    for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
+    return bytes;
+}
+
+std::size_t Stages::record_bytes() const {
+    return mesh_.triangles().size() * sizeof(Polyhedron);
+}
+
+std::size_t Stages::host_bytes() const {
+    return (topology_ ? topology_->bytes() : 0) +
+           (geometry_ ? geometry_->frusta.bytes() + geometry_->index.bytes() : 0);
+}
+
+}  // namespace clsdf::transform

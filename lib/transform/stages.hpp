@@ -1,0 +1,93 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "layout.h"
+#include "polyhedra/cluster_index.hpp"
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/mesh_topology.hpp"
+#include "transform/prepared_mesh.hpp"
+#include "transform/sweep_mesh.hpp"
+
+#include <list>
+#include <memory>
+#include <optional>
+
+namespace clsdf::transform {
+
+/// What the computation of a grid reads.
+struct Inputs {
+    std::shared_ptr<const PreparedMesh> records;
+    std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
+    std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
+};
+
+/// What a transform keeps of its mesh: values that are made one from the other, each when it is asked for first, and
+/// anew only if a value to its left has changed.
+///
+///     MeshTopology   of the triangles                    kept
+///     Frusta, index  + positions                         kept until the vertices move
+///     records        + lattice (origin and spacing)      kept for the lattices that were used last
+///
+/// A grid that is small beside the mesh gets records of what is near it, which are not kept; the field has the same
+/// bytes either way. One thread at a time.
+class Stages {
+public:
+    /// `options` and `scan` say which polyhedra; the others of the options do not matter.
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
+           const TransformOptions& options, Scan scan);
+
+    const Mesh& mesh() const { return mesh_; }
+
+    /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
+    void move(std::vector<Vec3> positions);
+
+    /// Throws Error(invalid_argument, unsupported or out_of_memory).
+    Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign);
+
+    /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
+    void keep_within(std::size_t budget);
+
+    std::size_t host_bytes() const;    ///< of the mesh's topology, frusta and index
+    std::size_t device_bytes() const;  ///< of the lattices' records
+    /// The records of the whole mesh for one lattice.
+    std::size_t record_bytes() const;
+
+private:
+    struct Lattice {
+        Vec3 origin{};
+        Vec3 spacing{};
+        std::shared_ptr<const PreparedMesh> records;
+        std::shared_ptr<const SweepMesh> sweep_mesh;
+        std::shared_ptr<const SurfacePoints> points;
+
+        std::size_t bytes() const;
+    };
+    struct Geometry {
+        polyhedra::Frusta frusta;
+        polyhedra::ClusterIndex index;
+    };
+
+    bool has_leaned_frusta() const { return options_.polyhedra == Polyhedra::leaned; }
+    const polyhedra::MeshTopology& topology();
+    const Geometry& geometry();
+    void set_geometry(polyhedra::Frusta frusta);
+    /// The lattice of a grid, which becomes the one that was used last.
+    Lattice& lattice(const Grid& grid);
+    void set_records(const Grid& grid, const Layout& layout, Inputs& inputs);
+    void set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inputs);
+
+    device::Context& context_;
+    std::shared_ptr<device::BufferPool> pool_;
+    Mesh mesh_;
+    TransformOptions options_;
+    Scan scan_;
+    std::optional<polyhedra::MeshTopology> topology_;
+    std::optional<Geometry> geometry_;
+    std::list<Lattice> lattices_;  // that was used last first
+};
+
+}  // namespace clsdf::transform

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/parallel.hpp"
+#include "polyhedra/records.hpp"
+
+#include <clsdf/mesh.hpp>
+
+namespace clsdf::test {
+
+/// A mesh's frusta and their records for a lattice: those of the faces, then those of the point sites.
+struct LeanedFrusta {
+    UninitializedVector<Polyhedron> polyhedra;
+    std::size_t saddle_vertices = 0;
+    std::size_t point_sites = 0;
+    std::size_t boxes = 0;
+};
+
+inline LeanedFrusta leaned_frusta(const Mesh& mesh, const polyhedra::LatticeView& lattice,
+                                  const polyhedra::FrustaOptions& options = {}) {
+    const polyhedra::MeshTopology topology(mesh);
+    const polyhedra::Frusta frusta = polyhedra::make_frusta(topology, mesh.vertices(), nullptr, options);
+    const std::size_t faces = topology.order.size();
+    LeanedFrusta result{UninitializedVector<Polyhedron>(faces + frusta.sites.size()), frusta.saddle_vertices,
+                        frusta.sites.size(), frusta.boxes};
+    const std::span<Polyhedron> records(result.polyhedra);
+    write_face_records(topology, frusta, lattice, 0, records.first(faces));
+    write_site_records(topology, frusta, lattice, 0, records.subspan(faces));
+    return result;
+}
+
+}  // namespace clsdf::test

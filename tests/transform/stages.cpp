@@ -1,0 +1,208 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
+#include "support/test_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+// What a transform keeps between calls changes no byte of a field, and vertices can move.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+
+/// The samples of a part of a field.
+Field part_of(const Field& whole, const Grid& part) {
+    Field result;
+    static_cast<FieldDescription&>(result) = whole;
+    result.grid = part;
+    result.distance.resize(part.sample_count());
+    if (!whole.triangle.empty()) result.triangle.resize(part.sample_count());
+    std::size_t to = 0;
+    for (std::int64_t k = 0; k < part.size[2]; ++k)
+        for (std::int64_t j = 0; j < part.size[1]; ++j)
+            for (std::int64_t i = 0; i < part.size[0]; ++i, ++to) {
+                const Index3 at{part.first[0] - whole.grid.first[0] + i, part.first[1] - whole.grid.first[1] + j,
+                                part.first[2] - whole.grid.first[2] + k};
+                const auto from =
+                    static_cast<std::size_t>((at[2] * whole.grid.size[1] + at[1]) * whole.grid.size[0] + at[0]);
+                result.distance[to] = whole.distance[from];
+                if (!result.triangle.empty()) result.triangle[to] = whole.triangle[from];
+            }
+    return result;
+}
+
+/// Small boxes anywhere in a grid, some of one sample.
+std::vector<Grid> small_parts(const Grid& grid, Random& random, int count) {
+    std::vector<Grid> parts;
+    for (int n = 0; n < count; ++n) {
+        Index3 offset{}, size{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto most = std::min<std::int64_t>(grid.size[axis], n % 4 == 0 ? 1 : 24);
+            size[axis] = 1 + static_cast<std::int64_t>(random.index(static_cast<std::size_t>(most)));
+            offset[axis] =
+                static_cast<std::int64_t>(random.index(static_cast<std::size_t>(grid.size[axis] - size[axis] + 1)));
+        }
+        parts.push_back(grid.part(offset, size));
+    }
+    return parts;
+}
+
+/// Bent around the x axis, by more where x is larger: no rigid motion.
+std::vector<Vec3> twisted(const Mesh& mesh, double angle) {
+    std::vector<Vec3> positions = mesh.vertices();
+    for (Vec3& p : positions) {
+        const double turn = angle * p[0];
+        p = {p[0], std::cos(turn) * p[1] - std::sin(turn) * p[2], std::sin(turn) * p[1] + std::cos(turn) * p[2]};
+    }
+    return positions;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(small_boxes_have_the_bytes_of_the_whole) {
+    std::uint64_t seed = 20;
+    for (const Mesh& mesh : {tilted(make_shape("knot")), make_shape("noisy"), make_shape("sphere5")}) {
+        const Grid grid = grid_around(mesh, 150, 4);
+        for (const KernelBody body : both_bodies)
+            for (const double voxels : {2.0, 30.0, std::numeric_limits<double>::infinity()}) {
+                Random random(++seed);
+                const Band band = Band::symmetric(voxels * grid.voxel());
+                BOOST_TEST_CONTEXT(mesh.name() << ", band of " << voxels << " voxels, seed " << seed) {
+                    const Field whole = compute(mesh, grid, band, body);
+                    DistanceTransform kept(test_device(), mesh, {.body = body});
+                    for (const Grid& part : small_parts(grid, random, 12)) {
+                        const Field expected = part_of(whole, part);
+                        BOOST_TEST(same_bytes(compute(mesh, part, band, body), expected));
+                        BOOST_TEST(same_bytes(kept(part, band, {.triangle = true}), expected));
+                    }
+                    BOOST_TEST(same_bytes(kept(grid, band, {.triangle = true}), whole));
+                }
+            }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_is_kept_changes_no_byte) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const Grid grid = grid_around(mesh, 60, 4), finer = grid_around(mesh, 90, 4);
+    const Band band = Band::symmetric(3 * grid.voxel()), wide = Band::symmetric(9 * grid.voxel());
+    const Field first = compute(mesh, grid, band), second = compute(mesh, finer, band),
+                third = compute(mesh, grid, wide);
+    for (const std::size_t budget : {std::size_t{0}, std::size_t{1} << 20, std::size_t{1} << 30}) {
+        DistanceTransform transform(test_device(), mesh, {.kept_bytes = budget});
+        for (int round = 0; round < 3; ++round) {
+            BOOST_TEST(same_bytes(transform(grid, band, {.triangle = true}), first));
+            BOOST_TEST(same_bytes(transform(finer, band, {.triangle = true}), second));
+            BOOST_TEST(same_bytes(transform(grid, wide, {.triangle = true}), third));
+            BOOST_TEST((transform(grid, band).distance == first.distance));
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
+    const Mesh mesh = make_shape("sphere7");
+    const Grid grid = grid_around(mesh, 256, 4);
+    DistanceTransform transform(test_device(), mesh);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Plan small = transform.plan(grid.part({0, 120, 120}, {16, 16, 16}), band);
+    BOOST_TEST(small.statistics().coarse_pairs > 0U);
+    BOOST_TEST(small.statistics().device_bytes < 4U << 20);
+    BOOST_TEST(transform.plan(grid, band).statistics().device_bytes > 280 * mesh.triangles().size());
+}
+
+BOOST_AUTO_TEST_CASE(moved_vertices_have_an_exact_field) {
+    const Mesh first = tilted(make_shape("knot"));
+    const Grid grid = grid_around(first, 60, 8);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    for (const KernelBody body : both_bodies) {
+        DistanceTransform transform(test_device(), first, {.body = body});
+        const Field before = transform(grid, band, {.triangle = true});
+        for (const double angle : {0.2, -0.4}) {
+            const Mesh moved(twisted(first, angle), first.triangles(), first.name());
+            transform.move(moved.vertices());
+            const Field field = transform(grid, band, {.triangle = true});
+            BOOST_TEST(!same_bytes(field, before));
+            BOOST_TEST(check_exact(moved, field).band_samples > 0U);
+            // A box of what has moved, without the rest.
+            const Grid part = grid.part({20, 20, 20}, {9, 9, 9});
+            BOOST_TEST(same_bytes(transform(part, band, {.triangle = true}), part_of(field, part)));
+        }
+        transform.move(first.vertices());
+        BOOST_TEST(same_bytes(transform(grid, band, {.triangle = true}), before));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(bytes_after_a_move_depend_on_the_first_and_the_last_positions) {
+    const Mesh first = make_shape("noisy");
+    const Grid grid = grid_around(first, 50, 6);
+    const Band band = Band::symmetric(4 * grid.voxel());
+    const std::vector<Vec3> last = twisted(first, 0.3);
+    DistanceTransform at_once(test_device(), first), by_way(test_device(), first);
+    at_once.move(last);
+    by_way(grid, band);
+    by_way.move(twisted(first, -1));
+    by_way(grid.part({3, 4, 5}, {7, 7, 7}), band);
+    by_way.move(twisted(first, 0.1));
+    by_way.move(last);
+    BOOST_TEST(same_bytes(at_once(grid, band, {.triangle = true}), by_way(grid, band, {.triangle = true})));
+}
+
+BOOST_AUTO_TEST_CASE(faces_lose_their_area_and_regain_it) {
+    const Mesh mesh = make_shape("sphere3");
+    const Grid grid = grid_around(mesh, 40, 6);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    DistanceTransform transform(test_device(), mesh);
+    const Field before = transform(grid, band);
+    std::vector<Vec3> flat = mesh.vertices();
+    for (Vec3& position : flat) position[2] = 0;
+    transform.move(flat);
+    check_exact(Mesh(flat, mesh.triangles(), "flat"), transform(grid, band, {.triangle = true}));
+    transform.move(std::vector<Vec3>(flat.size(), Vec3{0.01, 0.02, 0.03}));
+    BOOST_TEST(std::isfinite(transform(grid, band).distance[0]));
+    transform.move(mesh.vertices());
+    BOOST_TEST(same_bytes(transform(grid, band), before));
+}
+
+BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
+    // Two triangles of an open box's corner, each with vertices of its own: 1 equals 3, and 2 equals 5.
+    const Mesh mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0}, {9, 9, 9}},
+                    {{0, 1, 2}, {3, 4, 5}}, "hinge");
+    const Grid grid = grid_around(mesh, 30, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    DistanceTransform transform(test_device(), mesh);
+    std::vector<Vec3> apart = mesh.vertices();
+    apart[5] = {0, 1, 0.5};
+    check_throws(ErrorCode::invalid_argument, {"vertices 2 and 5 of hinge", "(0, 1, 0.5)"},
+                 [&] { transform.move(apart); });
+    check_exact(mesh, transform(grid, band, {.triangle = true}));  // where it was
+    std::vector<Vec3> together = apart;
+    together[2] = together[5];
+    together[6] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};  // which no triangle uses
+    transform.move(together);
+    together[6] = {9, 9, 9};
+    check_exact(Mesh(together, mesh.triangles(), "moved hinge"), transform(grid, band, {.triangle = true}));
+}
+
+BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
+    const Mesh mesh = make_shape("sphere3");
+    const Grid grid = grid_around(mesh, 30, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    DistanceTransform transform(test_device(), mesh);
+    const Field before = transform(grid, band);
+    std::vector<Vec3> positions = mesh.vertices();
+    positions[7][1] = std::numeric_limits<double>::infinity();
+    check_throws(ErrorCode::invalid_mesh, {"vertex 7", "inf"}, [&] { transform.move(positions); });
+    positions.pop_back();
+    check_throws(ErrorCode::invalid_argument, {"positions", std::to_string(positions.size())},
+                 [&] { transform.move(positions); });
+    BOOST_TEST(same_bytes(transform(grid, band), before));
+}
