@@ -60,11 +60,10 @@ public:
     }
 
     Work work(const Workload& workload) override {
-        TransformOptions options = options_;
-        options.count = true;
-        DistanceTransform transform(device_, workload.mesh, options);
-        transform(workload.grid, workload.band);
-        return {transform.statistics().polyhedra, transform.statistics().samples_covered};
+        TransformStatistics counted;
+        DistanceTransform(device_, workload.mesh, options_)(workload.grid, workload.band, {},
+                                                            {.count = true, .statistics = &counted});
+        return {counted.polyhedra, counted.samples_covered};
     }
 
 private:

@@ -5,25 +5,24 @@ namespace clsdf::bench {
 namespace {
 
 TransformStatistics count(const Workload& workload, const Device& device) {
-    TransformOptions options;
-    options.count = true;
-    DistanceTransform transform(device, workload.mesh, options);
-    transform(workload.grid, workload.band);
-    return transform.statistics();
+    TransformStatistics counted;
+    DistanceTransform(device, workload.mesh)(workload.grid, workload.band, {}, {.count = true, .statistics = &counted});
+    return counted;
 }
 
 }  // namespace
 
 Stages measure_stages(const Workload& workload, const Device& device, const Floors& floors,
                       const MeasureOptions& options) {
-    DistanceTransform transform(with_profiling(device), workload.mesh);
-    Field field = transform(workload.grid, workload.band);
+    const Device profiled = with_profiling(device);
+    Field field = DistanceTransform(profiled, workload.mesh)(workload.grid, workload.band);
     std::vector<double> whole, polyhedra, lists, sign, bricks, fill, transfer, rest;
     for (std::size_t n = 0; n < options.repetitions; ++n) {
+        const DistanceTransform transform(profiled, workload.mesh);
+        TransformStatistics s;
         const CostWatch watch;
-        transform.compute(workload.grid, workload.band, {field.distance, {}});
+        transform.compute(workload.grid, workload.band, {field.distance, {}}, {.statistics = &s});
         const double seconds = watch.cost().wall;
-        const TransformStatistics& s = transform.statistics();
         whole.push_back(seconds);
         polyhedra.push_back(s.polyhedra_seconds);
         lists.push_back(s.lists_seconds - s.sign_seconds);

@@ -41,7 +41,8 @@ const std::vector<Benchmark> benchmarks{
      run_bench_scaling,
      {"--method", "--series", "--seconds-per-call"}},
     {"floors", "the device's own limits, and each stage against them", run_bench_floors, {"--workload"}},
-    {"papers", "what the papers compare: polyhedra, scans, saddle vertices", run_bench_papers, {}}};
+    {"papers", "what the papers compare: polyhedra, scans, saddle vertices", run_bench_papers, {}},
+    {"calls", "what a time step calls: a grid again, one sample, patches, vertices that move", run_bench_calls, {}}};
 
 void check_options(const Benchmark& chosen, const CLI::App& parser) {
     for (const Benchmark& other : benchmarks)
@@ -87,7 +88,7 @@ Command add_bench(CLI::App& program) {
         {"W1", "W2", "W3", "W4"});
     takes_some_of(parser->add_option("--method", options->methods,
                                      "of peers and scaling, separated by commas [peers: all, scaling: clsdf]"),
-                  {"clsdf", "once", "embree", "openvdb", "cgal"});
+                  {"clsdf", "again", "embree", "openvdb", "cgal"});
     takes_some_of(parser->add_option("--series", options->series, "of scaling, separated by commas [all]"),
                   {"N", "d", "triangles", "threads"});
     parser

@@ -84,3 +84,4 @@ nlohmann::ordered_json run_bench_peers(const BenchOptions& options);
 nlohmann::ordered_json run_bench_scaling(const BenchOptions& stated);
 nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
 nlohmann::ordered_json run_bench_papers(const BenchOptions& options);
+nlohmann::ordered_json run_bench_calls(const BenchOptions& options);

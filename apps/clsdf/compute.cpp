@@ -71,17 +71,18 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     transform_options.sign = request.sign;
     transform_options.polyhedra = request.polyhedra;
     transform_options.scan = request.scan;
-    transform_options.count = report.json;
-    transform_options.stop = stop;
-    transform_options.progress = [&](double fraction) { progress.show(fraction); };
-    transform_options.compiling = [&](const clsdf::Compilation& step) { progress.show(text_of(step)); };
     transform_options.log = [&](const std::string& message) {
         if (message == layout.sign_warning) return;  // has been said
         progress.clear();
         report.warn(message);
     };
-    clsdf::DistanceTransform transform(device, layout.mesh, transform_options);
-    transform.compile(layout.grid, layout.band, layout.outputs);
+    clsdf::CallOptions call;
+    call.count = report.json;
+    call.should_stop = [&stop] { return stop.stop_requested(); };
+    call.progress = [&](double fraction) { progress.show(fraction); };
+    call.compiling = [&](const clsdf::Compilation& step) { progress.show(text_of(step)); };
+    const clsdf::DistanceTransform transform(device, layout.mesh, transform_options, call);
+    transform.compile(layout.grid, layout.band, layout.outputs, call);
     result.device_name = device.name();
     result.device_platform = device.platform();
     result.keeps_records = !device.record_folder().empty();
@@ -90,16 +91,18 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 
     // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
     const Stopwatch compute;
+    call.statistics = &result.statistics;
     const clsdf::FieldDescription field = describe_field(layout);
-    transform.compute_slabs(layout.grid, layout.band, layout.outputs,
-                            [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
-                                result.compute_seconds = compute.seconds();
-                                const Stopwatch write;
-                                result.band_samples += count_band_samples(field, slab);
-                                writer.append(slab);
-                                result.write_seconds += write.seconds();
-                            });
-    result.statistics = transform.statistics();
+    transform.compute_slabs(
+        layout.grid, layout.band, layout.outputs,
+        [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
+            result.compute_seconds = compute.seconds();
+            const Stopwatch write;
+            result.band_samples += count_band_samples(field, slab);
+            writer.append(slab);
+            result.write_seconds += write.seconds();
+        },
+        {}, call);
     result.setup_seconds = std::max(0.0, setup_seconds - result.statistics.compile_seconds);
     result.field_seconds = compute.seconds();
     return result;

@@ -42,10 +42,11 @@ public:
     /// Kernels that sweep large triangles are among these: the faces of a cube.
     Step compile(const Call& call) {
         clsdf::TransformOptions options;
-        options.count = call.count;
-        options.stop = stop_;
+        clsdf::CallOptions watched;
+        watched.count = call.count;
+        watched.should_stop = [this] { return stop_.stop_requested(); };
         ProgressBar progress(!report_.quiet);
-        options.compiling = [&](const clsdf::Compilation& compilation) {
+        watched.compiling = [&](const clsdf::Compilation& compilation) {
             progress.show(fmt::format("{}: {}", call.name, text_of(compilation)));
         };
         options.log = [&](const std::string& message) {
@@ -53,12 +54,12 @@ public:
             report_.warn(message);
         };
         const Stopwatch watch;
-        clsdf::DistanceTransform transform(device_, mesh_, options);
+        clsdf::DistanceTransform transform(device_, mesh_, options, watched);
         const clsdf::Outputs outputs{.triangle = call.triangle};
         const clsdf::Grid grid = clsdf::Grid::around(mesh_, 64, clsdf::Band::symmetric(0.1));
         Step step{call.name};
         for (const clsdf::Band& band : {clsdf::Band::symmetric(0.1), clsdf::Band::full()})
-            step.is_tested |= transform.compile(grid, band, outputs);
+            step.is_tested |= transform.compile(grid, band, outputs, watched);
         step.seconds = watch.seconds();
         return step;
     }

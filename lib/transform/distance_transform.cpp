@@ -19,218 +19,11 @@
 #include <iterator>
 #include <limits>
 #include <list>
+#include <mutex>
 #include <optional>
 #include <utility>
 
 namespace clsdf {
-
-struct DistanceTransform::State {
-    /// A plan of an earlier call, which the next call of the same kind takes.
-    struct KeptPlan {
-        Grid grid;
-        Band band;
-        Outputs outputs;
-        std::unique_ptr<Plan::State> plan;
-
-        bool fits(const Grid& other_grid, const Band& other_band, const Outputs& other_outputs) const {
-            return grid == other_grid && band.inside == other_band.inside && band.outside == other_band.outside &&
-                   outputs.triangle == other_outputs.triangle;
-        }
-    };
-
-    Device device;
-    TransformOptions options;
-    Topology topology;
-    SignRule sign = SignRule::none;
-    Scan scan = Scan::bricks;
-    std::size_t vertex_count = 0;       // of the caller's mesh
-    std::vector<std::uint32_t> welded;  // of each of them its index here, or no_vertex; empty if they are the same
-    std::size_t compile_steps = 0;
-    double compile_seconds = 0;
-    bool first_use = false;
-    transform::Programs programs;
-    std::shared_ptr<device::BufferPool> pool;
-    std::unique_ptr<transform::Stages> stages;
-    std::list<KeptPlan> plans;  // that was used last first
-    TransformStatistics statistics;
-
-    State(Device device_in, Mesh mesh, TransformOptions options_in)
-        : device(std::move(device_in)),
-          options(std::move(options_in)),
-          topology(describe_topology(mesh)),
-          scan(resolve_scan(options.polyhedra, options.scan)),
-          vertex_count(mesh.vertices().size()),
-          programs(build_programs()),
-          pool(std::make_shared<device::BufferPool>(device.shared())) {
-        // Edges between vertices that are equal but not one would be open ones: exact, but slow.
-        if (topology.coincident_vertices > 0) {
-            Mesh one_of_each = weld(mesh);
-            welded.assign(vertex_count, no_vertex);
-            for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
-                for (std::size_t k = 0; k < 3; ++k) welded[mesh.triangles()[t][k]] = one_of_each.triangles()[t][k];
-            mesh = std::move(one_of_each);
-        }
-        const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
-        sign = resolved.rule;
-        if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
-        stages = std::make_unique<transform::Stages>(device.internal(), pool, std::move(mesh), options, scan);
-    }
-
-    static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
-
-    const Mesh& mesh() const { return stages->mesh(); }
-
-    void move(std::span<const Vec3> positions) {
-        if (positions.size() != vertex_count)
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("{} has {} vertices, and {} positions are given to move them to; give one for each",
-                                    mesh().name(), vertex_count, positions.size()));
-        if (welded.empty()) {
-            stages->move({positions.begin(), positions.end()});
-        } else {
-            stages->move(positions_of_welded(positions));
-        }
-        plans.clear();
-    }
-
-    /// Throws if vertices that were one move apart.
-    std::vector<Vec3> positions_of_welded(std::span<const Vec3> positions) const {
-        std::vector<Vec3> result(mesh().vertices());
-        std::vector<std::uint32_t> first(result.size(), no_vertex);
-        for (std::uint32_t vertex = 0; vertex < vertex_count; ++vertex) {
-            const std::uint32_t index = welded[vertex];
-            if (index == no_vertex) continue;
-            const Vec3& to = positions[vertex];
-            if (first[index] == no_vertex) {
-                first[index] = vertex;
-                result[index] = to;
-            } else if (const Vec3& other = result[index]; other != to) {
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("vertices {} and {} of {} had equal coordinates and count as one, and they "
-                                        "move apart, to ({}, {}, {}) and ({}, {}, {}); move them together, or make "
-                                        "a new transform",
-                                        first[index], vertex, mesh().name(), other[0], other[1], other[2], to[0], to[1],
-                                        to[2]));
-            }
-        }
-        return result;
-    }
-
-    transform::Programs build_programs() {
-        throw_if_stopped();
-        const Stopwatch watch;
-        transform::TestCase any;
-        any.scan = scan;
-        transform::Programs result = device::guarded([&] {
-            return transform::Programs(device.internal(), options.body, watch_steps(transform::step_count(any)));
-        });
-        compile_seconds += watch.seconds();
-        return result;
-    }
-
-    /// `variant_steps`: those of building beside the programs that all computations need.
-    device::BuildWatch watch_steps(std::size_t variant_steps) {
-        const std::size_t steps = transform::Programs::common_programs + variant_steps;
-        const auto call = [this, steps](bool is_waiting) {
-            throw_if_stopped();
-            const std::size_t step = std::min(std::max<std::size_t>(compile_steps, 1), steps);
-            if (options.compiling) options.compiling({step, steps, is_waiting});
-        };
-        return {[this, call] {
-                    ++compile_steps;
-                    call(false);
-                },
-                [call] { call(true); }, options.log};
-    }
-
-    /// Builds and tests, the first time, what such a computation runs on the device.
-    bool compile(const Grid& grid, const Band& band, const Outputs& outputs);
-    bool test(const transform::TestCase& test_case);
-    transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs) const;
-
-    void move_compilation_to(TransformStatistics& to) {
-        to.compile_seconds = std::exchange(compile_seconds, 0);
-        to.first_use = std::exchange(first_use, false);
-        compile_steps = 0;
-    }
-
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
-    ~State() {
-        if (device.internal().is_lost()) keep_for_good(stages);  // whose mesh the device reads where the host has it
-    }
-
-    transform::Inputs inputs(const Grid& grid, const Band& band) {
-        const Layout layout = transform::layout_of(grid, band, sign);
-        try {
-            return stages->inputs(grid, layout, sign);
-        } catch (const Error& error) {
-            if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
-        }
-        return stages->inputs(grid, layout, sign);
-    }
-
-    std::unique_ptr<Plan::State> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
-                                           const Outputs& outputs) {
-        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(inputs), grid, band, sign, outputs,
-                                                  options, [this] { throw_if_stopped(); });
-        // Only the sweep sees whether triangles are large.
-        if (plan->has_large_triangles) {
-            transform::TestCase large = test_case_of(grid, band, outputs);
-            large.is_large = true;
-            test(large);
-        }
-        pool->trim();
-        return plan;
-    }
-
-    /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
-    std::unique_ptr<Plan::State> take_plan(const Grid& grid, const Band& band, const Outputs& outputs) {
-        const auto found = std::find_if(plans.begin(), plans.end(),
-                                        [&](const KeptPlan& kept) { return kept.fits(grid, band, outputs); });
-        if (found == plans.end()) return nullptr;
-        std::unique_ptr<Plan::State> plan = std::move(found->plan);
-        plans.erase(found);
-        // What its set-up took belongs to the call that made it.
-        plan->statistics.polyhedra_seconds = plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
-        return plan;
-    }
-
-    /// Keeps a plan for the next call, and what it and others are made of, within the budget.
-    void keep(std::unique_ptr<Plan::State> plan) {
-        if (scan == Scan::bricks) plans.push_front({plan->grid, plan->band, plan->outputs, std::move(plan)});
-        plan.reset();
-        const std::size_t budget =
-            options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
-        const std::size_t lattices = stages->device_bytes();
-        std::size_t bytes = lattices;
-        for (auto kept = plans.begin(); kept != plans.end();) {
-            bytes += kept->plan->own_bytes();
-            kept = bytes > budget ? plans.erase(kept) : std::next(kept);
-        }
-        if (lattices > budget) stages->keep_within(budget);
-    }
-
-    /// Releases what is kept for later calls. Returns whether there was something.
-    bool forget() {
-        const bool is_kept = !plans.empty() || stages->device_bytes() > 0;
-        plans.clear();
-        stages->keep_within(0);
-        pool->release();
-        return is_kept;
-    }
-
-    void throw_if_stopped() const {
-        if (options.stop.stop_requested()) throw Error(ErrorCode::cancelled, "the computation was cancelled");
-    }
-
-    /// Slab by slab, into the caller's memory or, where `host` is empty, to the sink.
-    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const HostOutputs& host,
-                 std::vector<Grid> slabs, transform::SlabPipeline& pipeline);
-
-    /// The samples of one slab. Its progress runs from `begin` to `end`.
-    void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end) const;
-};
 
 namespace {
 
@@ -258,18 +51,239 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.fill_seconds += slab.fill_seconds;
 }
 
+void throw_if_stopped(const CallOptions& call) {
+    if (call.should_stop && call.should_stop()) throw Error(ErrorCode::cancelled, "the computation was cancelled");
+}
+
+/// The building, loading and testing of programs by one call.
+class Compiling {
+public:
+    Compiling(const CallOptions& call, const std::function<void(const std::string&)>& log) : call_(call), log_(log) {}
+
+    /// `variant_steps`: those of building beside the programs that all computations need.
+    device::BuildWatch watch(std::size_t variant_steps) {
+        const std::size_t most = transform::Programs::common_programs + variant_steps;
+        const auto step = [this, most](bool is_waiting) {
+            throw_if_stopped(call_);
+            const std::size_t steps = std::max(most, step_);
+            if (call_.compiling) call_.compiling({std::max<std::size_t>(step_, 1), steps, is_waiting});
+        };
+        return {[this, step] {
+                    ++step_;
+                    step(false);
+                },
+                [step] { step(true); }, log_};
+    }
+
+    double seconds = 0;
+    bool first_use = false;
+
+private:
+    const CallOptions& call_;
+    const std::function<void(const std::string&)>& log_;
+    std::size_t step_ = 0;
+};
+
 }  // namespace
 
+struct DistanceTransform::State {
+    /// A plan of an earlier call, which the next call of the same kind takes.
+    struct KeptPlan {
+        bool count;
+        std::unique_ptr<Plan::State> plan;
+
+        bool fits(const Grid& grid, const Band& band, const Outputs& outputs, bool counts) const {
+            return plan->grid == grid && plan->band.inside == band.inside && plan->band.outside == band.outside &&
+                   plan->outputs.triangle == outputs.triangle && count == counts;
+        }
+    };
+
+    // What was spent on programs and no computation has reported yet.
+    double compile_seconds = 0;
+    bool first_use = false;
+    Device device;
+    TransformOptions options;
+    Topology topology;
+    SignRule sign = SignRule::none;
+    Scan scan = Scan::bricks;
+    std::size_t vertex_count = 0;       // of the caller's mesh
+    std::vector<std::uint32_t> welded;  // of each of them its index here, or no_vertex; empty if they are the same
+    transform::Programs programs;
+    std::shared_ptr<device::BufferPool> pool;
+
+    std::mutex mutex;  // for what follows, and for the work on the device
+    std::unique_ptr<transform::Stages> stages;
+    std::list<KeptPlan> plans;  // that was used last first
+
+    static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
+
+    State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call)
+        : device(std::move(device_in)),
+          options(std::move(options_in)),
+          topology(describe_topology(mesh)),
+          scan(resolve_scan(options.polyhedra, options.scan)),
+          vertex_count(mesh.vertices().size()),
+          programs(build_programs(call)),
+          pool(std::make_shared<device::BufferPool>(device.shared())) {
+        // Edges between vertices that are equal but not one would be open ones: exact, but slow.
+        if (topology.coincident_vertices > 0) {
+            Mesh one_of_each = weld(mesh);
+            welded.assign(vertex_count, no_vertex);
+            for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
+                for (std::size_t k = 0; k < 3; ++k) welded[mesh.triangles()[t][k]] = one_of_each.triangles()[t][k];
+            mesh = std::move(one_of_each);
+        }
+        const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
+        sign = resolved.rule;
+        if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
+        stages = std::make_unique<transform::Stages>(device.internal(), pool, std::move(mesh), options, scan);
+    }
+
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State() {
+        if (device.internal().is_lost()) keep_for_good(stages);  // whose mesh the device reads where the host has it
+    }
+
+    const Mesh& mesh() const { return stages->mesh(); }
+
+    transform::Programs build_programs(const CallOptions& call) {
+        throw_if_stopped(call);
+        const Stopwatch watch;
+        transform::TestCase any;
+        any.scan = scan;
+        Compiling compiling(call, options.log);
+        transform::Programs result = device::guarded([&] {
+            return transform::Programs(device.internal(), options.body, compiling.watch(transform::step_count(any)));
+        });
+        compile_seconds = watch.seconds();
+        return result;
+    }
+
+    void move(std::span<const Vec3> positions) {
+        if (positions.size() != vertex_count)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{} has {} vertices, and {} positions are given to move them to; give one for each",
+                                    mesh().name(), vertex_count, positions.size()));
+        const std::scoped_lock lock(mutex);
+        stages->move(welded.empty() ? std::vector<Vec3>(positions.begin(), positions.end())
+                                    : positions_of_welded(positions));
+        plans.clear();
+    }
+
+    /// Throws if vertices that were one move apart.
+    std::vector<Vec3> positions_of_welded(std::span<const Vec3> positions) const {
+        std::vector<Vec3> result(mesh().vertices());
+        std::vector<std::uint32_t> first(result.size(), no_vertex);
+        for (std::uint32_t vertex = 0; vertex < vertex_count; ++vertex) {
+            const std::uint32_t index = welded[vertex];
+            if (index == no_vertex) continue;
+            const Vec3& to = positions[vertex];
+            if (first[index] == no_vertex) {
+                first[index] = vertex;
+                result[index] = to;
+            } else if (const Vec3& other = result[index]; other != to) {
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("vertices {} and {} of {} had equal coordinates and count as one, and they "
+                                        "move apart, to ({}, {}, {}) and ({}, {}, {}); move them together, or make "
+                                        "a new transform",
+                                        first[index], vertex, mesh().name(), other[0], other[1], other[2], to[0], to[1],
+                                        to[2]));
+            }
+        }
+        return result;
+    }
+
+    transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
+    /// Builds and tests, the first time, what such a computation runs on the device.
+    bool compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count, Compiling& compiling) const;
+    bool test(const transform::TestCase& test_case, Compiling& compiling) const;
+
+    void report(const Compiling& compiling, TransformStatistics& statistics) {
+        statistics.compile_seconds = compiling.seconds + std::exchange(compile_seconds, 0);
+        statistics.first_use = std::exchange(first_use, false) || compiling.first_use;
+    }
+
+    transform::Inputs inputs(const Grid& grid, const Band& band) {
+        const Layout layout = transform::layout_of(grid, band, sign);
+        try {
+            return stages->inputs(grid, layout, sign);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
+        }
+        return stages->inputs(grid, layout, sign);
+    }
+
+    std::unique_ptr<Plan::State> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
+                                           const Outputs& outputs, const CallOptions& call, Compiling& compiling) {
+        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(inputs), grid, band, sign, outputs,
+                                                  PlanOptions{call.count, options.slice_minimum},
+                                                  [&call] { throw_if_stopped(call); });
+        // Only the sweep sees whether triangles are large.
+        if (plan->has_large_triangles) {
+            transform::TestCase large = test_case_of(grid, band, outputs, call.count);
+            large.is_large = true;
+            test(large, compiling);
+        }
+        pool->trim();
+        return plan;
+    }
+
+    /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
+    std::unique_ptr<Plan::State> take_plan(const Grid& grid, const Band& band, const Outputs& outputs, bool count) {
+        const auto found = std::find_if(plans.begin(), plans.end(),
+                                        [&](const KeptPlan& kept) { return kept.fits(grid, band, outputs, count); });
+        if (found == plans.end()) return nullptr;
+        std::unique_ptr<Plan::State> plan = std::move(found->plan);
+        plans.erase(found);
+        // What its set-up took belongs to the call that made it.
+        plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
+        return plan;
+    }
+
+    /// Keeps a plan for the next call, and what it and others are made of, within the budget.
+    void keep(std::unique_ptr<Plan::State> plan, bool count) {
+        if (scan == Scan::bricks) plans.push_front({count, std::move(plan)});
+        plan.reset();
+        const std::size_t budget =
+            options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
+        const std::size_t lattices = stages->device_bytes();
+        std::size_t bytes = lattices;
+        for (auto kept = plans.begin(); kept != plans.end();) {
+            bytes += kept->plan->own_bytes();
+            kept = bytes > budget ? plans.erase(kept) : std::next(kept);
+        }
+        if (lattices > budget) stages->keep_within(budget);
+    }
+
+    /// Releases what is kept for later calls. Returns whether there was something.
+    bool forget() {
+        const bool is_kept = !plans.empty() || stages->device_bytes() > 0;
+        plans.clear();
+        stages->keep_within(0);
+        pool->release();
+        return is_kept;
+    }
+
+    /// Slab by slab, into the caller's memory or, where `host` is empty, to the sink.
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const HostOutputs& host,
+                 std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
+
+    /// The samples of one slab. Its progress runs from `begin` to `end`.
+    void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end,
+                 const CallOptions& call) const;
+};
+
 void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin,
-                                       double end) const {
+                                       double end, const CallOptions& call) const {
     const Stopwatch watch;
     const device::Context& context = device.internal();
     device::guarded([&] {
         std::function<void(double)> between;
-        if (options.progress || options.stop.stop_possible())
+        if (call.progress || call.should_stop)
             between = [&](double fraction) {
-                throw_if_stopped();
-                if (options.progress) options.progress(begin + (end - begin) * fraction);
+                throw_if_stopped(call);
+                if (call.progress) call.progress(begin + (end - begin) * fraction);
             };
         try {
             plan.enqueue(context.queue(), slot.distance.buffer(),
@@ -288,13 +302,13 @@ void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabP
     plan.statistics.field_seconds = watch.seconds();
 }
 
-transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band,
-                                                           const Outputs& outputs) const {
+transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band, const Outputs& outputs,
+                                                           bool count) const {
     const Layout layout = transform::layout_of(grid, band, sign);
     transform::TestCase test_case;
     test_case.body = programs.body;
     test_case.scan = scan;
-    test_case.variant.brick = {outputs.triangle, options.count, transform::has_long_bricks(grid)};
+    test_case.variant.brick = {outputs.triangle, count, transform::has_long_bricks(grid)};
     test_case.is_signed = sign != SignRule::none;
     if (scan == Scan::slices)
         test_case.variant.key_64 = device::guarded([&] {
@@ -305,42 +319,47 @@ transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, con
     return test_case;
 }
 
-bool DistanceTransform::State::test(const transform::TestCase& test_case) {
+bool DistanceTransform::State::test(const transform::TestCase& test_case, Compiling& compiling) const {
     if (device.internal().is_tested(test_case.index())) return false;
     const Stopwatch watch;
     const bool is_tested_here =
-        transform::ensure_tested(device, programs, test_case, watch_steps(transform::step_count(test_case)));
-    first_use |= is_tested_here;
-    compile_seconds += watch.seconds();
+        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
+    compiling.first_use |= is_tested_here;
+    compiling.seconds += watch.seconds();
     return is_tested_here;
 }
 
-bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs) {
-    transform::TestCase test_case = test_case_of(grid, band, outputs);
+bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
+                                       Compiling& compiling) const {
+    transform::TestCase test_case = test_case_of(grid, band, outputs, count);
     transform::TestCase large = test_case;
     large.is_large = true;
     // It runs all that the other one runs.
     if (device.internal().is_tested(large.index())) return false;
-    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case);
+    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
 }
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
                                        const HostOutputs& host, std::vector<Grid> slabs,
-                                       transform::SlabPipeline& pipeline) {
-    throw_if_stopped();
-    compile(grid, band, outputs);
-    pool->restart_peak();
-    statistics = {};
+                                       transform::SlabPipeline& pipeline, const CallOptions& call) {
+    TransformStatistics statistics;
+    Compiling compiling(call, options.log);
     std::unique_ptr<Plan::State> plan;
-    if (slabs.size() == 1) plan = take_plan(grid, band, outputs);
     transform::Inputs inputs_of_grid;
     const auto set_inputs = [&] {
         const Stopwatch watch;
         inputs_of_grid = inputs(grid, band);
         statistics.polyhedra_seconds = watch.seconds();
-        throw_if_stopped();
+        throw_if_stopped(call);
     };
-    if (!plan) set_inputs();
+    {
+        const std::scoped_lock lock(mutex);
+        throw_if_stopped(call);
+        compile(grid, band, outputs, call.count, compiling);
+        pool->restart_peak();
+        if (slabs.size() == 1) plan = take_plan(grid, band, outputs, call.count);
+        if (!plan) set_inputs();
+    }
     const auto samples = static_cast<double>(grid.sample_count());
     std::reverse(slabs.begin(), slabs.end());
     for (std::size_t done = 0; !slabs.empty();) {
@@ -352,15 +371,18 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         if (!host.triangle.empty()) part.triangle = host.triangle.subspan(done, count);
         transform::SlabPipeline::Slot& slot = pipeline.next();
         try {
+            const std::scoped_lock lock(mutex);
             pipeline.place(slot, slab, outputs, part);
-            if (!plan) plan = make_plan(inputs_of_grid, slab, band, outputs);
-            throw_if_stopped();
-            compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples);
+            if (!plan) plan = make_plan(inputs_of_grid, slab, band, outputs, call, compiling);
+            throw_if_stopped(call);
+            compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples,
+                    call);
             add(statistics, plan->statistics);
             if (count < grid.sample_count()) plan.reset();
         } catch (const Error& error) {
             // How long a slab's lists are is known when they are made.
             if (error.code() != ErrorCode::out_of_memory || !transform::is_divisible(slab)) throw;
+            const std::scoped_lock lock(mutex);
             const auto [lower, upper] = transform::halves_of(slab);
             slabs.push_back(upper);
             slabs.push_back(lower);
@@ -376,17 +398,23 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         done += count;
     }
     pipeline.finish();
-    move_compilation_to(statistics);
-    statistics.device_bytes = pool->peak();
-    statistics.host_bytes = pipeline.host_bytes() + stages->host_bytes();
-    if (plan) keep(std::move(plan));
-    if (options.progress) options.progress(1.0);
+    {
+        const std::scoped_lock lock(mutex);
+        report(compiling, statistics);
+        statistics.device_bytes = pool->peak();
+        statistics.host_bytes = pipeline.host_bytes();
+        inputs_of_grid = {};
+        if (plan) keep(std::move(plan), call.count);
+    }
+    if (call.progress) call.progress(1.0);
+    if (call.statistics != nullptr) *call.statistics = statistics;
 }
 
-DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, TransformOptions options)
-    : state_(std::make_unique<State>(std::move(device), mesh, std::move(options))) {}
-DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, TransformOptions options)
-    : state_(std::make_unique<State>(std::move(device), Mesh(mesh), std::move(options))) {}
+DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, TransformOptions options, const CallOptions& call)
+    : state_(std::make_unique<State>(std::move(device), mesh, std::move(options), call)) {}
+DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, TransformOptions options,
+                                     const CallOptions& call)
+    : state_(std::make_unique<State>(std::move(device), Mesh(mesh), std::move(options), call)) {}
 DistanceTransform::DistanceTransform(DistanceTransform&&) noexcept = default;
 DistanceTransform& DistanceTransform::operator=(DistanceTransform&&) noexcept = default;
 DistanceTransform::~DistanceTransform() = default;
@@ -405,35 +433,47 @@ void DistanceTransform::move(std::span<const Vec3> positions) {
     state().move(positions);
 }
 
-const TransformStatistics& DistanceTransform::statistics() const {
-    return state().statistics;
+KeptMemory DistanceTransform::memory() const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    KeptMemory memory{state.stages->host_bytes(), state.stages->device_bytes()};
+    for (const State::KeptPlan& kept : state.plans) memory.device_bytes += kept.plan->own_bytes();
+    return memory;
 }
 
-void DistanceTransform::set_stop(std::stop_token stop) {
-    state().options.stop = std::move(stop);
+bool DistanceTransform::compile(const Grid& grid, const Band& band, const Outputs& outputs,
+                                const CallOptions& call) const {
+    State& state = this->state();
+    throw_if_stopped(call);
+    const std::scoped_lock lock(state.mutex);
+    Compiling compiling(call, state.options.log);
+    const bool is_tested = state.compile(grid, band, outputs, call.count, compiling);
+    state.compile_seconds += compiling.seconds;
+    state.first_use |= compiling.first_use;
+    return is_tested;
 }
 
-bool DistanceTransform::compile(const Grid& grid, const Band& band, const Outputs& outputs) {
-    state().throw_if_stopped();
-    return state().compile(grid, band, outputs);
-}
-
-Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs) {
-    State& prepared = state();
-    prepared.compile(grid, band, outputs);
+Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
+                             const CallOptions& call) const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    Compiling compiling(call, state.options.log);
+    state.compile(grid, band, outputs, call.count, compiling);
     const Stopwatch watch;
-    transform::Inputs inputs = prepared.inputs(grid, band);
+    transform::Inputs inputs = state.inputs(grid, band);
     const double seconds = watch.seconds();
-    auto plan_state = prepared.make_plan(std::move(inputs), grid, band, outputs);
-    plan_state->statistics.polyhedra_seconds = seconds;
-    prepared.move_compilation_to(plan_state->statistics);
-    Plan plan(std::move(plan_state));
+    auto made = state.make_plan(std::move(inputs), grid, band, outputs, call, compiling);
+    made->statistics.polyhedra_seconds = seconds;
+    state.report(compiling, made->statistics);
+    if (call.statistics != nullptr) *call.statistics = made->statistics;
+    Plan plan(std::move(made));
     device::guarded(
-        [&] { prepared.device.internal().queue().finish(); });  // errors of the set-up's commands are thrown here
+        [&] { state.device.internal().queue().finish(); });  // errors of the set-up's commands are thrown here
     return plan;
 }
 
-void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOutputs& host) {
+void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOutputs& host,
+                                const CallOptions& call) const {
     State& state = this->state();
     grid.validate();
     const std::size_t samples = grid.sample_count();
@@ -445,11 +485,11 @@ void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOu
     const device::Context& context = state.device.internal();
     transform::SlabPipeline pipeline(context, state.pool, {}, true);
     state.compute(grid, band, outputs, host, transform::slabs_of(grid, transform::limits_of(context.capabilities())),
-                  pipeline);
+                  pipeline, call);
 }
 
 void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
-                                      const SlabOptions& options) {
+                                      const SlabOptions& options, const CallOptions& call) const {
     State& state = this->state();
     grid.validate();
     grid.sample_count();
@@ -457,7 +497,7 @@ void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const 
     const device::Context& context = state.device.internal();
     transform::SlabPipeline pipeline(context, state.pool, sink, options.overlap);
     state.compute(grid, band, outputs, {},
-                  transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), pipeline);
+                  transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), pipeline, call);
 }
 
 std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
@@ -467,7 +507,8 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     return transform::slabs_of(grid, transform::stream_limits_of(unlimited));
 }
 
-Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Outputs& outputs) {
+Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Outputs& outputs,
+                                    const CallOptions& call) const {
     Field field;
     field.grid = grid;
     field.band = band;
@@ -483,7 +524,7 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
                                 grid.size[0], grid.size[1], grid.size[2]));
     }
     try {
-        compute(grid, band, {field.distance, field.triangle});
+        compute(grid, band, {field.distance, field.triangle}, call);
     } catch (const Error&) {
         if (state_->device.internal().is_lost()) keep_for_good(field);
         throw;

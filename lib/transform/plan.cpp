@@ -16,8 +16,7 @@ namespace clsdf {
 
 Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
                    transform::Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
-                   const Outputs& outputs_in, const TransformOptions& options,
-                   const std::function<void()>& between_launches)
+                   const Outputs& outputs_in, const PlanOptions& options, const std::function<void()>& between_launches)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
       inputs(std::move(inputs_in)),

@@ -12,11 +12,16 @@
 
 namespace clsdf {
 
+struct PlanOptions {
+    bool count = false;  ///< see CallOptions::count
+    SliceMinimum slice_minimum = SliceMinimum::automatic;
+};
+
 /// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
 struct Plan::State {
     State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
           transform::Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
-          const Outputs& outputs_in, const TransformOptions& options, const std::function<void()>& between_launches);
+          const Outputs& outputs_in, const PlanOptions& options, const std::function<void()>& between_launches);
 
     /// Waits for what is under way: its buffers go back to the pool.
     ~State();

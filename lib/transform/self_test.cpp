@@ -27,7 +27,6 @@ TransformOptions options_of(const TestCase& test_case) {
     options.sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
     options.scan = test_case.scan;
     options.body = test_case.body;
-    options.count = test_case.variant.brick.count;
     options.slice_minimum = test_case.variant.key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes;
     return options;
 }
@@ -110,7 +109,8 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     Stages stages(context, pool, known.mesh(), options, test_case.scan);
     Plan::State plan(device, pool, programs,
                      stages.inputs(known.grid(), layout_of(known.grid(), known.band(), options.sign), options.sign),
-                     known.grid(), known.band(), options.sign, outputs, options, watch.begins);
+                     known.grid(), known.band(), options.sign, outputs,
+                     {test_case.variant.brick.count, options.slice_minimum}, watch.begins);
     return device::guarded([&] {
         std::vector<float> distance(known.grid().sample_count());
         std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);
@@ -125,7 +125,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
             queue.enqueueReadBuffer(*triangles, CL_TRUE, 0, triangle.size() * sizeof(std::uint32_t), triangle.data());
         plan.read_counters();
         std::optional<std::string> difference = known.difference(distance, triangle);
-        if (!difference && options.count) difference = wrong_counts(known, distance, plan.statistics);
+        if (!difference && test_case.variant.brick.count) difference = wrong_counts(known, distance, plan.statistics);
         return difference;
     });
 }

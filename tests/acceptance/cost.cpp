@@ -5,9 +5,9 @@
 namespace clsdf::acceptance {
 
 std::vector<CostLimit> bunny_costs(const Device& device, const Problem& bunny) {
-    DistanceTransform transform(device, bunny.mesh, {.sign = bunny.sign, .count = true});
-    transform(bunny.grid, bunny.band);
-    const TransformStatistics& statistics = transform.statistics();
+    TransformStatistics statistics;
+    DistanceTransform(device, bunny.mesh, {.sign = bunny.sign})(bunny.grid, bunny.band, {},
+                                                                {.count = true, .statistics = &statistics});
     const auto per_band_sample = [&](std::size_t count) {
         return static_cast<double>(count) / static_cast<double>(statistics.band_samples);
     };

@@ -95,6 +95,18 @@ BOOST_AUTO_TEST_CASE(papers_have_their_polyhedra_distances_and_errors_beside_the
     }
 }
 
+BOOST_AUTO_TEST_CASE(calls_have_ratios_limits_and_errors) {
+    const json result = result_of({"calls", "sphere5"});
+    BOOST_REQUIRE(result["rows"].size() == 5U);
+    for (const json& row : result["rows"]) {
+        BOOST_TEST(row["ratio"].get<double>() > 0);
+        BOOST_TEST(row["wrong"] == 0, row["name"].get<std::string>());
+        BOOST_TEST(row["samples_judged"].get<int>() > 0);
+        BOOST_TEST(row["max_error_voxels"].get<double>() < 1e-5);
+        BOOST_TEST((row["limit"].is_null() || row["limit"].get<double>() > 0));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "bunny00", "--meshes", "/nonexistent"}), 3,
                   {"bunny00.off", "scripts/fetch-meshes"});
@@ -108,7 +120,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "nomesh"}), 2, {"nomesh", "noisy_sphere", "refined_elephant", "knot"});
     check_refused(run_command({"bench", "floors", "seashel"}), 2, {"did you mean seashell?"});
     check_refused(run_command({"bench", "scaling", "knot", "torus"}), 2, {"one mesh", "torus"});
-    for (const char* benchmark : {"peers", "scaling", "floors", "papers"})
+    for (const char* benchmark : {"peers", "scaling", "floors", "papers", "calls"})
         check_refused(run_command({"bench", benchmark, "--quick", "--device", "xyzzy"}), 4, {"--device xyzzy"});
     check_refused(run_command({"bench", "peers", "--workload", "W9"}), 2, {"W9"});
 }

@@ -73,9 +73,8 @@ Result measure(const std::string& path) {
     if (result.kept.all_calls == 0)
         throw Error(ErrorCode::device_failure, "nothing is counted; preload the library: scripts/gpu-counts does");
 
-    DistanceTransform counting(device, mesh, {.count = true});
-    counting.compute(result.grid, result.band, {.distance = distance});
-    result.statistics = counting.statistics();
+    transform.compute(result.grid, result.band, {.distance = distance},
+                      {.count = true, .statistics = &result.statistics});
     return result;
 }
 

@@ -41,7 +41,6 @@ OrderedFaces plainly_ordered(const Mesh& mesh, std::span<const std::uint32_t> or
             if (numbers[vertex] == UINT32_MAX) {
                 numbers[vertex] = static_cast<std::uint32_t>(faces.vertices.size());
                 faces.vertices.push_back(vertex);
-                faces.positions.push_back(mesh.vertices()[vertex]);
             }
             vertex = numbers[vertex];
         }
@@ -118,7 +117,6 @@ BOOST_AUTO_TEST_CASE(vertices_are_numbered_as_one_thread_numbers_them) {
                     with_threads(threads, [&] {
                         const OrderedFaces found = polyhedra::ordered_faces(mesh, order);
                         BOOST_TEST((found.triangles == expected.triangles));
-                        BOOST_TEST((found.positions == expected.positions));
                         BOOST_TEST((found.vertices == expected.vertices));
                         BOOST_TEST((found.first_vertices == expected.first_vertices));
                     });

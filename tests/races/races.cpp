@@ -13,11 +13,11 @@ namespace {
 constexpr std::array bodies{KernelBody::by_vector, KernelBody::by_group};
 
 void check_on_simulator(const Mesh& mesh, const Grid& grid, const Band& band, TransformOptions options,
-                        const Outputs& outputs = {}) {
+                        const Outputs& outputs = {}, const CallOptions& call = {}) {
     for (const KernelBody body : bodies) {
         options.body = body;
         DistanceTransform transform(test_device(), mesh, options);
-        BOOST_TEST(check_exact(mesh, transform(grid, band, outputs), guaranteed).band_samples > 0U);
+        BOOST_TEST(check_exact(mesh, transform(grid, band, outputs, call), guaranteed).band_samples > 0U);
     }
 }
 
@@ -44,5 +44,5 @@ BOOST_AUTO_TEST_CASE(every_sample_with_bounds_from_the_surface) {
 BOOST_AUTO_TEST_CASE(counted_and_with_unequal_spacing) {
     Grid grid = around_cube(8, 0.4);
     grid.spacing[1] = 0.2;
-    check_on_simulator(cube(1), grid, Band{0.5, 0.3}, {.count = true});
+    check_on_simulator(cube(1), grid, Band{0.5, 0.3}, {}, {}, {.count = true});
 }

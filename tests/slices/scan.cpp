@@ -34,9 +34,9 @@ Grid around(const Mesh& mesh, std::int64_t size) {
     return grid;
 }
 
-Field compute_on(const Device& device, const Grid& grid, const Band& band, const TransformOptions& options) {
-    DistanceTransform transform(device, noisy(), options);
-    return transform(grid, band, {.triangle = true});
+Field compute_on(const Device& device, const Grid& grid, const Band& band, const TransformOptions& options,
+                 const CallOptions& call = {}) {
+    return DistanceTransform(device, noisy(), options)(grid, band, {.triangle = true}, call);
 }
 
 Field part_of(const Field& whole, const Grid& part) {
@@ -149,9 +149,8 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
         const Field whole = compute_on(test_device(), grid, band, options);
         for (const std::size_t bytes : {20 * slice_bytes, 13 * slice_bytes}) {
             std::size_t calls = 0;
-            TransformOptions watched = options;
-            watched.progress = [&](double) { ++calls; };
-            BOOST_TEST(same_bytes(whole, compute_on(with_largest_allocation(bytes), grid, band, watched)));
+            const CallOptions watched{.progress = [&](double) { ++calls; }};
+            BOOST_TEST(same_bytes(whole, compute_on(with_largest_allocation(bytes), grid, band, options, watched)));
             BOOST_TEST(calls > 4U);
         }
     }
@@ -163,10 +162,11 @@ BOOST_AUTO_TEST_CASE(a_slice_of_64_bit_keys_that_does_not_fit_takes_two_passes) 
     const Mesh mesh = cube(1);
     const std::size_t slice_bytes = std::size_t{301} * 301 * sizeof(float);
     const Field expected = compute(mesh, flat, Band::symmetric(0.1), TransformOptions{.scan = Scan::slices});
-    DistanceTransform transform(with_largest_allocation(slice_bytes + slice_bytes / 2), mesh,
-                                {.scan = Scan::slices, .count = true});
-    BOOST_TEST(same_bytes(expected, transform(flat, Band::symmetric(0.1), {.triangle = true})));
-    check_intersections(transform.statistics(), 2);
+    DistanceTransform transform(with_largest_allocation(slice_bytes + slice_bytes / 2), mesh, {.scan = Scan::slices});
+    TransformStatistics statistics;
+    BOOST_TEST(same_bytes(expected, transform(flat, Band::symmetric(0.1), {.triangle = true},
+                                              {.count = true, .statistics = &statistics})));
+    check_intersections(statistics, 2);
     DistanceTransform one_pass(with_largest_allocation(slice_bytes + slice_bytes / 2), mesh,
                                {.scan = Scan::slices, .slice_minimum = SliceMinimum::one_pass});
     check_throws(ErrorCode::out_of_memory, {"least distances"},
@@ -207,17 +207,16 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_blocks_nor_depends_on_the_queue) {
 BOOST_AUTO_TEST_CASE(progress_is_told_and_a_stop_is_heard_between_launches) {
     const Mesh mesh = make_shape("sphere3");
     const Grid grid = grid_around(mesh, 110, 2);
-    std::stop_source stop;
+    bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(with_compute_units(1), mesh,
-                                {.scan = Scan::slices,
-                                 .progress =
-                                     [&](double fraction) {
-                                         seen.push_back(fraction);
-                                         if (fraction > 0) stop.request_stop();
-                                     },
-                                 .stop = stop.get_token()});
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(grid, Band::full()); });
+    DistanceTransform transform(with_compute_units(1), mesh, {.scan = Scan::slices});
+    const CallOptions call{.progress =
+                               [&](double fraction) {
+                                   seen.push_back(fraction);
+                                   if (fraction > 0) stop = true;
+                               },
+                           .should_stop = [&] { return stop; }};
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(grid, Band::full(), {}, call); });
     BOOST_REQUIRE(seen.size() == 2U);
     BOOST_TEST(seen[0] == 0);
     BOOST_TEST(seen[1] < 0.5);

@@ -17,11 +17,9 @@ struct Scanned {
 /// By slices, counted.
 inline Scanned scan_slices(const Mesh& mesh, const Grid& grid, const Band& band, TransformOptions options = {}) {
     options.scan = Scan::slices;
-    options.count = true;
-    DistanceTransform transform(test_device(), mesh, std::move(options));
+    const DistanceTransform transform(test_device(), mesh, std::move(options));
     Scanned result;
-    result.field = transform(grid, band, {.triangle = true});
-    result.statistics = transform.statistics();
+    result.field = transform(grid, band, {.triangle = true}, {.count = true, .statistics = &result.statistics});
     return result;
 }
 

@@ -71,8 +71,8 @@ BOOST_AUTO_TEST_CASE(vectors_of_eight_compute_exactly) {
     for (const unsigned width : {8U, 4U}) {
         const Device narrow = with_float_width(width);
         const auto check = [&](const Mesh& mesh, const Grid& grid, const Band& band, bool count = false) {
-            DistanceTransform transform(narrow, mesh, {.body = KernelBody::by_vector, .count = count});
-            const Field field = transform(grid, band, {.triangle = true});
+            DistanceTransform transform(narrow, mesh, {.body = KernelBody::by_vector});
+            const Field field = transform(grid, band, {.triangle = true}, {.count = count});
             BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
             check_agreement(field, compute(mesh, grid, band));
             Grid part = grid.part({3, 5, 1}, {grid.size[0] - 6, grid.size[1] - 5, grid.size[2] - 3});
@@ -98,10 +98,11 @@ BOOST_AUTO_TEST_CASE(vectors_compute_long_lists_exactly) {
     for (const Band& band : {Band::symmetric(2.5 * grid.voxel()), Band::full()}) {
         const Field field = compute(mesh, grid, band, KernelBody::by_vector);
         BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
-        DistanceTransform narrow(with_float_width(8), mesh, {.body = KernelBody::by_vector, .count = true});
-        const Field by_eight = narrow(grid, band, {.triangle = true});
+        DistanceTransform narrow(with_float_width(8), mesh, {.body = KernelBody::by_vector});
+        TransformStatistics statistics;
+        const Field by_eight = narrow(grid, band, {.triangle = true}, {.count = true, .statistics = &statistics});
         check_exact(mesh, by_eight, guaranteed);
         check_agreement(field, by_eight);
-        BOOST_TEST(narrow.statistics().coarse_pairs > CLSDF_LIST_PART * narrow.statistics().coarse_bricks);
+        BOOST_TEST(statistics.coarse_pairs > CLSDF_LIST_PART * statistics.coarse_bricks);
     }
 }

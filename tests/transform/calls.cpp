@@ -103,11 +103,11 @@ BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
 BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
     std::vector<double> seen;
     const std::thread::id caller = std::this_thread::get_id();
-    DistanceTransform transform(with_compute_units(1), dense(), {.progress = [&](double fraction) {
-                                    BOOST_TEST((std::this_thread::get_id() == caller));
-                                    seen.push_back(fraction);
-                                }});
-    transform(around_dense(), Band::full());
+    DistanceTransform transform(with_compute_units(1), dense());
+    transform(around_dense(), Band::full(), {}, {.progress = [&](double fraction) {
+                  BOOST_TEST((std::this_thread::get_id() == caller));
+                  seen.push_back(fraction);
+              }});
     BOOST_TEST(seen.size() >= 4U);
     BOOST_TEST(seen.front() == 0);
     BOOST_TEST(seen.back() == 1);
@@ -116,26 +116,22 @@ BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
 
 BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) {
     const Field expected = compute(dense(), around_dense(), Band::full());
-    std::stop_source stop;
+    bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(with_compute_units(1), dense(),
-                                {.progress =
-                                     [&](double fraction) {
-                                         seen.push_back(fraction);
-                                         if (fraction > 0) stop.request_stop();
-                                     },
-                                 .stop = stop.get_token()});
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full()); });
+    DistanceTransform transform(with_compute_units(1), dense());
+    const CallOptions call{.progress =
+                               [&](double fraction) {
+                                   seen.push_back(fraction);
+                                   if (fraction > 0) stop = true;
+                               },
+                           .should_stop = [&] { return stop; }};
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
     BOOST_TEST(seen.size() == 2U);
     BOOST_TEST(seen.back() < 1);
-    // Once stopped, it stays so: before anything is computed.
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full()); });
+    // A call that is to stop at once computes nothing.
+    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
     BOOST_TEST(seen.size() == 2U);
-    transform.set_stop({});
     BOOST_TEST(same_bytes(expected, transform(around_dense(), Band::full(), {.triangle = true})));
-    stop = std::stop_source();
-    transform.set_stop(stop.get_token());
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full()); });
 }
 
 BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
@@ -219,19 +215,21 @@ BOOST_AUTO_TEST_CASE(samples_of_the_band_are_counted_where_the_grid_cuts_bricks)
              {std::pair(test_device(), KernelBody::by_vector), std::pair(with_float_width(8), KernelBody::by_vector),
               std::pair(test_device(), KernelBody::by_group)}) {
             const Grid grid = whole.part({3, 5, 6}, {24, 26, 21});
-            DistanceTransform transform(device, *shape, {.body = body, .count = true});
-            const Field field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
+            TransformStatistics statistics;
+            const Field field = DistanceTransform(device, *shape, {.body = body})(
+                grid, Band::symmetric(3 * grid.voxel()), {.triangle = true},
+                {.count = true, .statistics = &statistics});
             BOOST_TEST(samples_with_triangle(field) > 1000U);
-            BOOST_TEST(transform.statistics().band_samples == samples_with_triangle(field));
+            BOOST_TEST(statistics.band_samples == samples_with_triangle(field));
         }
 }
 
 BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
     const Grid grid = around_mesh();
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
-        DistanceTransform transform(test_device(), mesh(), {.body = body, .count = true});
-        const Field field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
-        const TransformStatistics& statistics = transform.statistics();
+        TransformStatistics statistics;
+        const Field field = DistanceTransform(test_device(), mesh(), {.body = body})(
+            grid, Band::symmetric(3 * grid.voxel()), {.triangle = true}, {.count = true, .statistics = &statistics});
         const std::size_t in_band = samples_with_triangle(field);
         BOOST_TEST(statistics.triangles == mesh().triangles().size());
         BOOST_TEST(statistics.band_samples == in_band);
@@ -251,11 +249,11 @@ BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
 
 BOOST_AUTO_TEST_CASE(nothing_is_counted_on_the_device_unless_asked_for) {
     const Grid grid = around_mesh();
-    DistanceTransform transform(test_device(), mesh());
-    transform(grid, Band::symmetric(3 * grid.voxel()));
-    BOOST_TEST(transform.statistics().triangles == mesh().triangles().size());
-    BOOST_TEST(transform.statistics().lanes_evaluated == 0U);
-    BOOST_TEST(transform.statistics().band_samples == 0U);
+    TransformStatistics statistics;
+    DistanceTransform(test_device(), mesh())(grid, Band::symmetric(3 * grid.voxel()), {}, {.statistics = &statistics});
+    BOOST_TEST(statistics.triangles == mesh().triangles().size());
+    BOOST_TEST(statistics.lanes_evaluated == 0U);
+    BOOST_TEST(statistics.band_samples == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(what_is_kept_on_the_host_does_not_grow_with_use) {
@@ -265,7 +263,7 @@ BOOST_AUTO_TEST_CASE(what_is_kept_on_the_host_does_not_grow_with_use) {
     DistanceTransform transform(test_device(), large);
     const auto bytes_after_use = [&](double half_width) {
         transform(grid, Band::symmetric(half_width * grid.voxel()));
-        return transform.statistics().host_bytes;
+        return transform.memory().host_bytes;
     };
     const std::size_t bytes = bytes_after_use(1);
     BOOST_TEST(bytes > 20 * triangles);
@@ -277,7 +275,8 @@ BOOST_AUTO_TEST_CASE(faces_without_area_are_counted_as_boxes) {
     std::vector<Triangle> triangles = cube(1).triangles();
     triangles.push_back({0, 1, 1});
     const Mesh with_segment(cube(1).vertices(), triangles, "cube with a segment");
-    DistanceTransform transform(test_device(), with_segment);
-    transform(grid_at({0, 0, 0}, 0.5, 4), Band::symmetric(1));
-    BOOST_TEST(transform.statistics().box_polyhedra == 1U);
+    TransformStatistics statistics;
+    DistanceTransform(test_device(), with_segment)(grid_at({0, 0, 0}, 0.5, 4), Band::symmetric(1), {},
+                                                   {.statistics = &statistics});
+    BOOST_TEST(statistics.box_polyhedra == 1U);
 }

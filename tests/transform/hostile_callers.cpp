@@ -90,9 +90,9 @@ BOOST_AUTO_TEST_CASE(a_soup_costs_what_the_welded_mesh_costs) {
     const Grid grid = grid_around(mesh, 64, 6);
     const Band band = Band::symmetric(5 * grid.voxel());
     const auto lanes = [&](const Mesh& of) {
-        DistanceTransform transform(test_device(), of, TransformOptions{.count = true});
-        transform(grid, band);
-        return transform.statistics().lanes_evaluated;
+        TransformStatistics statistics;
+        DistanceTransform(test_device(), of)(grid, band, {}, {.count = true, .statistics = &statistics});
+        return statistics.lanes_evaluated;
     };
     BOOST_TEST(lanes(soup) == lanes(mesh));
     BOOST_TEST((compute(soup, grid, band).distance == compute(mesh, grid, band).distance));
@@ -122,8 +122,9 @@ BOOST_AUTO_TEST_CASE(a_transform_that_was_moved_from_answers_with_an_error) {
     const std::vector<std::function<void()>> calls{
         [&] { from.sign(); },
         [&] { from.topology(); },
-        [&] { from.statistics(); },
-        [&] { from.set_stop({}); },
+        [&] { from.memory(); },
+        [&] { from.move(std::vector<Vec3>(8)); },
+        [&] { from.compile(grid, band); },
         [&] { from(grid, band); },
         [&] { from.compute(grid, band, {.distance = distance}); },
         [&] { from.compute_slabs(grid, band, {}, [](const Grid&, const FieldSlab&) {}); },

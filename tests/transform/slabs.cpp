@@ -72,27 +72,27 @@ BOOST_AUTO_TEST_CASE(slabs_computed_by_groups_have_the_bytes_of_the_whole) {
     const Band band = Band::symmetric(3 * grid.voxel());
     const Field whole = compute(mesh(), grid, band, KernelBody::by_group);
     std::size_t calls = 0;
-    DistanceTransform transform(with_largest_allocation(320000), mesh(),
-                                {.body = KernelBody::by_group, .progress = [&](double) { ++calls; }});
-    BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
+    DistanceTransform transform(with_largest_allocation(320000), mesh(), {.body = KernelBody::by_group});
+    const CallOptions counted{.progress = [&](double) { ++calls; }};
+    BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true}, counted)));
     BOOST_TEST(calls > 3U, "the grid was not divided");
 }
 
 BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
     const Grid grid = around_mesh(0);
     const Band band = Band::symmetric(4 * grid.voxel());
-    DistanceTransform at_once(test_device(), mesh(), {.count = true});
-    at_once(grid, band);
+    TransformStatistics at_once, by_slabs;
+    DistanceTransform(test_device(), mesh())(grid, band, {}, {.count = true, .statistics = &at_once});
     std::vector<double> seen;
-    DistanceTransform transform(with_largest_allocation(33 * slice_bytes(grid)), mesh(),
-                                {.progress = [&](double fraction) { seen.push_back(fraction); }, .count = true});
-    transform(grid, band);
+    DistanceTransform(with_largest_allocation(33 * slice_bytes(grid)), mesh())(
+        grid, band, {},
+        {.progress = [&](double fraction) { seen.push_back(fraction); }, .count = true, .statistics = &by_slabs});
     BOOST_TEST(seen.size() >= 3U);
     BOOST_TEST(seen.front() == 0);
     BOOST_TEST(seen.back() == 1);
     BOOST_TEST(std::is_sorted(seen.begin(), seen.end()));
-    BOOST_TEST(transform.statistics().band_samples == at_once.statistics().band_samples);
-    BOOST_TEST(transform.statistics().lanes_evaluated == at_once.statistics().lanes_evaluated);
+    BOOST_TEST(by_slabs.band_samples == at_once.band_samples);
+    BOOST_TEST(by_slabs.lanes_evaluated == at_once.lanes_evaluated);
 }
 
 // What the lists take is known only when they are made: where they do not fit, the slab is divided.
@@ -101,19 +101,20 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     const Grid grid = grid_around(fine, 100, 4);
     const Band band = Band::symmetric(16 * grid.voxel());
     const Field whole = compute(fine, grid, band);
-    DistanceTransform unlimited(test_device(), fine);
-    unlimited(grid, band, {.triangle = true});
-    BOOST_REQUIRE(unlimited.statistics().slabs == 1U);
+    TransformStatistics unlimited;
+    DistanceTransform(test_device(), fine)(grid, band, {.triangle = true}, {.statistics = &unlimited});
+    BOOST_REQUIRE(unlimited.slabs == 1U);
     // The polyhedra must fit, and with less and less of what else is needed the whole does not.
     const std::size_t polyhedra = fine.triangles().size() * sizeof(Polyhedron);
     std::size_t slabs = 1;
     for (std::size_t percent = 95; slabs == 1; percent -= 5) {
         BOOST_REQUIRE(percent > 0);
-        const std::size_t memory = polyhedra + (unlimited.statistics().device_bytes - polyhedra) * percent / 100;
+        const std::size_t memory = polyhedra + (unlimited.device_bytes - polyhedra) * percent / 100;
         DistanceTransform transform(with_limit("CLSDF_MAX_MEMORY", memory), fine);
-        BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
-        BOOST_TEST(transform.statistics().device_bytes <= memory);
-        slabs = transform.statistics().slabs;
+        TransformStatistics statistics;
+        BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true}, {.statistics = &statistics})));
+        BOOST_TEST(statistics.device_bytes <= memory);
+        slabs = statistics.slabs;
     }
     // Nothing can be divided here.
     DistanceTransform hopeless(with_limit("CLSDF_MAX_MEMORY", polyhedra / 2), fine);

@@ -1,6 +1,6 @@
 #include "device/context.hpp"
 #include "device/kernel_text.hpp"
-#include "polyhedra/pack.hpp"
+#include "polyhedra/records.hpp"
 #include "support/random_meshes.hpp"
 #include "transform/layout_of.hpp"
 
@@ -102,9 +102,8 @@ std::vector<Polyhedron> random_polyhedra(Random& random, const polyhedra::Lattic
             slopes.above[edge] = static_cast<float>(random.uniform(0, steepest));
             slopes.below[edge] = static_cast<float>(random.uniform(0, steepest));
         }
-        const Triangle triangle{0, 1, 2};
-        result.push_back(polyhedra::pack(frame, slopes, static_cast<std::uint32_t>(result.size()),
-                                         {corners, {&triangle, 1}, lattice}, triangle));
+        result.push_back(
+            polyhedra::pack(frame, slopes, static_cast<std::uint32_t>(result.size()), corners, {0, 1, 2}, lattice));
     }
     return result;
 }
@@ -185,8 +184,8 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
     const auto site = static_cast<cl_uint>(polyhedra.size());
     const std::array<Vec3, 1> position{Vec3{middle.x(), middle.y(), middle.z()}};
     polyhedra.push_back(polyhedra::pack(polyhedra::point_frame(middle, polyhedra::Vector(0, 0, 1)),
-                                        polyhedra::FaceSlopes{{1, 1, 1}, {1, 1, 1}}, site, {position, {}, lattice},
-                                        {0, 0, 0}));
+                                        polyhedra::FaceSlopes{{1, 1, 1}, {1, 1, 1}}, site, position, {0, 0, 0},
+                                        lattice));
     std::string options = seed % 2 == 0 ? "" : "-DMOST_SAMPLES=8";  // lists that one polyhedron fills several times
     if (seed / 2 % 2 == 0) options += " -DSCATTERED_ACCESS";        // matters where the processor has AVX-512
     const bool has_nearest = seed % 3 == 0;

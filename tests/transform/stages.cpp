@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <thread>
 #include <vector>
 
 // What a transform keeps between calls changes no byte of a field, and vertices can move.
@@ -205,4 +206,31 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
     check_throws(ErrorCode::invalid_argument, {"positions", std::to_string(positions.size())},
                  [&] { transform.move(positions); });
     BOOST_TEST(same_bytes(transform(grid, band), before));
+}
+
+// On one transform, each with a lattice of its own and boxes of it.
+BOOST_AUTO_TEST_CASE(several_threads_compute_at_once) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const std::array grids{grid_around(mesh, 50, 4), grid_around(mesh, 70, 4)};
+    const DistanceTransform transform(test_device(), mesh);
+    std::array<std::size_t, grids.size()> wrong{};
+    std::vector<std::thread> threads;
+    for (std::size_t n = 0; n < grids.size(); ++n)
+        threads.emplace_back([&, n] {
+            const Grid& grid = grids[n];
+            const Band band = Band::symmetric(3 * grid.voxel());
+            const Field expected = compute(mesh, grid, band);
+            Random random(n + 1);
+            for (const Grid& part : small_parts(grid, random, 8)) {
+                TransformStatistics statistics;
+                double done = 0;
+                const Field field =
+                    transform(part, band, {.triangle = true},
+                              {.progress = [&](double fraction) { done = fraction; }, .statistics = &statistics});
+                wrong[n] += same_bytes(field, part_of(expected, part)) && done == 1 && statistics.slabs == 1 ? 0U : 1U;
+                wrong[n] += same_bytes(transform(grid, band, {.triangle = true}), expected) ? 0U : 1U;
+            }
+        });
+    for (std::thread& thread : threads) thread.join();
+    for (const std::size_t count : wrong) BOOST_TEST(count == 0U);
 }

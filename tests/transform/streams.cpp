@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <optional>
-#include <stop_token>
 #include <thread>
 
 using namespace clsdf;
@@ -51,6 +50,7 @@ Device small_device(const Grid& grid) {
 struct Collected {
     Field field;
     std::size_t slabs = 0;
+    TransformStatistics statistics;
 
     void add(const Grid& whole, const Grid& part, const FieldSlab& values) {
         const std::int64_t slices = static_cast<std::int64_t>(field.distance.size()) / (whole.size[0] * whole.size[1]);
@@ -65,9 +65,9 @@ struct Collected {
 Collected collect(DistanceTransform& transform, const Grid& grid, const Outputs& outputs,
                   const SlabOptions& options = {}) {
     Collected collected;
-    transform.compute_slabs(
-        grid, band_on(grid), outputs,
-        [&](const Grid& part, const FieldSlab& values) { collected.add(grid, part, values); }, options);
+    transform.compute_slabs(grid, band_on(grid), outputs,
+                            [&](const Grid& part, const FieldSlab& values) { collected.add(grid, part, values); },
+                            options, {.statistics = &collected.statistics});
     return collected;
 }
 
@@ -85,7 +85,7 @@ BOOST_AUTO_TEST_CASE(has_the_bytes_of_the_whole) {
                 const Collected collected = collect(transform, grid, {.triangle = true}, {.overlap = overlap});
                 BOOST_TEST(same_bytes(whole, collected.field));
                 BOOST_TEST(collected.slabs >= 4U);
-                BOOST_TEST(transform.statistics().slabs == collected.slabs);
+                BOOST_TEST(collected.statistics.slabs == collected.slabs);
             }
 }
 
@@ -97,13 +97,14 @@ BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other device is at hand
     const_cast<device::Context::Capabilities&>(device.internal().capabilities()).is_processor = false;
     DistanceTransform transform(device, mesh());
-    BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), {.triangle = true})));
-    BOOST_TEST(transform.statistics().slabs >= 4U);
+    TransformStatistics statistics;
+    BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), {.triangle = true}, {.statistics = &statistics})));
+    BOOST_TEST(statistics.slabs >= 4U);
     const Collected collected = collect(transform, grid, {.triangle = true});
     BOOST_TEST(same_bytes(whole, collected.field));
     BOOST_TEST(collected.slabs >= 4U);
     // Two slabs of two outputs are on the device.
-    BOOST_TEST(transform.statistics().device_bytes > transform.statistics().host_bytes);
+    BOOST_TEST(collected.statistics.device_bytes > collected.statistics.host_bytes);
 }
 
 BOOST_AUTO_TEST_CASE(has_no_triangles_unless_asked_for) {
@@ -120,10 +121,11 @@ BOOST_AUTO_TEST_CASE(holds_two_slabs_at_a_time) {
             const Collected collected = collect(transform, grid, {.triangle = true});
             BOOST_REQUIRE(collected.slabs > 2U);
             const auto slice = static_cast<std::size_t>(grid.size[0] * grid.size[1] * 4);
-            BOOST_TEST(transform.statistics().host_bytes >= 2UL * 2 * 32 * slice);
-            BOOST_TEST(transform.statistics().host_bytes <= 2UL * 2 * 40 * slice);
-            transform(grid, band_on(grid));
-            BOOST_TEST(transform.statistics().host_bytes == 0U);
+            BOOST_TEST(collected.statistics.host_bytes >= 2UL * 2 * 32 * slice);
+            BOOST_TEST(collected.statistics.host_bytes <= 2UL * 2 * 40 * slice);
+            TransformStatistics in_place;
+            transform(grid, band_on(grid), {}, {.statistics = &in_place});
+            BOOST_TEST(in_place.host_bytes == 0U);
         }
 }
 
@@ -137,24 +139,25 @@ BOOST_AUTO_TEST_CASE(comes_one_slab_at_a_time_while_the_next_is_computed) {
             const Stopwatch watch;
             while (!is_done() && watch.seconds() < seconds) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         };
-        TransformOptions options;
-        options.progress = [&](double fraction) {
+        CallOptions call;
+        call.progress = [&](double fraction) {
             // The second slab waits for the sink, which has the first, and the sink for the second slab; not for ever,
             // since one of the first slab that comes late would wait as well.
             if (overlap && fraction > 0.5 / slabs) wait(2, [&] { return inside > 0 || computed_meanwhile; });
             if (inside > 0) computed_meanwhile = true;
         };
-        DistanceTransform transform(small_device(grid), mesh(), options);
+        DistanceTransform transform(small_device(grid), mesh());
         bool own_thread = false;
-        transform.compute_slabs(grid, band_on(grid), {},
-                                [&, caller = std::this_thread::get_id()](const Grid&, const FieldSlab&) {
-                                    BOOST_TEST(++inside == 1);
-                                    own_thread = std::this_thread::get_id() != caller;
-                                    wait(overlap ? 2 : 0.1, [&] { return computed_meanwhile.load(); });
-                                    --inside;
-                                    if (!overlap) ++slabs;
-                                },
-                                {.overlap = overlap});
+        transform.compute_slabs(
+            grid, band_on(grid), {},
+            [&, caller = std::this_thread::get_id()](const Grid&, const FieldSlab&) {
+                BOOST_TEST(++inside == 1);
+                own_thread = std::this_thread::get_id() != caller;
+                wait(overlap ? 2 : 0.1, [&] { return computed_meanwhile.load(); });
+                --inside;
+                if (!overlap) ++slabs;
+            },
+            {.overlap = overlap}, call);
         BOOST_TEST(computed_meanwhile == overlap);
         BOOST_TEST(own_thread == overlap);
         BOOST_TEST(slabs >= 3);
@@ -191,13 +194,11 @@ BOOST_AUTO_TEST_CASE(ends_with_what_the_sink_throws) {
 
 BOOST_AUTO_TEST_CASE(ends_when_it_is_cancelled_and_calls_the_sink_no_more) {
     const Grid grid = long_grid();
-    std::stop_source source;
-    DistanceTransform transform(small_device(grid), mesh(), {.stop = source.get_token()});
-    int calls = 0;
+    DistanceTransform transform(small_device(grid), mesh());
+    std::atomic<int> calls = 0;
     check_throws(ErrorCode::cancelled, {"cancelled"}, [&] {
-        transform.compute_slabs(grid, band_on(grid), {}, [&](const Grid&, const FieldSlab&) {
-            if (++calls == 2) source.request_stop();
-        });
+        transform.compute_slabs(grid, band_on(grid), {}, [&](const Grid&, const FieldSlab&) { ++calls; }, {},
+                                {.should_stop = [&] { return calls >= 2; }});
     });
     BOOST_TEST(calls >= 2);
     BOOST_TEST(calls <= 3);

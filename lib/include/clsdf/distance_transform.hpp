@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 typedef struct _cl_mem* cl_mem;
@@ -32,7 +31,7 @@ struct Compilation {
     bool is_waiting = false;  ///< for another process that compiles the same
 };
 
-/// The method, how the sign is decided, and callbacks.
+/// The method, how the sign is decided, and what is kept.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
     Polyhedra polyhedra = Polyhedra::leaned;
@@ -40,13 +39,7 @@ struct TransformOptions {
     bool close_gaps = true;  ///< of Peikert & Sigg's polyhedra, as they do; else as they are before that
     KernelBody body = KernelBody::automatic;
     SliceMinimum slice_minimum = SliceMinimum::automatic;
-    std::function<void(double fraction)> progress{};  ///< called between launches, from the calling thread
-    /// Called before each step of building, loading and testing programs, from the calling thread; while another
-    /// process compiles them, again and again.
-    std::function<void(const Compilation& compilation)> compiling{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
-    std::stop_token stop{};                                 ///< looked at between launches; Error(cancelled)
-    bool count = false;                                     ///< fill the statistics counted on the device; costs time
     /// What may be kept on the device between calls, in bytes: the polyhedra of the lattices, and the lists of the
     /// grids, that were used last. By default the polyhedra of two lattices, 280 bytes a triangle each, or 256 MiB if
     /// that is more. 0 keeps nothing.
@@ -68,11 +61,10 @@ struct TransformStatistics {
     /// The most that buffers on the device took at once; of a Plan, its own buffers. A field that is computed in place,
     /// on a processor, is not among them.
     std::size_t device_bytes = 0;
-    /// The library's own arrays on the host: those for slabs, and what a transform that is used again keeps for the
-    /// next time.
+    /// The library's own arrays on the host for slabs.
     std::size_t host_bytes = 0;
 
-    // Counted on the device with TransformOptions::count.
+    // Counted on the device with CallOptions::count.
     std::size_t brick_pairs = 0;          ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
     std::size_t slice_intersections = 0;  ///< intersections of a piece and a slice that were visited
     std::size_t empty_intersections = 0;  ///< of these, empty ones: none
@@ -94,6 +86,17 @@ struct TransformStatistics {
     // Of these, the kernels' own times by the device's clock; 0 unless its queue was made with profiling enabled.
     double bricks_seconds = 0;  ///< the scan by bricks, or by slices
     double fill_seconds = 0;
+};
+
+/// What belongs to one call. The functions are called from the thread that calls; they must not use the transform.
+struct CallOptions {
+    std::function<void(double fraction)> progress{};  ///< called between launches
+    /// Called before each step of building, loading and testing programs; while another process compiles them, again
+    /// and again.
+    std::function<void(const Compilation& compilation)> compiling{};
+    std::function<bool()> should_stop{};        ///< asked between launches; if it says true, Error(cancelled) is thrown
+    bool count = false;                         ///< fill the statistics counted on the device; costs time
+    TransformStatistics* statistics = nullptr;  ///< set at the end of a call that succeeds
 };
 
 /// The caller's own device memory; each holds grid.sample_count() values of four bytes.
@@ -147,14 +150,28 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// The exact distance to a mesh, on any number of grids. Once moved from, every member but assignment and the
-/// destructor throws Error(invalid_argument).
+/// What a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses again.
+struct KeptMemory {
+    std::size_t host_bytes = 0;    ///< what follows from the triangles and the positions: about 85 a triangle
+    std::size_t device_bytes = 0;  ///< polyhedra of lattices and lists of grids, within TransformOptions::kept_bytes
+};
+
+/// The exact distance to a mesh, on any number of grids.
+///
+/// What follows from the mesh is prepared once, when a call needs it first, and what follows from a grid is kept within
+/// TransformOptions::kept_bytes. It changes no byte of a field: these depend on the mesh's first and last positions,
+/// the lattice (origin and spacing), the band and the device, and not on the block of the lattice that is computed, on
+/// other calls or on threads.
+///
+/// Members that are const may be called from several threads at once; their work takes turns on the device. move(),
+/// assignment and the destructor need the transform for themselves. Once moved from, every member but assignment and
+/// the destructor throws Error(invalid_argument).
 class DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
     /// Throws Error(invalid_mesh, no_device or device_failure; unsupported for a scan that the polyhedra do not have).
-    DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {});
-    DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {});
+    DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {}, const CallOptions& call = {});
+    DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {}, const CallOptions& call = {});
     DistanceTransform(DistanceTransform&&) noexcept;
     DistanceTransform& operator=(DistanceTransform&&) noexcept;
     ~DistanceTransform();
@@ -177,32 +194,29 @@ public:
     /// want to choose when. Returns whether something was tested. Throws Error(device_failure) that names the device,
     /// its platform and their versions if the device computes wrong values or if its compiler has ended earlier
     /// processes; Error(cancelled).
-    bool compile(const Grid& grid, const Band& band, const Outputs& outputs = {});
+    bool compile(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
     /// The field on the host. Grids whose field exceeds what the device can allocate are computed in slabs.
-    Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {});
+    Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {},
+                     const CallOptions& call = {}) const;
 
     /// The same into the caller's memory. After an error what it holds is undefined.
-    void compute(const Grid& grid, const Band& band, const HostOutputs& host);
+    void compute(const Grid& grid, const Band& band, const HostOutputs& host, const CallOptions& call = {}) const;
 
     /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the
     /// sink in the order of z; together they are the field, with the same bytes. Two slabs are in memory, one being
     /// computed and one in the sink's hands until it returns. On an error, also one that the sink throws, or when
-    /// TransformOptions::stop is set, the sink has returned and is not called again.
+    /// CallOptions::should_stop says so, the sink has returned and is not called again.
     void compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
-                       const SlabOptions& options = {});
+                       const SlabOptions& options = {}, const CallOptions& call = {}) const;
 
     /// The slabs of compute_slabs() on a device that sets no closer limit.
     static std::vector<Grid> slabs_of(const Grid& grid);
 
-    /// Replaces TransformOptions::stop, for the calls that follow.
-    void set_stop(std::stop_token stop);
-
-    /// Statistics of the last computation.
-    const TransformStatistics& statistics() const;
+    KeptMemory memory() const;
 
     /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
-    Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {});
+    Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
 private:
     struct State;

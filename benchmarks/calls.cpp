@@ -1,0 +1,292 @@
+#include "benchmarks/calls.hpp"
+
+#include "benchmarks/cost.hpp"
+
+#include <clsdf/reference.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <random>
+
+namespace clsdf::bench {
+
+namespace {
+
+constexpr double band_voxels = 3;
+
+double seconds_of(const std::function<void()>& calls) {
+    const CostWatch watch;
+    calls();
+    return watch.cost().wall;
+}
+
+/// Holds random samples of fields against the reference.
+class Judge {
+public:
+    Judge(const Mesh& mesh, std::uint64_t seed) : oracle_(mesh), random_(seed) {}
+
+    void look_at(const Field& field, std::size_t samples, CallCost& cost) {
+        std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
+        for (std::size_t n = 0; n < samples; ++n) look_at_sample(field, any(random_), cost);
+    }
+
+private:
+    void look_at_sample(const Field& field, std::size_t offset, CallCost& cost) {
+        const Grid& grid = field.grid;
+        const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
+        const Index3 at{static_cast<std::int64_t>(offset % nx), static_cast<std::int64_t>(offset / nx % ny),
+                        static_cast<std::int64_t>(offset / (nx * ny))};
+        Vec3 point{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = grid.origin[axis] + static_cast<double>(grid.first[axis] + at[axis]) * grid.spacing[axis];
+        const double distance = oracle_.nearest(point).distance;
+        const std::optional<int> winding = oracle_.winding_number(point);
+        const bool inside = winding.has_value() && *winding != 0;
+        const double expected =
+            inside ? -std::min(distance, field.band.inside) : std::min(distance, field.band.outside);
+        const auto value = static_cast<double>(field.distance[offset]);
+        const double error = std::abs(value - expected);
+        const double ulp = std::abs(expected) * static_cast<double>(std::numeric_limits<float>::epsilon());
+        ++cost.judged;
+        if (!(error <= std::max(2 * ulp, 1e-5 * grid.voxel()))) ++cost.wrong;
+        if (distance < (inside ? field.band.inside : field.band.outside))
+            cost.max_error_voxels = std::max(cost.max_error_voxels, error / grid.voxel());
+    }
+
+    reference::Oracle oracle_;
+    std::mt19937_64 random_;
+};
+
+struct Job {
+    const Mesh& mesh;
+    const Device& device;
+    const MeasureOptions& options;
+    bool is_quick;
+
+    std::int64_t scaled(std::int64_t resolution) const { return is_quick ? resolution / 8 : resolution; }
+
+    Grid grid(std::int64_t resolution) const {
+        const double side = mesh.box().longest_side();
+        const auto samples = static_cast<double>(scaled(resolution));
+        return Grid::around(mesh, scaled(resolution),
+                            Band::symmetric(band_voxels * side / (samples - 1 - 2 * band_voxels)));
+    }
+    static Band band(const Grid& grid) { return Band::symmetric(band_voxels * grid.voxel()); }
+    DistanceTransform transform() const { return {device, mesh}; }
+
+    /// Both kinds of calls take turns; each pair gives one ratio's parts.
+    template <typename Calls, typename Base>
+    void measure(CallCost& cost, const Calls& calls, const Base& base) const {
+        std::vector<double> seconds, base_seconds;
+        for (std::size_t n = 0; n < options.repetitions + 1; ++n) {
+            if (options.progress) options.progress(cost.name);
+            const double of_base = base();
+            const double of_calls = calls();
+            if (n == 0) continue;  // warms up
+            base_seconds.push_back(of_base);
+            seconds.push_back(of_calls);
+        }
+        cost.seconds = spread_of(seconds);
+        cost.base_seconds = spread_of(base_seconds);
+        cost.ratio = cost.seconds.median / cost.base_seconds.median;
+    }
+};
+
+CallCost measure_again(const Job& job, Judge& judge) {
+    CallCost cost{"again", "the same grid and band on a kept transform / its first call"};
+    cost.limit = 0.75;
+    const Grid grid = job.grid(256);
+    Field field = job.transform()(grid, Job::band(grid));
+    std::unique_ptr<DistanceTransform> transform;
+    const auto compute = [&] { transform->compute(grid, Job::band(grid), {field.distance, {}}); };
+    job.measure(
+        cost, [&] { return seconds_of(compute); },
+        [&] {
+            transform = std::make_unique<DistanceTransform>(job.device, job.mesh);
+            return seconds_of(compute);
+        });
+    judge.look_at(field, job.options.samples_judged, cost);
+    return cost;
+}
+
+/// Samples of a field, half of them in its band.
+std::vector<Index3> chosen_samples(const Field& field, std::size_t count, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
+    std::vector<Index3> chosen;
+    while (chosen.size() < count) {
+        const std::size_t offset = any(random);
+        const bool in_band = std::abs(static_cast<double>(field.distance[offset])) < 0.999 * field.band.outside;
+        if (in_band != (chosen.size() < count / 2)) continue;
+        const auto nx = static_cast<std::size_t>(field.grid.size[0]), ny = static_cast<std::size_t>(field.grid.size[1]);
+        chosen.push_back({static_cast<std::int64_t>(offset % nx), static_cast<std::int64_t>(offset / nx % ny),
+                          static_cast<std::int64_t>(offset / (nx * ny))});
+    }
+    return chosen;
+}
+
+CallCost measure_one_sample(const Job& job, Judge& judge) {
+    CallCost cost{"one_sample",
+                  "a grid of one sample, half of 64 in the band / a band of 10% on 256 samples a side, "
+                  "from the mesh's arrays"};
+    cost.limit = 1.0 / 50;
+    const Grid grid = job.grid(256);
+    const DistanceTransform transform = job.transform();
+    const std::vector<Index3> samples = chosen_samples(transform(grid, Job::band(grid)), 64, job.options.seed);
+    const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
+    const Grid around = Grid::around(job.mesh, job.scaled(256), wide);
+    Field whole = transform(around, wide);
+    job.measure(
+        cost,
+        [&] {
+            std::vector<double> seconds;
+            for (const Index3& sample : samples) {
+                float distance = 0;
+                const Grid one = grid.part(sample, {1, 1, 1});
+                seconds.push_back(seconds_of([&] {
+                    transform.compute(one, Job::band(grid), {.distance = {&distance, 1}});
+                }));
+            }
+            return spread_of(seconds).median;
+        },
+        [&] { return seconds_of([&] {
+                  job.transform().compute(around, wide, {whole.distance, {}});
+              }); });
+    for (const Index3& sample : samples)
+        judge.look_at(transform(grid.part(sample, {1, 1, 1}), Job::band(grid)), 1, cost);
+    return cost;
+}
+
+/// Boxes of 16 x 16 x 16 samples that hold a sample of the band, with two ghost samples a side.
+std::vector<Grid> patches_of(const Field& level) {
+    constexpr std::int64_t side = 16, ghosts = 2;
+    const Grid& grid = level.grid;
+    std::vector<Grid> patches;
+    for (std::int64_t z = 0; z + side <= grid.size[2]; z += side)
+        for (std::int64_t y = 0; y + side <= grid.size[1]; y += side)
+            for (std::int64_t x = 0; x + side <= grid.size[0]; x += side) {
+                bool meets_band = false;
+                for (std::int64_t n = 0; n < side * side * side && !meets_band; ++n) {
+                    const std::int64_t i = x + n % side, j = y + n / side % side, k = z + n / (side * side);
+                    const auto offset = static_cast<std::size_t>((k * grid.size[1] + j) * grid.size[0] + i);
+                    meets_band = std::abs(static_cast<double>(level.distance[offset])) < 0.999 * level.band.outside;
+                }
+                if (!meets_band) continue;
+                Grid patch = grid;
+                patch.first = {grid.first[0] + x - ghosts, grid.first[1] + y - ghosts, grid.first[2] + z - ghosts};
+                patch.size = {side + 2 * ghosts, side + 2 * ghosts, side + 2 * ghosts};
+                patches.push_back(patch);
+            }
+    return patches;
+}
+
+CallCost measure_patches(const Job& job, Judge& judge) {
+    CallCost cost{"patches", "512 boxes of 20^3 on levels of 128, 256 and 512, a call each / the levels whole"};
+    cost.limit = 10;
+    std::vector<Field> levels;
+    std::vector<Grid> patches;
+    for (const std::int64_t resolution : {128, 256, 512}) {
+        const Grid grid = job.grid(resolution);
+        levels.push_back(job.transform()(grid, Job::band(grid)));
+        const std::vector<Grid> of_level = patches_of(levels.back());
+        patches.insert(patches.end(), of_level.begin(), of_level.end());
+    }
+    std::shuffle(patches.begin(), patches.end(), std::mt19937_64(job.options.seed));
+    patches.resize(std::min<std::size_t>(patches.size(), 512));
+    std::unique_ptr<DistanceTransform> transform;
+    Field box;
+    job.measure(
+        cost,
+        [&] {
+            transform = std::make_unique<DistanceTransform>(job.device, job.mesh);
+            return seconds_of([&] {
+                for (const Grid& patch : patches) {
+                    box.distance.resize(patch.sample_count());
+                    transform->compute(patch, Job::band(patch), {box.distance, {}});
+                }
+            });
+        },
+        [&] {
+            transform = std::make_unique<DistanceTransform>(job.device, job.mesh);
+            return seconds_of([&] {
+                for (Field& level : levels) transform->compute(level.grid, level.band, {level.distance, {}});
+            });
+        });
+    for (const Grid& patch : patches)
+        judge.look_at((*transform)(patch, Job::band(patch)),
+                      std::max<std::size_t>(1, job.options.samples_judged / patches.size()), cost);
+    return cost;
+}
+
+std::vector<Vec3> twisted(const Mesh& mesh) {
+    std::vector<Vec3> positions = mesh.vertices();
+    const double per_length = 0.2 / mesh.box().longest_side();
+    for (Vec3& p : positions) {
+        const double turn = per_length * p[0];
+        p = {p[0], std::cos(turn) * p[1] - std::sin(turn) * p[2], std::sin(turn) * p[1] + std::cos(turn) * p[2]};
+    }
+    return positions;
+}
+
+CallCost measure_moved(const Job& job) {
+    CallCost cost{"moved", "vertices move, and a field / a transform is made, and its first field"};
+    cost.limit = 0.7;
+    const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
+    const Grid grid = job.grid(256);
+    const Band band = Job::band(grid);
+    Field field = job.transform()(grid, band);
+    DistanceTransform transform = job.transform();
+    job.measure(
+        cost,
+        [&] {
+            transform.move(job.mesh.vertices());
+            transform.compute(grid, band, {field.distance, {}});
+            return seconds_of([&] {
+                transform.move(moved.vertices());
+                transform.compute(grid, band, {field.distance, {}});
+            });
+        },
+        [&] {
+            return seconds_of([&] { DistanceTransform(job.device, moved).compute(grid, band, {field.distance, {}}); });
+        });
+    Judge(moved, job.options.seed).look_at(transform(grid, band), job.options.samples_judged, cost);
+    return cost;
+}
+
+CallCost measure_small_meshes(const Job& job) {
+    CallCost cost{"small_meshes", "1000 transforms of 512 triangles, 32 samples a side each / one field of 256 a side"};
+    const Mesh small = make_shape("sphere3");
+    const Band band = Band::symmetric(0.2);
+    const Grid grid = Grid::around(small, 32, band);
+    const Grid large = job.grid(256);
+    Field field = DistanceTransform(job.device, small)(grid, band);
+    Field whole = job.transform()(large, Job::band(large));
+    job.measure(
+        cost,
+        [&] {
+            return seconds_of([&] {
+                for (int n = 0; n < (job.is_quick ? 100 : 1000); ++n)
+                    DistanceTransform(job.device, small).compute(grid, band, {field.distance, {}});
+            });
+        },
+        [&] { return seconds_of([&] {
+                  job.transform().compute(large, Job::band(large), {whole.distance, {}});
+              }); });
+    Judge(small, job.options.seed).look_at(field, job.options.samples_judged, cost);
+    return cost;
+}
+
+}  // namespace
+
+std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, const MeasureOptions& options,
+                                    bool is_quick) {
+    const Job job{mesh, device, options, is_quick};
+    Judge judge(mesh, options.seed);
+    return {measure_again(job, judge), measure_one_sample(job, judge), measure_patches(job, judge), measure_moved(job),
+            measure_small_meshes(job)};
+}
+
+}  // namespace clsdf::bench
