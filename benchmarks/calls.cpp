@@ -135,7 +135,10 @@ CallCost measure_one_sample(const Job& job, Judge& judge) {
     cost.limit = 1.0 / 50;
     const Grid grid = job.grid(256);
     const DistanceTransform transform = job.transform();
-    const std::vector<Index3> samples = chosen_samples(transform(grid, Job::band(grid)), 64, job.options.seed);
+    // Others each time: a sample of an earlier call is kept.
+    const Field field = transform(grid, Job::band(grid));
+    std::uint64_t seed = job.options.seed;
+    std::vector<Index3> samples;
     const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
     const Grid around = Grid::around(job.mesh, job.scaled(256), wide);
     Field whole = transform(around, wide);
@@ -143,6 +146,7 @@ CallCost measure_one_sample(const Job& job, Judge& judge) {
         cost,
         [&] {
             std::vector<double> seconds;
+            samples = chosen_samples(field, 64, ++seed);
             for (const Index3& sample : samples) {
                 float distance = 0;
                 const Grid one = grid.part(sample, {1, 1, 1});

@@ -16,13 +16,13 @@ namespace clsdf::bench {
 struct CallCost {
     std::string name;
     std::string what;
-    Spread seconds;               ///< of the calls
-    Spread base_seconds;          ///< of those that they are divided by
-    double ratio = 0;             ///< of the medians
-    std::optional<double> limit;  ///< that the ratio is to keep
-    std::size_t judged = 0;       ///< samples held against the reference, all of the calls' own fields
-    std::size_t wrong = 0;        ///< off by more than 1e-5 voxel and 2 ulp, or with a wrong sign
-    double max_error_voxels = 0;  ///< of the band's samples
+    Spread seconds{};               ///< of the calls
+    Spread base_seconds{};          ///< of those that they are divided by
+    double ratio = 0;               ///< of the medians
+    std::optional<double> limit{};  ///< that the ratio is to keep
+    std::size_t judged = 0;         ///< samples held against the reference, all of the calls' own fields
+    std::size_t wrong = 0;          ///< off by more than 1e-5 voxel and 2 ulp, or with a wrong sign
+    double max_error_voxels = 0;    ///< of the band's samples
 };
 
 /// The calls of a time step: a grid again, one sample, patches of three levels, vertices that move, many small meshes.

@@ -116,6 +116,8 @@ struct DistanceTransform::State {
     std::list<KeptPlan> plans;  // that was used last first
 
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
+    /// For the grids of a time step. More would keep the memory that the next one needs.
+    static constexpr std::size_t most_plans = 4;
 
     State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call)
         : device(std::move(device_in)),
@@ -245,6 +247,7 @@ struct DistanceTransform::State {
     void keep(std::unique_ptr<Plan::State> plan, bool count) {
         if (scan == Scan::bricks) plans.push_front({count, std::move(plan)});
         plan.reset();
+        if (plans.size() > most_plans) plans.pop_back();
         const std::size_t budget =
             options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
         const std::size_t lattices = stages->device_bytes();

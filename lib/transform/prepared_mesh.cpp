@@ -202,7 +202,11 @@ PreparedMesh near_records(device::Context& context, const std::shared_ptr<device
         write_face_records(topology, frusta, lattice, piece.first,
                            filling.records().subspan(piece.record, piece.count));
     };
-    for_each_stretch(pieces.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { write(pieces[i]); });
+    // A thread is woken for some hundred microseconds of work, not for less.
+    if (near.face_count < 2048)
+        std::for_each(pieces.begin(), pieces.end(), write);
+    else
+        for_each_stretch(pieces.size(), 1, [&](std::size_t i, std::size_t, std::size_t) { write(pieces[i]); });
     return finish_with_sites(filling, near.face_count, topology, frusta, lattice, near.sites);
 }
 

@@ -16,12 +16,12 @@ namespace clsdf::transform {
 
 namespace {
 
-/// Where samples of the coarse bricks that overlap a grid lie, in the mesh's units.
-Box box_of_coarse_bricks(const Grid& grid, const Layout& layout) {
+/// Where the samples of some blocks of the lattice lie, in the mesh's units.
+Box box_of(const Grid& grid, const std::int32_t* first_block, const std::int32_t* blocks, int block) {
     Box box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double first = static_cast<double>(layout.coarse_first[axis]) * CLSDF_COARSE;
-        const double last = first + static_cast<double>(layout.coarse_bricks[axis]) * CLSDF_COARSE - 1;
+        const double first = static_cast<double>(first_block[axis]) * block;
+        const double last = first + static_cast<double>(blocks[axis]) * block - 1;
         box.lower[axis] = grid.origin[axis] + first * grid.spacing[axis];
         box.upper[axis] = grid.origin[axis] + last * grid.spacing[axis];
     }
@@ -134,7 +134,7 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign) {
 
 void Stages::set_records(const Grid& grid, const Layout& layout, Inputs& inputs) {
     const polyhedra::LatticeView view = lattice_of(grid);
-    const Box box = widened(box_of_coarse_bricks(grid, layout), reach_of(layout));
+    const Box box = widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout));
     Lattice& kept = lattice(grid);
     if (is_bounded(layout) && (geometry_ || is_small(share_of(mesh_.box(), box)))) {
         const Geometry& known = geometry();
@@ -164,7 +164,7 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inpu
     Lattice& kept = lattice(grid);
     if (geometry_) {
         // Rows run along x: what they cross on the way to the samples.
-        Box box = box_of_coarse_bricks(grid, layout);
+        Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
         box.lower[0] = -std::numeric_limits<double>::infinity();
         const polyhedra::NearRecords near = geometry_->index.near(widened(box, grid.voxel()));
         if (is_small(static_cast<double>(near.face_count) / static_cast<double>(geometry_->index.face_count())) &&

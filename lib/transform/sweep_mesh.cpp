@@ -1,5 +1,6 @@
 #include "transform/sweep_mesh.hpp"
 
+#include "core/parallel.hpp"
 #include "layout.h"
 #include "sweep.h"
 #include "transform/layout_of.hpp"
@@ -190,14 +191,20 @@ SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<
         // Each face has vertices of its own.
         std::vector<Triangle> triangles(count);
         std::vector<SweepVertex> vertices(3 * count);
-        std::size_t n = 0;
-        for (const polyhedra::RecordRange& range : faces)
-            for (std::size_t face = range.begin; face < range.end; ++face, ++n)
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const std::uint32_t vertex = topology.faces.vertices[topology.faces.triangles[face][k]];
-                    lattice.snap(mesh.vertices()[vertex], vertices[3 * n + k]);
-                    triangles[n][k] = static_cast<std::uint32_t>(3 * n + k);
-                }
+        std::size_t begin = 0;
+        for (const polyhedra::RecordRange& range : faces) {
+            for_each_range(range.end - range.begin, [&](std::size_t from, std::size_t to) {
+                for (std::size_t i = from; i < to; ++i)
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const std::size_t n = 3 * (begin + i) + k;
+                        const std::uint32_t vertex =
+                            topology.faces.vertices[topology.faces.triangles[range.begin + i][k]];
+                        lattice.snap(mesh.vertices()[vertex], vertices[n]);
+                        triangles[begin + i][k] = static_cast<std::uint32_t>(n);
+                    }
+            });
+            begin += range.end - range.begin;
+        }
         const cl::CommandQueue& queue = context.queue();
         queue.enqueueWriteBuffer(*result.triangles, CL_FALSE, 0, count * sizeof(Triangle), triangles.data());
         queue.enqueueWriteBuffer(*result.vertices, CL_TRUE, 0, vertices.size() * sizeof(SweepVertex), vertices.data());
