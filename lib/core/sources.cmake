@@ -9,6 +9,5 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/method.cpp
           ${CMAKE_CURRENT_LIST_DIR}/parallel_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/quoted.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/scratch_memory.cpp
           ${CMAKE_CURRENT_LIST_DIR}/unfinished_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/version.cpp)

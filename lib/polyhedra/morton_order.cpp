@@ -176,14 +176,14 @@ private:
 
 }  // namespace
 
-UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh, ScratchMemory* scratch) {
+UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
     const std::size_t count = mesh.triangles().size();
     // Of a coordinate and of a digit. Few triangles are told apart by fewer, which are sorted sooner.
     const unsigned bits = count <= std::size_t{1} << 17 ? 8 : most_bits;
     const CentroidCodes centroids(mesh, bits);
-    UninitializedVector<Keyed> memory(2 * count, scratch);  // in one piece, as large as what is needed next
+    UninitializedVector<Keyed> memory(2 * count);  // in one piece, as large as what is needed next
     const std::span<Keyed> keyed = std::span(memory).first(count);
-    UninitializedVector<std::uint32_t> order(count, scratch);
+    UninitializedVector<std::uint32_t> order(count);
     const auto encode = [&](std::size_t begin, std::size_t end) {
         for (std::size_t first = begin; first < end; first += lanes) {
             centroids.fetch_ahead(first + 8 * lanes);

@@ -140,8 +140,8 @@ private:
     std::vector<Part> parts_;
 };
 
-OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch)
-    : start_(vertex_count + 1, scratch), corners_(3 * checked_face_count(triangles.size()), scratch) {
+OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count)
+    : start_(vertex_count + 1), corners_(3 * checked_face_count(triangles.size())) {
     const std::size_t size = stretch_for_all_cores(triangles.size(), OrderedFaces::stretch);
     const std::size_t parts = std::max<std::size_t>(1, stretch_count(triangles.size(), size));
     std::vector<Filing::Border> borders;
@@ -150,8 +150,8 @@ OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count
     Filing(triangles, std::move(borders), *this).run();
 }
 
-OneRings::OneRings(const OrderedFaces& faces, ScratchMemory* scratch)
-    : start_(faces.vertices.size() + 1, scratch), corners_(3 * faces.triangles.size(), scratch) {
+OneRings::OneRings(const OrderedFaces& faces)
+    : start_(faces.vertices.size() + 1), corners_(3 * faces.triangles.size()) {
     const std::size_t count = faces.triangles.size();
     const std::size_t size = stretch_for_all_cores(count, OrderedFaces::stretch);
     std::vector<Filing::Border> borders;

@@ -41,10 +41,10 @@ std::size_t checked_face_count(std::size_t count);
 class OneRings {
 public:
     /// Throws Error(unsupported) for more than most_faces.
-    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count, ScratchMemory* scratch = nullptr);
+    OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
 
     /// Of the same triangles, but sooner: nearly all corners are at vertices that the core's own faces name first.
-    explicit OneRings(const OrderedFaces& faces, ScratchMemory* scratch = nullptr);
+    explicit OneRings(const OrderedFaces& faces);
 
     std::size_t vertex_count() const { return start_.size() - 1; }
 

@@ -18,25 +18,25 @@ namespace {
 /// belongs to the first of them, which is the first to name it: how far the others were makes no difference.
 class Numbering {
 public:
-    Numbering(const Mesh& mesh, std::span<const std::uint32_t> order, OrderedFaces& faces, ScratchMemory* scratch)
-        : mesh_(mesh), order_(order), faces_(faces), numbers_(mesh.vertices().size(), scratch) {
+    Numbering(const Mesh& mesh, std::span<const std::uint32_t> order, OrderedFaces& faces)
+        : mesh_(mesh), order_(order), faces_(faces), numbers_(mesh.vertices().size()) {
         const std::size_t size = stretch_for_all_cores(order.size(), OrderedFaces::stretch);
         for (std::size_t begin = 0; begin < order.size(); begin += size)
             parts_.push_back({begin, std::min(order.size(), begin + size)});
     }
 
-    void run(ScratchMemory* scratch) {
+    void run() {
         for_each_index(numbers_.size(), [&](std::size_t vertex) { numbers_[vertex] = none; });
-        faces_.triangles = UninitializedVector<Triangle>(order_.size(), scratch);
+        faces_.triangles = UninitializedVector<Triangle>(order_.size());
         faces_.first_vertices.resize(stretch_count(order_.size(), OrderedFaces::stretch) + 1);
         // With room for what is stored and not counted.
-        faces_.vertices = UninitializedVector<std::uint32_t>(numbers_.size() + 1, scratch);
+        faces_.vertices = UninitializedVector<std::uint32_t>(numbers_.size() + 1);
         std::uint32_t count = 0;
         if (parts_.size() == 1) {
             list(parts_[0], faces_.vertices);
             count = parts_[0].list_end;
         } else if (parts_.size() > 1) {
-            UninitializedVector<std::uint32_t> listed(3 * order_.size(), scratch);
+            UninitializedVector<std::uint32_t> listed(3 * order_.size());
             for_each_part([&](Part& part) { list(part, listed); });
             find_shared(listed);
             for (Part& part : parts_) part.first = std::exchange(count, count + part.own_before(part.list_end));
@@ -157,10 +157,10 @@ private:
 
 }  // namespace
 
-OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order, ScratchMemory* scratch) {
+OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order) {
     checked_face_count(order.size());
     OrderedFaces faces;
-    Numbering(mesh, order, faces, scratch).run(scratch);
+    Numbering(mesh, order, faces).run();
     return faces;
 }
 

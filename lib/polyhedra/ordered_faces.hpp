@@ -24,6 +24,6 @@ struct OrderedFaces {
 };
 
 /// `order`: the mesh's index of each face. Throws Error(unsupported) for 2^30 faces or more.
-OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order, ScratchMemory* scratch = nullptr);
+OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order);
 
 }  // namespace clsdf::polyhedra

@@ -125,9 +125,9 @@ private:
 
 }  // namespace
 
-PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings, ScratchMemory* scratch) {
+PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings) {
     PairedEdges result;
-    result.faces = UninitializedVector<FaceEdges>(triangles.size(), scratch);
+    result.faces = UninitializedVector<FaceEdges>(triangles.size());
     // One after the other first: those around vertices would be waited for, as memory that is far.
     for_each_index(triangles.size(), [&](std::size_t face) { result.faces[face] = {}; });
     std::mutex mutex;

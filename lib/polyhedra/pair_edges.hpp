@@ -21,6 +21,6 @@ struct PairedEdges {
     std::size_t non_manifold_corners = 0;  ///< of faces, at such edges
 };
 
-PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings, ScratchMemory* scratch = nullptr);
+PairedEdges pair_edges(std::span<const Triangle> triangles, const OneRings& rings);
 
 }  // namespace clsdf::polyhedra
