@@ -81,7 +81,8 @@ void Stages::move(std::vector<Vec3> positions) {
     if (has_leaned_frusta()) topology();  // of the first positions
     mesh_.move(std::move(positions));
     lattices_.clear();
-    geometry_.reset();
+    frusta_.reset();
+    index_.reset();
 }
 
 const polyhedra::MeshTopology& Stages::topology() {
@@ -89,16 +90,14 @@ const polyhedra::MeshTopology& Stages::topology() {
     return *topology_;
 }
 
-const Stages::Geometry& Stages::geometry() {
-    if (!geometry_) {
-        set_geometry(polyhedra::make_frusta(topology(), mesh_.vertices()));
-    }
-    return *geometry_;
+const polyhedra::Frusta& Stages::frusta() {
+    if (!frusta_) frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+    return *frusta_;
 }
 
-void Stages::set_geometry(polyhedra::Frusta frusta) {
-    polyhedra::ClusterIndex index(topology(), frusta);
-    geometry_.emplace(Geometry{std::move(frusta), std::move(index)});
+const polyhedra::ClusterIndex& Stages::index() {
+    if (!index_) index_.emplace(topology(), frusta());
+    return *index_;
 }
 
 Stages::Lattice& Stages::lattice(const Grid& grid) {
@@ -119,7 +118,7 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign) {
             const bool is_leaned = has_leaned_frusta();
             inputs.records = std::make_shared<const PreparedMesh>(
                 records_with_pieces(context_, pool_, mesh_, grid, layout, options_, is_leaned ? &topology() : nullptr,
-                                    is_leaned ? &geometry().frusta : nullptr));
+                                    is_leaned ? &frusta() : nullptr));
         } else {
             set_records(grid, layout, inputs);
         }
@@ -136,44 +135,42 @@ void Stages::set_records(const Grid& grid, const Layout& layout, Inputs& inputs)
     const polyhedra::LatticeView view = lattice_of(grid);
     const Box box = widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout));
     Lattice& kept = lattice(grid);
-    if (is_bounded(layout) && (geometry_ || is_small(share_of(mesh_.box(), box)))) {
-        const Geometry& known = geometry();
-        const polyhedra::NearRecords near = known.index.near(box);
-        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(known.index.face_count())))
-            inputs.records = std::make_shared<const PreparedMesh>(
-                near_records(context_, pool_, topology(), known.frusta, view, near));
+    if (is_bounded(layout) && is_small(share_of(mesh_.box(), box))) {
+        const polyhedra::NearRecords near = index().near(box);
+        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
+            inputs.records =
+                std::make_shared<const PreparedMesh>(near_records(context_, pool_, topology(), frusta(), view, near));
     }
     if (!inputs.records && !kept.records) {
-        if (geometry_) {
+        if (frusta_) {
             kept.records =
-                std::make_shared<const PreparedMesh>(all_records(context_, pool_, topology(), geometry_->frusta, view));
+                std::make_shared<const PreparedMesh>(all_records(context_, pool_, topology(), *frusta_, view));
         } else {
             FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, view);
-            set_geometry(std::move(first.frusta));
+            frusta_.emplace(std::move(first.frusta));
             kept.records = std::make_shared<const PreparedMesh>(std::move(first.records));
         }
     }
     if (!inputs.records) inputs.records = kept.records;
     if (has_uniform_caps(layout)) return;
-    if (!kept.points)
-        kept.points = std::make_shared<const SurfacePoints>(surface_points(topology(), geometry().frusta, view));
+    if (!kept.points) kept.points = std::make_shared<const SurfacePoints>(surface_points(topology(), frusta(), view));
     inputs.points = kept.points;
 }
 
 void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inputs) {
-    Lattice& kept = lattice(grid);
-    if (geometry_) {
-        // Rows run along x: what they cross on the way to the samples.
-        Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
-        box.lower[0] = -std::numeric_limits<double>::infinity();
-        const polyhedra::NearRecords near = geometry_->index.near(widened(box, grid.voxel()));
-        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(geometry_->index.face_count())) &&
-            is_within_sweep(mesh_, grid)) {
+    // Rows run along x: what they cross on the way to the samples.
+    Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
+    box.lower[0] = -std::numeric_limits<double>::infinity();
+    box = widened(box, grid.voxel());
+    if (has_leaned_frusta() && is_small(share_of(mesh_.box(), box)) && is_within_sweep(mesh_, grid)) {
+        const polyhedra::NearRecords near = index().near(box);
+        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count()))) {
             inputs.sweep_mesh = std::make_shared<const SweepMesh>(
                 near_sweep_mesh(context_, pool_, grid, mesh_, topology(), near.faces));
             return;
         }
     }
+    Lattice& kept = lattice(grid);
     if (!kept.sweep_mesh)
         kept.sweep_mesh = std::make_shared<const SweepMesh>(make_sweep_mesh(context_, pool_, grid, mesh_));
     inputs.sweep_mesh = kept.sweep_mesh;
@@ -198,8 +195,7 @@ std::size_t Stages::record_bytes() const {
 }
 
 std::size_t Stages::host_bytes() const {
-    return (topology_ ? topology_->bytes() : 0) +
-           (geometry_ ? geometry_->frusta.bytes() + geometry_->index.bytes() : 0);
+    return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0);
 }
 
 }  // namespace clsdf::transform

@@ -66,15 +66,11 @@ private:
 
         std::size_t bytes() const;
     };
-    struct Geometry {
-        polyhedra::Frusta frusta;
-        polyhedra::ClusterIndex index;
-    };
 
     bool has_leaned_frusta() const { return options_.polyhedra == Polyhedra::leaned; }
     const polyhedra::MeshTopology& topology();
-    const Geometry& geometry();
-    void set_geometry(polyhedra::Frusta frusta);
+    const polyhedra::Frusta& frusta();
+    const polyhedra::ClusterIndex& index();
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
     void set_records(const Grid& grid, const Layout& layout, Inputs& inputs);
@@ -86,8 +82,9 @@ private:
     TransformOptions options_;
     Scan scan_;
     std::optional<polyhedra::MeshTopology> topology_;
-    std::optional<Geometry> geometry_;
-    std::list<Lattice> lattices_;  // that was used last first
+    std::optional<polyhedra::Frusta> frusta_;
+    std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
+    std::list<Lattice> lattices_;                   // that was used last first
 };
 
 }  // namespace clsdf::transform
