@@ -78,24 +78,23 @@ struct SweepLattice {
           view(lattice_of(grid)),
           bits_y(bits_of(grid.spacing[1] / grid.voxel())),
           bits_z(bits_of(grid.spacing[2] / grid.voxel())),
-          first_x(first_x_of(mesh, grid, view)) {}
+          first_x(first_x_of(mesh, grid, view)),
+          scale_y(std::ldexp(1.0, bits_y)),
+          scale_z(std::ldexp(1.0, bits_z)) {}
 
-    /// On an axis, in snapped steps.
-    double steps(std::size_t axis, const Place& at) const {
-        return std::nearbyint((at.sample + at.past) * std::ldexp(1.0, axis == 1 ? bits_y : bits_z));
-    }
     Place place(std::size_t axis, double position) const { return place_of(position, grid, view, axis); }
 
     /// Whether the vertex lies within the sweep's integers; then `vertex` is set.
     bool snap(const Vec3& position, SweepVertex& vertex) const {
         const Place on_x = place(0, position[0]), on_y = place(1, position[1]), on_z = place(2, position[2]);
-        if (!(std::abs(steps(1, on_y)) < snapped_limit) || !(std::abs(steps(2, on_z)) < snapped_limit)) return false;
-        const auto snapped = [](const Place& at, int bits) {
-            const double scale = std::ldexp(1.0, bits);
+        if (!(std::abs(std::nearbyint((on_y.sample + on_y.past) * scale_y)) < snapped_limit) ||
+            !(std::abs(std::nearbyint((on_z.sample + on_z.past) * scale_z)) < snapped_limit))
+            return false;
+        const auto snapped = [](const Place& at, double scale) {
             return static_cast<std::int64_t>(at.sample * scale) +
                    static_cast<std::int64_t>(std::nearbyint(at.past * scale));
         };
-        vertex = {snapped(on_y, bits_y), snapped(on_z, bits_z), (on_x.sample - first_x) + on_x.past};
+        vertex = {snapped(on_y, scale_y), snapped(on_z, scale_z), (on_x.sample - first_x) + on_x.past};
         return true;
     }
 
@@ -103,6 +102,7 @@ struct SweepLattice {
     polyhedra::LatticeView view;
     int bits_y, bits_z;
     std::int32_t first_x;
+    double scale_y, scale_z;
 };
 
 device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const std::shared_ptr<device::BufferPool>& pool,
