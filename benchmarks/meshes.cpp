@@ -2,7 +2,7 @@
 
 #include <clsdf/error.hpp>
 #include <clsdf/io.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <fmt/format.h>
 

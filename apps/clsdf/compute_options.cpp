@@ -44,14 +44,6 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
     throw Error(ErrorCode::invalid_argument, fmt::format("{}: expected {}, not '{}'", option, expected, text));
 }
 
-Length parse_length(const std::string& option, const std::string& text) {
-    try {
-        return Length::parse(text);
-    } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", option, error.what()));
-    }
-}
-
 Grid parse_stated_grid(const ComputeOptions& options) {
     if (options.size.empty() || options.origin.empty() || options.spacing.empty())
         throw Error(
@@ -167,10 +159,13 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
 ComputeRequest::ComputeRequest(const ComputeOptions& options)
     : band_inside(parse_length("--band", options.band)),
       band_outside(band_inside),
-      sign(clsdf::parse_sign_rule(options.sign)),
+      sign(value_named(options.sign, {clsdf::SignRule::automatic, clsdf::SignRule::nonzero, clsdf::SignRule::parity,
+                                      clsdf::SignRule::none})),
       outputs(parse_outputs(options.with)),
-      polyhedra(clsdf::parse_polyhedra(options.polyhedra)),
-      scan(resolve_scan(polyhedra, clsdf::parse_scan(options.scan))) {
+      polyhedra(value_named(options.polyhedra,
+                            {clsdf::Polyhedra::leaned, clsdf::Polyhedra::peikert_sigg, clsdf::Polyhedra::mauch})),
+      scan(resolve_scan(
+          polyhedra, value_named(options.scan, {clsdf::Scan::automatic, clsdf::Scan::bricks, clsdf::Scan::slices}))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
     if (!options.size.empty() || !options.origin.empty()) {

@@ -2,7 +2,7 @@
 
 #include "exit_status.hpp"
 
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <algorithm>
 #include <cctype>

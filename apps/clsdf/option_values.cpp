@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace {
 
@@ -75,4 +76,28 @@ CLI::Validator file_name() {
                     "name a file (./- is one with that name)");
             },
             ""};
+}
+
+clsdf::Length parse_length(const std::string& option, const std::string& text) {
+    using clsdf::Length;
+    if (text == "full") return Length::infinite();
+
+    std::string_view digits = text;
+    Length::Unit unit = Length::Unit::mesh;
+    if (digits.ends_with('%'))
+        unit = Length::Unit::extent;
+    else if (digits.ends_with('v'))
+        unit = Length::Unit::voxels;
+    if (unit != Length::Unit::mesh) digits.remove_suffix(1);
+
+    double value = 0;
+    const char* end = digits.data() + digits.size();
+    const auto [stop, error] = std::from_chars(digits.data(), end, value);
+    if (error != std::errc() || stop != end || !std::isfinite(value) || value < 0)
+        throw clsdf::Error(
+            clsdf::ErrorCode::invalid_argument,
+            fmt::format("{}: \"{}\" is not a length: write 10% (of the longest side of the mesh's box), 3v (voxels), "
+                        "0.05 (the mesh's units) or full",
+                        option, text));
+    return {unit == Length::Unit::extent ? value / 100 : value, unit};
 }

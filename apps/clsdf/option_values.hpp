@@ -1,8 +1,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <clsdf/error.hpp>
+#include <clsdf/grid.hpp>
 
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -23,6 +26,17 @@ CLI::Validator finite_number_of_0_or_more();
 CLI::Validator not_empty();
 /// Not empty, and not "-": a file's ending chooses its format, and no half file may appear.
 CLI::Validator file_name();
+
+/// The value whose name_of() is the text. The words that the option takes are their names.
+template <class Value>
+Value value_named(const std::string& text, std::initializer_list<Value> values) {
+    for (const Value value : values)
+        if (text == name_of(value)) return value;
+    throw clsdf::Error(clsdf::ErrorCode::invalid_argument, "'" + text + "' is not among the option's words");
+}
+
+/// "10%", "3v", "0.05" or "full". Throws Error(invalid_argument) that names the option and quotes the text.
+clsdf::Length parse_length(const std::string& option, const std::string& text);
 
 /// Beyond what any grid has along an axis.
 inline constexpr std::uint64_t most_samples_on_a_side = std::uint64_t{1} << 30;

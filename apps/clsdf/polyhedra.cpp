@@ -98,12 +98,7 @@ double half_width_of(const std::string& text, const Mesh& mesh) {
                                  "side of its box",
                                  what));
     };
-    clsdf::Length length;
-    try {
-        length = clsdf::Length::parse(text);
-    } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("--half-width: {}", error.what()));
-    }
+    const clsdf::Length length = parse_length("--half-width", text);
     if (length.is_infinite()) throw wrong("polyhedra have an end");
     if (length.unit == clsdf::Length::Unit::voxels) throw wrong("there are no voxels here");
     const double result = length.resolve(0, mesh.box().longest_side());

@@ -71,7 +71,7 @@ public:
         const clsdf::Field field = clsdf::DistanceTransform(device_, mesh_)(clsdf::Grid::around(mesh_, 8, band), band);
         clsdf::picture::SurfaceOptions options;
         options.width = options.height = 16;
-        options.stop = stop_;
+        options.should_stop = [this] { return stop_.stop_requested(); };
         clsdf::picture::SurfacePictures(field, device_).hits(options);
         return {"render", watch.seconds()};
     }

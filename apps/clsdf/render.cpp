@@ -107,7 +107,7 @@ ExitStatus run(RenderOptions options, Report& report) {
     const clsdf::Field field = clsdf::read_field(options.field);
     const Interruption interruption;
     ProgressBar progress(!report.quiet);
-    options.picture.stop = interruption.token();
+    options.picture.should_stop = [&interruption] { return interruption.token().stop_requested(); };
     options.picture.progress = [&](double fraction) { progress.show(fraction); };
     double level = 0;
     clsdf::picture::Axis upright{};

@@ -23,23 +23,10 @@ const char* name_of(Polyhedra polyhedra) {
     return "";
 }
 
-Polyhedra parse_polyhedra(const std::string& text) {
-    for (const auto& [kind, name] : polyhedra_names)
-        if (text == name) return kind;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("'{}' is no kind of polyhedra; there are leaned, peikert-sigg and mauch", text));
-}
-
 const char* name_of(Scan scan) {
     for (const auto& [kind, name] : scan_names)
         if (kind == scan) return name;
     return "";
-}
-
-Scan parse_scan(const std::string& text) {
-    for (const auto& [kind, name] : scan_names)
-        if (text == name) return kind;
-    throw Error(ErrorCode::invalid_argument, fmt::format("'{}' is no scan; there are auto, bricks and slices", text));
 }
 
 Scan resolve_scan(Polyhedra polyhedra, Scan asked) {

@@ -1,11 +1,8 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/band.cpp
           ${CMAKE_CURRENT_LIST_DIR}/grid.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/grid_around.cpp
           ${CMAKE_CURRENT_LIST_DIR}/large_memory.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/length.cpp
           ${CMAKE_CURRENT_LIST_DIR}/method.cpp
           ${CMAKE_CURRENT_LIST_DIR}/parallel_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/quoted.cpp

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/export.hpp>
+
 #include <filesystem>
 #include <mutex>
 #include <set>
@@ -12,7 +14,9 @@ namespace clsdf {
 ///
 /// A writer locks its file (flock) until the file has its final name or is removed; the system drops the lock when the
 /// process ends in whatever way. So an unfinished file that can be locked has no writer any more.
-struct UnfinishedFiles {
+///
+/// The shared library shows this to the libraries beside it: there is one list in a process.
+struct CLSDF_EXPORT UnfinishedFiles {
     std::mutex mutex;
     std::set<std::string> names;
 
@@ -27,10 +31,10 @@ struct UnfinishedFiles {
 /// its path. Negative, with errno, where it cannot be created. It is not locked on a file system that machines share.
 ///
 /// The process's first file in a folder also removes the stale ones there.
-int create_unfinished_file(const std::filesystem::path& folder, std::string& name);
+CLSDF_EXPORT int create_unfinished_file(const std::filesystem::path& folder, std::string& name);
 
 /// Removes the unfinished files of this user in the folder whose writers are gone. Removes none on NFS and other file
 /// systems that machines share, nor on any that is not known to belong to one machine and to keep locks.
-void remove_stale_files(const std::filesystem::path& folder) noexcept;
+CLSDF_EXPORT void remove_stale_files(const std::filesystem::path& folder) noexcept;
 
 }  // namespace clsdf

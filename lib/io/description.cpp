@@ -1,5 +1,6 @@
 #include "io/description.hpp"
 
+#include "core/quoted.hpp"
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 
@@ -100,7 +101,7 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
     field.band = {reader.width(member("band/inside")), reader.width(member("band/outside"))};
     field.band.validate();
     field.mesh_name = reader.text(member("mesh"));
-    field.sign = reader.has(member("sign")) ? parse_sign_rule(reader.text(member("sign"))) : SignRule::automatic;
+    field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;
     for (const OutputKind& kind : extra_kinds()) {
         const std::string file = reader.text(member(kind.name));
         if (!file.empty()) result.files.emplace(kind.name, file);
@@ -126,6 +127,13 @@ std::string description_text(const FieldDescription& field, const std::map<std::
     for (const auto& [output, file] : files) object[output] = file;
     // A name of a mesh need not be UTF-8.
     return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+}
+
+SignRule sign_rule_of(const std::string& text) {
+    for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none})
+        if (text == name_of(rule)) return rule;
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("{} is no sign rule; there are auto, nonzero, parity and none", clsdf::quoted(text)));
 }
 
 Description read_description(const std::string& path) {

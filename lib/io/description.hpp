@@ -29,6 +29,9 @@ Description read_description(const std::string& path);
 /// looked at. `source` names the file, and what of it the text is.
 Description parse_description(const std::string& source, const std::string& text, const Grid& stated);
 
+/// The rule of that name. Throws Error(invalid_argument) that lists the names.
+SignRule sign_rule_of(const std::string& text);
+
 /// The same for a file that states no size; null where the text does not either.
 std::optional<Index3> described_size(const std::string& source, const std::string& text);
 

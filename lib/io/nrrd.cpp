@@ -1,9 +1,10 @@
 #include "core/quoted.hpp"
+#include "io/description.hpp"
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 
-#include <clsdf/box.hpp>
 #include <clsdf/error.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/version.hpp>
 
 #include <fmt/format.h>
@@ -307,7 +308,7 @@ Field read_nrrd(const std::string& path) {
     field.band.validate();
     if (const std::string* mesh = header.find_pair("clsdf_mesh")) field.mesh_name = *mesh;
     const std::string* sign = header.find_pair("clsdf_sign");
-    field.sign = sign == nullptr ? SignRule::automatic : parse_sign_rule(*sign);
+    field.sign = sign == nullptr ? SignRule::automatic : sign_rule_of(*sign);
     read_output(file, values, distance_kind(), field);
     for (const OutputKind& kind : extra_kinds()) {
         const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", kind.name));

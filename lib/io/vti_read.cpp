@@ -2,7 +2,7 @@
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 
-#include <clsdf/box.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <expat.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include <clsdf/defects.hpp>
+#include <clsdf/topology.hpp>
 
 #include "mesh/equal_vertices.hpp"
 

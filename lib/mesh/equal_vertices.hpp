@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/box.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <cstdint>
 #include <span>

@@ -1,7 +1,7 @@
 #include <clsdf/error.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
-#include "mesh/nearest_name.hpp"
+#include "core/edit_distance.hpp"
 #include "mesh/shape_builders.hpp"
 
 #include <fmt/format.h>
@@ -14,6 +14,21 @@
 namespace clsdf {
 
 namespace {
+
+/// The candidate that is the fewest insertions, deletions and replacements of one character away from the text, the
+/// first of several; empty if there is no candidate.
+std::string nearest_name(std::string_view text, std::span<const std::string> candidates) {
+    std::string nearest;
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (const std::string& candidate : candidates) {
+        const std::size_t distance = edit_distance(text, candidate);
+        if (distance < least) {
+            least = distance;
+            nearest = candidate;
+        }
+    }
+    return nearest;
+}
 
 struct Shape {
     ShapeName name;

@@ -1,7 +1,4 @@
-#include "core/quoted.hpp"
-
 #include <clsdf/error.hpp>
-#include <clsdf/sign.hpp>
 #include <clsdf/topology.hpp>
 
 #include <fmt/format.h>
@@ -53,13 +50,6 @@ const char* name_of(SignRule rule) {
     for (const auto& [known, name] : names)
         if (known == rule) return name;
     return "unknown";
-}
-
-SignRule parse_sign_rule(const std::string& text) {
-    for (const auto& [rule, name] : names)
-        if (text == name) return rule;
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("{} is no sign rule; there are auto, nonzero, parity and none", quoted(text)));
 }
 
 ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology) {

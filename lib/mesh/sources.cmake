@@ -4,10 +4,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/directed_edges.cpp
           ${CMAKE_CURRENT_LIST_DIR}/equal_vertices.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/nearest_name.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shape_solids.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shape_surfaces.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shapes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/topology.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/weld.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/topology.cpp)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/band.hpp>
+#include <clsdf/grid.hpp>
 
 #include <array>
 

@@ -22,10 +22,10 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/tracer.cpp
           ${CMAKE_CURRENT_LIST_DIR}/upright.cpp)
 # The renderer's kernel is one of the library's; it and the host share kernels/render.h.
-target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/kernels)
+target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_options(clsdf_picture PRIVATE -ffp-contract=off)
 target_link_libraries(
   clsdf_picture
   PUBLIC clsdf::clsdf
-  PRIVATE OpenCL::OpenCL TBB::tbb fmt::fmt $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
+  PRIVATE $<BUILD_INTERFACE:clsdf_internals> OpenCL::OpenCL TBB::tbb fmt::fmt $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
           $<INSTALL_INTERFACE:cairo>)

@@ -55,7 +55,7 @@ Hits SurfacePictures::hits(const SurfaceOptions& options) const {
     const RenderView view = scene.view(options, camera, scene.shading(options, camera, manner), 1);
     const double voxel = scene.field().grid.voxel();
     Hits hits{camera.width(), camera.height(), {}};
-    scene.tracer().trace(view, options.stop, [&](int first_row, std::span<const RenderHit> found) {
+    scene.tracer().trace(view, options.should_stop, [&](int first_row, std::span<const RenderHit> found) {
         for (const RenderHit& hit : found) {
             Hit& pixel = hits.pixels.emplace_back();
             pixel.kind = kind_of(hit.kind);
@@ -160,7 +160,7 @@ void SurfacePictures::write(const SurfaceOptions& options, const std::string& pa
     const RenderView view = scene.view(options, camera, shading, options.rays);
     PixelSums sums(camera.width(), camera.height(), options.rays);
     std::atomic<bool> is_opened = false;
-    scene.tracer().trace(view, options.stop, [&](int first_row, std::span<const RenderHit> hits) {
+    scene.tracer().trace(view, options.should_stop, [&](int first_row, std::span<const RenderHit> hits) {
         sums.add(first_row, hits, [&](const RenderHit& hit) {
             if (hit.kind >= CLSDF_RENDER_CUT) is_opened.store(true, std::memory_order_relaxed);
             return shading(hit, hit.kind == CLSDF_RENDER_NOTHING ? 1 : camera.pixel_at(scene.position_of(hit)));

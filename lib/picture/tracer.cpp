@@ -67,7 +67,7 @@ RenderView Tracer::view() const {
     return view_;
 }
 
-void Tracer::trace(const RenderView& view, const std::stop_token& stop,
+void Tracer::trace(const RenderView& view, const std::function<bool()>& should_stop,
                    const std::function<void(int first_row, std::span<const RenderHit> hits)>& take) const {
     const auto columns = static_cast<std::size_t>(view.columns);
     const std::size_t most_rows = std::max<std::size_t>(1, piece_bytes / (columns * sizeof(RenderHit)));
@@ -80,7 +80,7 @@ void Tracer::trace(const RenderView& view, const std::stop_token& stop,
         std::size_t room = 0;
         std::size_t rows = first_launch_rows;
         for (int first = 0; first < view.rows;) {
-            if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled; no picture was written");
+            if (should_stop && should_stop()) throw Error(ErrorCode::cancelled, "cancelled; no picture was written");
             rows = std::min({rows, most_rows, static_cast<std::size_t>(view.rows - first)});
             if (rows * columns > room) {
                 room = rows * columns;

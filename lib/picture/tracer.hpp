@@ -11,7 +11,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <stop_token>
 
 namespace clsdf::picture {
 
@@ -29,7 +28,7 @@ public:
 
     /// Calls `take(first row, hits)` for rows of rays from the first to the last. No launch lasts much longer than a
     /// tenth of a second. Throws Error(cancelled).
-    void trace(const RenderView& view, const std::stop_token& stop,
+    void trace(const RenderView& view, const std::function<bool()>& should_stop,
                const std::function<void(int first_row, std::span<const RenderHit> hits)>& take) const;
 
 private:

@@ -3,7 +3,7 @@
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/records.hpp"
 
-#include <clsdf/box.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -27,7 +27,7 @@ CheckReport tally_parts(std::size_t count, const CheckOptions& options, const Pa
     std::mutex mutex;
     std::size_t done = 0;
     oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t index) {
-        if (options.stop.stop_requested()) {
+        if (options.should_stop && options.should_stop()) {
             throw Error(ErrorCode::cancelled, "the check was cancelled");
         }
         part(index, tallies[index]);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <clsdf/band.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 

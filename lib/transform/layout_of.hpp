@@ -1,8 +1,7 @@
 #pragma once
 
-#include <clsdf/band.hpp>
 #include <clsdf/grid.hpp>
-#include <clsdf/sign.hpp>
+#include <clsdf/topology.hpp>
 
 #include "layout.h"
 #include "polyhedra/records.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/sign.hpp>
+#include <clsdf/topology.hpp>
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <clsdf/band.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
-#include <clsdf/sign.hpp>
+#include <clsdf/topology.hpp>
 
 #include <cstddef>
 #include <functional>

@@ -1,6 +1,6 @@
 #include "acceptance/cases.hpp"
 
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
 #include "support/throws.hpp"
 
-#include <clsdf/band.hpp>
 #include <clsdf/error.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>

@@ -1,6 +1,5 @@
-#include <clsdf/band.hpp>
 #include <clsdf/error.hpp>
-#include <clsdf/length.hpp>
+#include <clsdf/grid.hpp>
 #include <clsdf/version.hpp>
 
 #include <boost/test/unit_test.hpp>
@@ -25,33 +24,16 @@ bool is_invalid_argument(const Error& error) {
 
 }  // namespace
 
-BOOST_AUTO_TEST_SUITE(a_length)
-
-BOOST_AUTO_TEST_CASE(is_stated_in_percent_of_the_longest_side_in_voxels_or_in_mesh_units) {
+BOOST_AUTO_TEST_CASE(a_length_is_in_percent_of_the_longest_side_in_voxels_or_in_mesh_units) {
     constexpr double voxel = 0.5;
     constexpr double extent = 20;
-    BOOST_TEST(Length::parse("10%").resolve(voxel, extent) == 2.0);
-    BOOST_TEST(Length::parse("3v").resolve(voxel, extent) == 1.5);
-    BOOST_TEST(Length::parse("0.05").resolve(voxel, extent) == 0.05);
-    BOOST_TEST(Length::parse("1e-3").resolve(voxel, extent) == 1e-3);
-    BOOST_TEST(Length::parse("0").resolve(voxel, extent) == 0.0);
-}
-
-BOOST_AUTO_TEST_CASE(that_is_full_is_infinite_for_every_voxel_and_extent) {
-    BOOST_TEST(Length::parse("full").is_infinite());
-    BOOST_TEST(Length::parse("full").resolve(0, 0) == infinity);
+    BOOST_TEST(Length::of_extent(0.1).resolve(voxel, extent) == 2.0);
+    BOOST_TEST(Length::in_voxels(3).resolve(voxel, extent) == 1.5);
+    BOOST_TEST(Length::in_mesh_units(0.05).resolve(voxel, extent) == 0.05);
+    BOOST_TEST(Length::infinite().is_infinite());
+    BOOST_TEST(Length::infinite().resolve(0, 0) == infinity);
     BOOST_TEST(Length::in_voxels(infinity).resolve(0, 0) == infinity);
 }
-
-BOOST_AUTO_TEST_CASE(that_cannot_be_read_is_quoted) {
-    for (const std::string text : {"", "%", "v", "-1", "3 v", " 3", "3x", "3vv", "nan", "inf", "1e999", "Full", "0x10"})
-        BOOST_TEST_CONTEXT("length \"" << text << "\"")
-    BOOST_CHECK_EXCEPTION(Length::parse(text), Error, [&](const Error& error) {
-        return is_invalid_argument(error) && std::string(error.what()).find('"' + text + '"') != std::string::npos;
-    });
-}
-
-BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(a_band)
 

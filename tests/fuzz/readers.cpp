@@ -4,7 +4,6 @@
 #include <clsdf/field.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
-#include <clsdf/shapes.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,9 @@
 # The programs as a GPU's compiler gets them, for the test below and for scripts/gpu-compile.
 add_executable(write_programs ${CMAKE_CURRENT_LIST_DIR}/write_programs.cpp)
-target_include_directories(write_programs PRIVATE $<TARGET_PROPERTY:clsdf,INCLUDE_DIRECTORIES>)
-target_link_libraries(write_programs PRIVATE clsdf::clsdf clsdf_warnings OpenCL::OpenCL fmt::fmt)
+target_link_libraries(write_programs PRIVATE clsdf::clsdf clsdf_internals clsdf_warnings OpenCL::OpenCL fmt::fmt)
 if(CLSDF_BUILD_PICTURE)
   target_compile_definitions(write_programs PRIVATE CLSDF_TEST_PICTURE)
-  target_link_libraries(write_programs PRIVATE clsdf::picture)
+  target_link_libraries(write_programs PRIVATE clsdf::picture clsdf_picture_internals)
 endif()
 
 # A compiler that inlines nothing finds every function that a kernel calls.

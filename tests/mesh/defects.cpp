@@ -1,5 +1,5 @@
-#include <clsdf/defects.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
 
 #include <boost/test/unit_test.hpp>
 

@@ -1,7 +1,6 @@
 #include <clsdf/error.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
-#include <clsdf/shapes.hpp>
 
 #include "support/damage.hpp"
 #include "support/temporary_folder.hpp"

@@ -1,5 +1,5 @@
 #include <clsdf/error.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
 #include "support/throws.hpp"

@@ -1,5 +1,5 @@
 #include <clsdf/io.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
 #include "written_files.hpp"

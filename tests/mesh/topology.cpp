@@ -1,6 +1,5 @@
 #include <clsdf/error.hpp>
-#include <clsdf/shapes.hpp>
-#include <clsdf/sign.hpp>
+#include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
 #include "support/throws.hpp"
@@ -304,9 +303,8 @@ BOOST_AUTO_TEST_CASE(a_sound_mesh_needs_no_warning_and_an_inside_out_one_gets_on
 
 BOOST_AUTO_TEST_CASE(sign_rules_have_names) {
     for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none})
-        BOOST_CHECK(parse_sign_rule(name_of(rule)) == rule);
+        BOOST_TEST(name_of(rule) != std::string("unknown"));
     BOOST_TEST(name_of(SignRule::automatic) == std::string("auto"));
-    check_throws(ErrorCode::invalid_argument, {"'nonzeri'", "nonzero", "auto"}, [] { parse_sign_rule("nonzeri"); });
 }
 
 }  // namespace clsdf

@@ -1,7 +1,7 @@
 #include "support/test_meshes.hpp"
 
 #include <clsdf/classification.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <boost/test/unit_test.hpp>
 

@@ -1,7 +1,7 @@
 #include "peikert_sigg/random_fans.hpp"
 
 #include <clsdf/classification.hpp>
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <boost/test/unit_test.hpp>
 

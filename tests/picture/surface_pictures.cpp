@@ -10,6 +10,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <stop_token>
 
 using clsdf::Device;
 using clsdf::ErrorCode;
@@ -139,7 +140,7 @@ BOOST_AUTO_TEST_CASE(can_be_cancelled_and_then_leave_nothing) {
     const TemporaryFolder folder;
     std::stop_source source;
     SurfaceOptions options = small(400);
-    options.stop = source.get_token();
+    options.should_stop = [&source] { return source.stop_requested(); };
     double last = 0;
     options.progress = [&](double fraction) {
         BOOST_TEST(fraction > last);

@@ -3,6 +3,6 @@ if(TARGET clsdf_picture)
              ${CMAKE_CURRENT_LIST_DIR}/plane.cpp ${CMAKE_CURRENT_LIST_DIR}/slice_pictures.cpp
              ${CMAKE_CURRENT_LIST_DIR}/traced_surface.cpp ${CMAKE_CURRENT_LIST_DIR}/surface_pictures.cpp
              ${CMAKE_CURRENT_LIST_DIR}/upright.cpp)
-  target_link_libraries(test_picture PRIVATE clsdf::picture OpenCL::OpenCL PkgConfig::cairo)
+  target_link_libraries(test_picture PRIVATE clsdf::picture clsdf_picture_internals OpenCL::OpenCL PkgConfig::cairo)
   target_compile_definitions(test_picture PRIVATE CLSDF_SOURCE="${PROJECT_SOURCE_DIR}")
 endif()

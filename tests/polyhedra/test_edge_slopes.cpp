@@ -8,7 +8,7 @@
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <boost/test/unit_test.hpp>
 

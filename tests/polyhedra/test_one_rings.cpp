@@ -8,7 +8,7 @@
 #include "stress_points.hpp"
 #include "support/test_meshes.hpp"
 
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <boost/multiprecision/cpp_int.hpp>
 #include <boost/test/unit_test.hpp>

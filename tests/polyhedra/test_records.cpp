@@ -5,7 +5,7 @@
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
-#include <clsdf/shapes.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <tbb/global_control.h>
 

@@ -7,6 +7,7 @@
 #include "support/test_meshes.hpp"
 
 #include <oneapi/tbb/global_control.h>
+#include <stop_token>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -425,7 +426,7 @@ BOOST_AUTO_TEST_CASE(a_check_reports_its_progress_and_can_be_cancelled) {
     check_broken(right_field(), options);
     BOOST_TEST(last == 1);
     std::stop_source source;
-    options.stop = source.get_token();
+    options.should_stop = [&source] { return source.stop_requested(); };
     options.progress = [&](double) { source.request_stop(); };
     try {
         check_broken(right_field(), options);

@@ -1,7 +1,7 @@
 #include "support/random_meshes.hpp"
 
+#include <clsdf/mesh.hpp>
 #include <clsdf/reference.hpp>
-#include <clsdf/shapes.hpp>
 
 #include <boost/test/unit_test.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/box.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/cpp_int.hpp>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <clsdf/mesh.hpp>
-#include <clsdf/shapes.hpp>
 
 #include "support/random_meshes.hpp"
 

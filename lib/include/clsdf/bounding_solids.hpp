@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/export.hpp>
 #include <clsdf/mesh.hpp>
 
 #include <cstdint>
@@ -25,16 +26,17 @@ struct BoundingSolid {
 
 /// The triangles with a corner where the vertex is, in order: equal vertices count as one. Throws
 /// Error(invalid_argument) where there is no such vertex, or none of its triangles.
-std::vector<std::uint32_t> triangles_at(const Mesh& mesh, std::uint32_t vertex);
+CLSDF_EXPORT std::vector<std::uint32_t> triangles_at(const Mesh& mesh, std::uint32_t vertex);
 
 /// The leaned frusta (docs/method.md) of selected triangles of a mesh, in the order given, front and back; then the
 /// point sites at those of their vertices that have no other triangles. `half_width` > 0 in the mesh's units. Parts
 /// without volume are left out. Throws Error(invalid_argument) for a half width or a triangle out of range.
-std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::uint32_t> selected, double half_width);
+CLSDF_EXPORT std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
+                                                      double half_width);
 
 /// The same of Peikert & Sigg's polyhedra, before or after their gaps were closed. What reaches farther than eight half
 /// widths from the triangle's box is cut off: planes that are nearly parallel to the triangle meet anywhere.
-std::vector<BoundingSolid> peikert_sigg_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
-                                               double half_width, bool close_gaps = true);
+CLSDF_EXPORT std::vector<BoundingSolid> peikert_sigg_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
+                                                            double half_width, bool close_gaps = true);
 
 }  // namespace clsdf

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/export.hpp>
 #include <clsdf/mesh.hpp>
 
 #include <array>
@@ -33,8 +34,8 @@ enum class VertexKind : std::uint8_t {
 inline constexpr std::size_t vertex_kinds = 7;
 
 /// "convex", "non-manifold", ...
-const char* name_of(EdgeKind kind);
-const char* name_of(VertexKind kind);
+CLSDF_EXPORT const char* name_of(EdgeKind kind);
+CLSDF_EXPORT const char* name_of(VertexKind kind);
 
 struct Classification {
     std::vector<VertexKind> vertices;  ///< by vertex; equal ones are of one kind
@@ -46,7 +47,7 @@ struct Classification {
     std::array<std::size_t, vertex_kinds> vertex_counts{};  ///< equal vertices count as one
 };
 
-Classification classify(const Mesh& mesh);
+CLSDF_EXPORT Classification classify(const Mesh& mesh);
 
 /// What is found at the saddle vertices, the lower vertex first.
 struct SaddleReport {
@@ -68,7 +69,7 @@ struct SaddleReport {
 /// Decided by interval arithmetic, and where that does not suffice by exact numbers with square roots: there are no
 /// tolerances. Parallel planes give no test point; neither does the plane of an edge whose faces are folded onto each
 /// other exactly, or one of which has no area.
-SaddleReport examine_saddles(const Mesh& mesh);
+CLSDF_EXPORT SaddleReport examine_saddles(const Mesh& mesh);
 
 struct RegularMesh {
     Mesh mesh;
@@ -81,6 +82,6 @@ struct RegularMesh {
 /// step of the perceptron, so that the cuts end wherever there is a direction from which no face is flipped; elsewhere
 /// nothing is cut. Middles are rounded to double, so that a flat edge can become convex or concave by that much. Stops
 /// after `rounds`, with at most one cut a vertex in each.
-RegularMesh subdivide_irregular(const Mesh& mesh, std::size_t rounds = 32);
+CLSDF_EXPORT RegularMesh subdivide_irregular(const Mesh& mesh, std::size_t rounds = 32);
 
 }  // namespace clsdf

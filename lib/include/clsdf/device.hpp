@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/version.hpp>
+#include <clsdf/export.hpp>
 
 #include <cstddef>
 #include <memory>
@@ -21,7 +21,7 @@ class Context;
 enum class DeviceKind { gpu, processor, accelerator, other };
 
 /// "gpu", "processor", "accelerator" or "other".
-std::string name_of(DeviceKind kind);
+CLSDF_EXPORT std::string name_of(DeviceKind kind);
 
 /// What an OpenCL device says of itself.
 struct DeviceInfo {
@@ -46,7 +46,7 @@ struct DeviceInfo {
 
 /// An OpenCL device with a context and a queue. Cheap to copy; copies share them. Once moved from, every member but
 /// assignment and the destructor throws Error(invalid_argument).
-class Device {
+class CLSDF_EXPORT Device {
 public:
     /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used.
     static std::vector<DeviceInfo> all();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clsdf/device.hpp>
+#include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/method.hpp>
@@ -125,7 +126,7 @@ struct SlabOptions {
 /// Holds its own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued.
 /// One thread at a time. Once moved from, every member but assignment and the destructor throws
 /// Error(invalid_argument).
-class Plan {
+class CLSDF_EXPORT Plan {
 public:
     struct State;
     explicit Plan(std::unique_ptr<State> state);
@@ -166,7 +167,7 @@ struct KeptMemory {
 /// Members that are const may be called from several threads at once; their work takes turns on the device. move(),
 /// assignment and the destructor need the transform for themselves. Once moved from, every member but assignment and
 /// the destructor throws Error(invalid_argument).
-class DistanceTransform {
+class CLSDF_EXPORT DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
     /// Throws Error(invalid_mesh, no_device or device_failure; unsupported for a scan that the polyhedra do not have).

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/version.hpp>
+#include <clsdf/export.hpp>
 
 #include <stdexcept>
 #include <string>
@@ -21,7 +21,7 @@ enum class ErrorCode {
 };
 
 /// The only exception the library throws. The message names the thing, the value and the remedy.
-class Error : public std::runtime_error {
+class CLSDF_VISIBLE Error : public std::runtime_error {
 public:
     Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
 

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <clsdf/band.hpp>
 #include <clsdf/field_array.hpp>
 #include <clsdf/grid.hpp>
-#include <clsdf/sign.hpp>
+#include <clsdf/topology.hpp>
 
 #include <cstdint>
 #include <span>

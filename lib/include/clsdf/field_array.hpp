@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/version.hpp>
+#include <clsdf/export.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace detail {
 
 /// Begins on a line of memory, 64 bytes; from 4 MiB on, on a huge page, 2 MiB, and on such pages where the system gives
 /// them. Throws std::bad_alloc.
-void* allocate_field_memory(std::size_t bytes);
-void free_field_memory(void* memory, std::size_t bytes) noexcept;
+CLSDF_EXPORT void* allocate_field_memory(std::size_t bytes);
+CLSDF_EXPORT void free_field_memory(void* memory, std::size_t bytes) noexcept;
 
 /// Of an allocator: elements that are made of nothing are left unset.
 struct DefaultInitialization {
@@ -35,7 +35,7 @@ struct DefaultInitialization {
 
 /// Memory that a field is stored to fastest, whose elements are left unset.
 template <typename Value>
-struct FieldAllocator : detail::DefaultInitialization {
+struct CLSDF_EXPORT FieldAllocator : detail::DefaultInitialization {
     static_assert(alignof(Value) <= 64);
     using value_type = Value;
     using is_always_equal = std::true_type;
@@ -71,5 +71,5 @@ using FieldArray = std::vector<Value, FieldAllocator<Value>>;
 }  // namespace clsdf
 
 // Compiled with the library: in a program's build without optimisation each element would take a call.
-extern template class std::vector<float, clsdf::FieldAllocator<float>>;
-extern template class std::vector<std::uint32_t, clsdf::FieldAllocator<std::uint32_t>>;
+extern template class CLSDF_EXPORT std::vector<float, clsdf::FieldAllocator<float>>;
+extern template class CLSDF_EXPORT std::vector<std::uint32_t, clsdf::FieldAllocator<std::uint32_t>>;

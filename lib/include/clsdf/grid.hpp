@@ -1,15 +1,52 @@
 #pragma once
 
-#include <clsdf/box.hpp>
-#include <clsdf/length.hpp>
+#include <clsdf/export.hpp>
+#include <clsdf/mesh.hpp>
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace clsdf {
 
-class Mesh;
-struct Band;
+/// A length as people state it: in the mesh's units, in voxels, or as a fraction of the longest side of the mesh's box.
+struct CLSDF_EXPORT Length {
+    enum class Unit { mesh, voxels, extent };
+
+    double value = 0;
+    Unit unit = Unit::mesh;
+
+    static Length in_mesh_units(double value) { return {value, Unit::mesh}; }
+    static Length in_voxels(double value) { return {value, Unit::voxels}; }
+    /// 0.1 is 10% of the longest side of the mesh's own box.
+    static Length of_extent(double fraction) { return {fraction, Unit::extent}; }
+    static Length infinite();
+
+    bool is_infinite() const;
+
+    /// In the mesh's units; `voxel` is the smallest spacing of the grid, `extent` the longest side of the mesh's box.
+    double resolve(double voxel, double extent) const;
+};
+
+/// The half widths of a narrow band, in the mesh's units; each is >= 0 and may be infinite. They have no default: a
+/// band with a half width that is not set is refused. If both are 0, the field tells inside from outside and holds no
+/// distance. A sample with -inside <= distance <= outside carries its exact signed distance; every other one carries
+/// +outside or -inside, with the right sign (-0.0 for inside = 0). An unsigned field uses `outside` alone.
+struct CLSDF_EXPORT Band {
+    double inside = std::numeric_limits<double>::quiet_NaN();   ///< NaN: not set
+    double outside = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not set
+
+    static Band symmetric(double half_width) { return {half_width, half_width}; }
+    /// Every sample of the grid carries its distance.
+    static Band full();
+
+    double widest() const { return inside > outside ? inside : outside; }
+
+    /// Throws Error(invalid_argument) where a half width is not set, or negative.
+    void validate() const;
+};
 
 /// How a grid is laid around a box; see Grid::around.
 struct GridOptions {
@@ -30,7 +67,7 @@ struct GridOptions {
 /// memory. Bricks and all snapping are anchored to the lattice's sample (0, 0, 0), never to `first`: a part of a grid
 /// has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it; blocks of it end
 /// within 2^30 - 128 samples of that one, and a mesh within 1e14 times the smallest spacing.
-struct Grid {
+struct CLSDF_EXPORT Grid {
     Vec3 origin{};
     Vec3 spacing{1, 1, 1};
     Index3 size{};

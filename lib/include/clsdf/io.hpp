@@ -2,6 +2,7 @@
 
 /// Files of meshes and fields. A target of its own, clsdf::io: it links HDF5, expat and, if it is built in, OpenVDB,
 /// which the library proper has no use for.
+#include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
 
@@ -16,7 +17,7 @@ namespace clsdf {
 /// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders); polygons are triangulated as
 /// fans, and a soup (STL) is welded by equal coordinates. Throws Error(unreadable_input or invalid_mesh) that names the
 /// file, the line or element and the value; Error(unsupported) for an unknown ending.
-Mesh read_mesh(const std::string& path);
+CLSDF_EXPORT Mesh read_mesh(const std::string& path);
 
 /// Red, green and blue, sRGB.
 using FaceColour = std::array<std::uint8_t, 3>;
@@ -24,14 +25,14 @@ using FaceColour = std::array<std::uint8_t, 3>;
 /// Writes .off, .obj, .stl (binary) or .ply (binary, little endian) by the file's ending; complete or not at all.
 /// `colours`: of each triangle, or none; .ply keeps them, the others have no place for them. Throws
 /// Error(invalid_argument) for another number of them, Error(unsupported) for an unknown ending, Error(output_failure).
-void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
+CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
 
 /// Reads what write() wrote, with the very same grid, and such files of other programs if they say enough: float or
 /// double of either byte order, raw, on a grid parallel to the axes. What they do not state is a band without end and
 /// the sign rule `automatic`. `triangle` is empty if its file is not there.
 /// Throws Error(unsupported) for an unknown ending, Error(unreadable_input) that names the file, the field and the
 /// value, or Error(out_of_memory).
-Field read_field(const std::string& path);
+CLSDF_EXPORT Field read_field(const std::string& path);
 
 /// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb; docs/formats.md
 /// says what each of them holds. Beside .nrrd and .npy triangles have a file of their own, FILE_triangle.nrrd or
@@ -39,11 +40,11 @@ Field read_field(const std::string& path);
 /// last.
 /// Throws Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) if the arrays do
 /// not fit the grid.
-void write(const Field& field, const std::string& path);
+CLSDF_EXPORT void write(const Field& field, const std::string& path);
 
 /// Throws what write() would throw for the ending, for outputs that the format has no place for, or for a folder that
 /// is missing or write-protected, so that nothing is computed in vain. Leaves nothing behind.
-void check_output(const std::string& path, const Outputs& outputs = {});
+CLSDF_EXPORT void check_output(const std::string& path, const Outputs& outputs = {});
 
 class FormatWriter;
 
@@ -51,7 +52,7 @@ class FormatWriter;
 /// bytes however it is cut into slabs. Nothing appears under its final name before finish(); without it, nothing is
 /// left behind. A .vdb keeps the samples of the band in memory until finish(), every other format only what the
 /// operating system has not yet written.
-class FieldWriter {
+class CLSDF_EXPORT FieldWriter {
 public:
     /// Throws Error(unsupported) for an unknown ending, or for a grid or outputs that the format has no place for,
     /// Error(invalid_argument) for a grid or a band that makes no sense, or Error(output_failure).
@@ -84,6 +85,6 @@ private:
 /// another process writes in the folder removes those that no process holds locked, if they belong to the same user and
 /// the file system is known to belong to one machine (docs/formats.md lists which). Elsewhere, on NFS above all, they
 /// stay.
-void abandon_unfinished_files() noexcept;
+CLSDF_EXPORT void abandon_unfinished_files() noexcept;
 
 }  // namespace clsdf

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/box.hpp>
+#include <clsdf/export.hpp>
 
 #include <array>
 #include <cstddef>
@@ -10,6 +10,23 @@
 #include <vector>
 
 namespace clsdf {
+
+/// A point or vector (x, y, z) in the mesh's units.
+using Vec3 = std::array<double, 3>;
+
+/// A triple of sample counts or sample indices (i, j, k); i runs along x.
+using Index3 = std::array<std::int64_t, 3>;
+
+/// An axis-parallel box in the mesh's units, limits included.
+struct CLSDF_EXPORT Box {
+    Vec3 lower{};
+    Vec3 upper{};
+
+    Vec3 extent() const { return {upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]}; }
+
+    /// The longest side: the unit of a length given in percent.
+    double longest_side() const;
+};
 
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
@@ -23,7 +40,7 @@ struct TripleLayout {
 
 /// A triangle mesh in the caller's arrays; nothing is copied, and the arrays must outlive the view. mesh_view() of
 /// clsdf/eigen.hpp makes one of Eigen's matrices.
-class MeshView {
+class CLSDF_EXPORT MeshView {
 public:
     /// `vertices`: x0 y0 z0 x1 y1 z1 ..., `triangles`: three indices a triangle. Throws Error(invalid_mesh) where a
     /// length is no multiple of three.
@@ -56,7 +73,7 @@ private:
 /// An indexed triangle mesh in double precision, checked: it has a triangle, every index is in range, and every vertex
 /// in use is finite. Everything else (degenerate faces, holes, any orientation, unused vertices) is allowed and
 /// reported by describe_topology().
-class Mesh {
+class CLSDF_EXPORT Mesh {
 public:
     /// Takes the arrays over. Throws Error(invalid_mesh) that names `name`, the element and the value.
     Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name = "mesh");
@@ -82,6 +99,17 @@ private:
 };
 
 /// The mesh with vertices of equal coordinates made one; triangles keep their order and number.
-Mesh weld(const Mesh& mesh);
+CLSDF_EXPORT Mesh weld(const Mesh& mesh);
+
+/// The names make_shape() knows, each with one line on what it is.
+struct ShapeName {
+    std::string name;
+    std::string description;
+};
+CLSDF_EXPORT std::vector<ShapeName> shape_names();
+
+/// Meshes made by code, by the names that shape_names() lists: sphere0 to sphere9 (sphere6 is the paper's, 16,386
+/// vertices), torus, knot, stairs and others. Throws Error(invalid_argument) that names the nearest one.
+CLSDF_EXPORT Mesh make_shape(const std::string& name);
 
 }  // namespace clsdf

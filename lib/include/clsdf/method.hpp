@@ -1,6 +1,6 @@
 #pragma once
 
-#include <clsdf/version.hpp>
+#include <clsdf/export.hpp>
 
 #include <string>
 
@@ -30,17 +30,13 @@ enum class SliceMinimum {
 };
 
 /// "leaned", "peikert-sigg", "mauch".
-const char* name_of(Polyhedra polyhedra);
-/// Throws Error(invalid_argument) that lists the names.
-Polyhedra parse_polyhedra(const std::string& text);
+CLSDF_EXPORT const char* name_of(Polyhedra polyhedra);
 
 /// "auto", "bricks", "slices".
-const char* name_of(Scan scan);
-/// Throws Error(invalid_argument) that lists the names.
-Scan parse_scan(const std::string& text);
+CLSDF_EXPORT const char* name_of(Scan scan);
 
 /// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned
 /// ones.
-Scan resolve_scan(Polyhedra polyhedra, Scan asked);
+CLSDF_EXPORT Scan resolve_scan(Polyhedra polyhedra, Scan asked);
 
 }  // namespace clsdf

@@ -3,6 +3,7 @@
 /// Pictures of a field. A target of their own, clsdf::picture, because they are drawn with cairo, which the library
 /// proper has no use for.
 #include <clsdf/device.hpp>
+#include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 
 #include <array>
@@ -10,7 +11,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -20,8 +20,8 @@ namespace clsdf::picture {
 enum class Axis { x, y, z };
 
 /// "x", "y", "z". parse_axis() throws Error(invalid_argument) for anything else.
-const char* name_of(Axis axis);
-Axis parse_axis(const std::string& text);
+CLSDF_EXPORT const char* name_of(Axis axis);
+CLSDF_EXPORT Axis parse_axis(const std::string& text);
 
 /// The samples of a field with the same index along one axis; the index counts from the field's first sample.
 struct Slice {
@@ -39,7 +39,7 @@ struct Options {
 /// is zero, axes in the mesh's units, and a colour bar. A distance has the same colour in every slice of the field, and
 /// all slices along an axis have the same iso-lines. What lies beyond the band has a flat, paler tone by its sign. A
 /// field without a sign has colours on one side only and no zero line.
-class SlicePictures {
+class CLSDF_EXPORT SlicePictures {
 public:
     /// Keeps a reference to the field. Throws Error(invalid_argument) where the distances do not fit the grid, or the
     /// number of pixels is out of range.
@@ -83,8 +83,8 @@ struct View {
 /// "front", "back", "left", "right", "side" (the right one), "top", "bottom", "iso", or "AZIMUTH,ELEVATION" in degrees.
 /// "x", "-x", "y", ... or "auto". Both change a view's own members, and throw Error(invalid_argument) for anything
 /// else.
-void set_direction(View& view, const std::string& text);
-void set_up(View& view, const std::string& text);
+CLSDF_EXPORT void set_direction(View& view, const std::string& text);
+CLSDF_EXPORT void set_up(View& view, const std::string& text);
 
 /// Takes away what is on the viewer's side of a plane across an axis; with several cuts, what is on that side of all.
 struct Cut {
@@ -104,7 +104,7 @@ struct SurfaceOptions {
     bool transparent = false;  ///< the background, else white
     bool bare = false;         ///< no title and colour bar beside cuts
     std::function<void(double fraction)> progress{};
-    std::stop_token stop{};  ///< looked at between launches; Error(cancelled)
+    std::function<bool()> should_stop{};  ///< asked between launches; if it says true, Error(cancelled) is thrown
 };
 
 /// What the ray through a pixel's middle meets first.
@@ -130,7 +130,7 @@ class Scene;
 /// that the samples have, so that nothing is passed over. Where the solid is cut or reaches the end of the grid, it
 /// shows its distances in the colours of SlicePictures, with iso-lines. Once moved from, every member but assignment
 /// and the destructor throws Error(invalid_argument).
-class SurfacePictures {
+class CLSDF_EXPORT SurfacePictures {
 public:
     /// Keeps a reference to the field, and copies its samples to the device. `offset`: the surface's distance in the
     /// mesh's units; without it 0, for a field without a sign one voxel (the largest spacing), because its distance

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
 
@@ -8,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,10 +29,10 @@ struct Nearest {
 /// Distance from a point to a closed triangle in double precision, right on slivers and on degenerate triangles; its
 /// error is a few units of rounding of the farthest vertex's distance from the point. Sites are decided within that
 /// rounding, in favour of the vertex, then the edge. `triangle` of the result is 0.
-Nearest nearest_on_triangle(const Vec3& query, const Vec3& a, const Vec3& b, const Vec3& c);
+CLSDF_EXPORT Nearest nearest_on_triangle(const Vec3& query, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// Every triangle looked at, in order.
-Nearest nearest_by_brute_force(const Mesh& mesh, const Vec3& query);
+CLSDF_EXPORT Nearest nearest_by_brute_force(const Mesh& mesh, const Vec3& query);
 
 /// What a ray crosses on its way.
 struct RayCount {
@@ -45,7 +45,7 @@ struct RayCount {
 /// (e, e^2) in (y, z) for an arbitrarily small e: a closed surface is crossed consistently, and triangles that have no
 /// area seen along x, faces with repeated vertices among them, are not crossed at all.
 /// Constant functions may be called from several threads at once. Once moved from, they throw Error(invalid_argument).
-class Oracle {
+class CLSDF_EXPORT Oracle {
 public:
     /// Keeps a copy of the mesh.
     explicit Oracle(const Mesh& mesh);
@@ -76,7 +76,8 @@ private:
 /// The field as it should be, distance and triangle, computed plainly. Its sign is that of the exact winding number (or
 /// parity) at the double nearest to the sample; a sample on the surface carries +0. Throws what resolve_sign_rule() and
 /// the validation of grid and band throw.
-Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign = SignRule::automatic);
+CLSDF_EXPORT Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band,
+                                   SignRule sign = SignRule::automatic);
 
 struct CheckOptions {
     std::size_t samples = 20000;  ///< 0, or not fewer than the grid has: every sample of the grid
@@ -85,7 +86,8 @@ struct CheckOptions {
     double tolerance_ulp = 2;
     double sign_margin_voxels = 1e-6;                 ///< nearer the surface than this, the sign is not judged
     std::function<void(double fraction)> progress{};  ///< one call at a time, from any thread
-    std::stop_token stop{};                           ///< Error(cancelled)
+    /// Asked by any thread, by several at once; if it says true, Error(cancelled) is thrown.
+    std::function<bool()> should_stop{};
 };
 
 /// A field held against the reference.
@@ -118,7 +120,7 @@ struct CheckReport {
 /// threads. Positions and distances are formed beyond double precision where the grid is far from the origin.
 /// Throws Error(invalid_argument) where an array of the field does not fit its grid, Error(invalid_mesh) where the mesh
 /// cannot honour the field's sign rule, Error(cancelled).
-CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options = {});
+CLSDF_EXPORT CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options = {});
 
 /// Two triangles, the lower index first.
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
@@ -126,6 +128,6 @@ using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 /// The pairs of triangles that meet in more than the vertices and edges they share, in order; of any mesh, exactly (by
 /// CGAL's predicates). Vertices of equal coordinates count as one. A face without area is paired with itself and no
 /// other, a face with repeated vertices not at all.
-std::vector<TrianglePair> find_self_intersections(const Mesh& mesh);
+CLSDF_EXPORT std::vector<TrianglePair> find_self_intersections(const Mesh& mesh);
 
 }  // namespace clsdf::reference

@@ -1,8 +1,24 @@
 #pragma once
 
+#include <clsdf/export.hpp>
 #include <clsdf/mesh.hpp>
 
+#include <cstddef>
+#include <string>
+#include <vector>
+
 namespace clsdf {
+
+/// How inside is told from outside; negative is inside.
+enum class SignRule {
+    automatic,  ///< balanced: nonzero; closed: parity; else unsigned (with a warning for the last two)
+    nonzero,    ///< inside where the winding number is not zero; needs a balanced mesh
+    parity,     ///< inside where a ray crosses the surface an odd number of times; needs a closed mesh
+    none,       ///< no sign: the distance alone
+};
+
+/// "auto", "nonzero", "parity", "none".
+CLSDF_EXPORT const char* name_of(SignRule rule);
 
 /// What the sign rule needs to know about a mesh. Vertices of equal coordinates count as one, and faces with repeated
 /// vertices drop out; faces of zero area stay.
@@ -26,6 +42,26 @@ struct Topology {
     std::vector<Edge> first_unbalanced_edges;  ///< up to five
 };
 
-Topology describe_topology(const Mesh& mesh);
+CLSDF_EXPORT Topology describe_topology(const Mesh& mesh);
+
+/// The rule that will be used, and what the user should be told about it (empty where nothing).
+struct ResolvedSignRule {
+    SignRule rule = SignRule::none;  ///< never `automatic`
+    std::string warning;
+};
+
+/// Throws Error(invalid_mesh) with the number of offending edges and the first of them where the mesh cannot honour the
+/// rule.
+CLSDF_EXPORT ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology);
+
+/// What may be wrong with a mesh besides its edges, which Topology describes. Vertices of equal coordinates count as
+/// one. None of it keeps a distance from being computed.
+struct Defects {
+    std::size_t zero_area_faces = 0;  ///< three different vertices on one line, exactly
+    std::size_t duplicate_faces = 0;  ///< with the three different vertices of an earlier face, in whatever order
+    std::size_t components = 0;       ///< parts of the mesh that share no vertex
+};
+
+CLSDF_EXPORT Defects find_defects(const Mesh& mesh);
 
 }  // namespace clsdf

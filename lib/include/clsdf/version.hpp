@@ -5,6 +5,8 @@
 #include <clsdf/needs_cxx20>  // no such file: the compiler stops here, before a page of what follows from it
 #endif
 
+#include <clsdf/export.hpp>
+
 #include <string>
 
 /// The version that these headers are of. CMakeLists.txt reads it here.
@@ -20,6 +22,6 @@ namespace clsdf {
 
 /// "major.minor.patch" of the library in use. It differs from the macros' where the program was compiled with the
 /// headers of another version.
-std::string version();
+CLSDF_EXPORT std::string version();
 
 }  // namespace clsdf
