@@ -2,7 +2,10 @@
 
 #include "field/outputs.hpp"
 
+// Its registries and their types are those of its library, which must find them, whatever this one hides.
+#pragma GCC visibility push(default)
 #include <openvdb/openvdb.h>
+#pragma GCC visibility pop
 
 // Included by the few files that include OpenVDB, whose headers take long to compile.
 

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#pragma GCC visibility push(default)
 #include <openvdb/tools/Dense.h>
+#pragma GCC visibility pop
 
 #include <optional>
 

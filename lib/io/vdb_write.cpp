@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#pragma GCC visibility push(default)
 #include <openvdb/tools/Prune.h>
+#pragma GCC visibility pop
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

@@ -28,7 +28,7 @@ struct NearRecords {
 /// Boxes around clusters of faces and of point sites, and around blocks of clusters.
 ///
 /// A cluster's box, in the mesh's units, holds a ball around each of its faces: its centre is the foot of the altitude
-/// on the longest edge, and it holds the face. That is what the kernels look at, their rounding included.
+/// on the longest edge, and it holds the face. The kernels test the same balls; a box includes their rounding.
 class ClusterIndex {
 public:
     /// Faces of a cluster, and clusters of a block.

@@ -14,7 +14,7 @@ namespace clsdf::polyhedra {
 /// A direction that is rejected by less than this lies within a quarter of the slack of the polyhedron (docs/method.md,
 /// 'Gaps at saddle vertices').
 ///
-/// Of a distance d in units, a quarter of the slack 1e-3 + 2e-5 d is d times this or more.
+/// A quarter of the slack 1e-3 + 2e-5 d is d times this or more, for every distance d in units.
 inline constexpr double rejection_margin = 5e-6;
 
 /// Sets the marks of `vertices`. A vertex without vertex_gap has its whole normal cone in its faces' polyhedra, widened

@@ -64,7 +64,7 @@ PreparedMesh all_records(device::Context& context, const std::shared_ptr<device:
                          const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
                          const polyhedra::LatticeView& lattice);
 
-/// Of what is near a box.
+/// The records of what is near a box.
 PreparedMesh near_records(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                           const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
                           const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near);

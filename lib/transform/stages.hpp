@@ -25,15 +25,15 @@ struct Inputs {
     std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
 };
 
-/// What a transform keeps of its mesh: values that are made one from the other, each when it is asked for first, and
-/// anew only if a value to its left has changed.
+/// What a transform keeps of its mesh. Each value is made from those above it when it is needed first, and again only
+/// if one of them has changed.
 ///
 ///     MeshTopology   of the triangles                    kept
 ///     Frusta, index  + positions                         kept until the vertices move
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///
-/// A grid that is small beside the mesh gets records of what is near it, which are not kept; the field has the same
-/// bytes either way. One thread at a time.
+/// A grid that is small beside the mesh gets records of what is near it, which are not kept. The field has the same
+/// bytes either way. For one thread at a time.
 class Stages {
 public:
     /// `options` and `scan` say which polyhedra; the others of the options do not matter.

@@ -22,7 +22,7 @@ struct SweepMesh {
     int bits_z = 0;
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
 
-    /// Of the device, the triangles not counted if they are the mesh's own.
+    /// Bytes on the device; triangles that are the mesh's own are not counted.
     std::size_t device_bytes() const { return vertices.bytes() + (own_triangles ? triangles.bytes() : 0); }
     bool own_triangles = true;
 };
@@ -37,7 +37,7 @@ SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid);
 
-/// Some of the mesh's faces alone: those that rows of a part of the lattice can cross. The sign has the same bits.
+/// The faces that rows of a part of the lattice can cross, without the others. The sign has the same bits.
 SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                           const Grid& grid, const Mesh& mesh, const polyhedra::MeshTopology& topology,
                           const std::vector<polyhedra::RecordRange>& faces);

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 using clsdf::Mesh;
@@ -93,25 +94,34 @@ std::vector<std::vector<std::string>> commands(const std::string& mesh, const Te
 
 void check_growth(const char* name, const std::function<std::string(std::uint32_t, const TemporaryFolder&)>& write) {
     const TemporaryFolder folder;
-    std::vector<std::array<double, sizes.size()>> seconds;
+    using Seconds = std::array<double, sizes.size()>;
+    std::vector<Seconds> seconds;
     std::vector<std::vector<std::string>> asked;
-    for (std::size_t size = 0; size < sizes.size(); ++size) {
-        asked = commands(write(sizes[size], folder), folder);
-        seconds.resize(asked.size());
-        for (std::size_t i = 0; i < asked.size(); ++i) {
-            const Outcome outcome = run_command(asked[i]);
-            BOOST_TEST_CONTEXT(name << ", " << asked[i][0] << ": " << outcome.error) BOOST_TEST(outcome.status == 0);
-            seconds[i][size] = outcome.cpu_seconds;
+    // Keeps the least of several measurements: what else the machine does adds to the processor's time, too.
+    const auto measure = [&] {
+        for (std::size_t size = 0; size < sizes.size(); ++size) {
+            asked = commands(write(sizes[size], folder), folder);
+            Seconds none;
+            none.fill(std::numeric_limits<double>::infinity());
+            seconds.resize(asked.size(), none);
+            for (std::size_t i = 0; i < asked.size(); ++i) {
+                const Outcome outcome = run_command(asked[i]);
+                BOOST_TEST_CONTEXT(name << ", " << asked[i][0] << ": " << outcome.error)
+                BOOST_TEST(outcome.status == 0);
+                seconds[i][size] = std::min(seconds[i][size], outcome.cpu_seconds);
+            }
         }
-    }
+    };
+    // Below a tenth of a second the start of the program counts.
+    const auto is_nearly_linear = [](const Seconds& of) { return of[2] - of[1] < 8 * std::max(of[1] - of[0], 0.1); };
+    measure();
+    if (!std::all_of(seconds.begin(), seconds.end(), is_nearly_linear)) measure();
     for (std::size_t i = 0; i < asked.size(); ++i) {
         const auto& [small, middle, large] = seconds[i];
         std::string words;
         for (const std::string& word : asked[i]) words += word + " ";
-        BOOST_TEST_CONTEXT(name << ": " << words << "took " << small << ", " << middle << " and " << large << " s") {
-            // Below a tenth of a second the start of the program counts.
-            BOOST_TEST(large - middle < 8 * std::max(middle - small, 0.1));
-        }
+        BOOST_TEST_CONTEXT(name << ": " << words << "took " << small << ", " << middle << " and " << large << " s")
+        BOOST_TEST(is_nearly_linear(seconds[i]));
     }
 }
 
