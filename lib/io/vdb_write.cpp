@@ -36,7 +36,7 @@ namespace {
 
 inline constexpr std::int64_t leaf_side = openvdb::FloatTree::LeafNodeType::DIM;
 
-/// What samples beyond the band carry, compared bit by bit: -0.0 is not 0.0. Where the band has no end, none is beyond.
+/// The value of samples beyond the band, compared bit by bit: -0.0 is not 0.0. No sample is beyond a band without end.
 struct Fill {
     float outside;
     float inside;

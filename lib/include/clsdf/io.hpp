@@ -28,8 +28,8 @@ using FaceColour = std::array<std::uint8_t, 3>;
 CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
 
 /// Reads what write() wrote, with the very same grid, and such files of other programs if they say enough: float or
-/// double of either byte order, raw, on a grid parallel to the axes. What they do not state is a band without end and
-/// the sign rule `automatic`. `triangle` is empty if its file is not there.
+/// double of either byte order, raw, on a grid parallel to the axes. A band that they do not state is without end, and
+/// a sign rule `automatic`. `triangle` is empty if its file is not there.
 /// Throws Error(unsupported) for an unknown ending, Error(unreadable_input) that names the file, the field and the
 /// value, or Error(out_of_memory).
 CLSDF_EXPORT Field read_field(const std::string& path);
