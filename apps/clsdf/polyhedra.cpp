@@ -11,6 +11,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 
 namespace {
 
@@ -126,12 +127,13 @@ ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<st
     std::vector<clsdf::Vec3> vertices;
     std::vector<clsdf::Triangle> faces;
     std::vector<FaceColour> colours;
+    std::unordered_map<std::uint32_t, std::size_t> places;
+    for (std::size_t place = 0; place < triangles.size(); ++place) places.emplace(triangles[place], place);
     for (const BoundingSolid& solid : solids) {
         const auto first = static_cast<std::uint32_t>(vertices.size());
         vertices.insert(vertices.end(), solid.mesh.vertices().begin(), solid.mesh.vertices().end());
         for (const auto& [a, b, c] : solid.mesh.triangles()) faces.push_back({a + first, b + first, c + first});
-        const auto place = std::find(triangles.begin(), triangles.end(), solid.triangle) - triangles.begin();
-        colours.resize(faces.size(), colour_of(solid, static_cast<std::size_t>(place)));
+        colours.resize(faces.size(), colour_of(solid, places.at(solid.triangle)));
     }
     return {Mesh(std::move(vertices), std::move(faces), "polyhedra"), std::move(colours)};
 }
