@@ -104,7 +104,7 @@ double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransfo
     // May block and allocate: polyhedra, lists, the sign. What follows does neither.
     clsdf::Plan plan = transform.plan(grid, band);
 
-    clsdf::DeviceOutputs outputs;
+    clsdf::OutputTargets outputs;
     outputs.distance = distance;
     cl_event computed = plan.enqueue(simulation.queue, outputs);
     // This queue is in order, so that the kernels run after the field; another queue would wait for the event.

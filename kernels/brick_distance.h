@@ -49,9 +49,10 @@ INLINE void set_sample_displacements(__private const LaneOffsets* o, uint lane, 
     }
 }
 
-// Of one lane's polyhedron, with its triangle, into the minimum.
+// Of one lane's polyhedron, which has a number, into the minimum.
 static inline void evaluate(__private const LaneOffsets* o, __private const Displacements* displacements, uint lane,
-                            SubblockMask touched, uint triangle, __global Minimum* minimum) {
+                            SubblockMask touched, uint number, __global const Polyhedron* polyhedra,
+                            __global Minimum* minimum) {
     const EdgeTable table = table_at(&o->edges, lane);
     const float x = o->x[lane], y = o->y[lane], z = o->z[lane];
     floatL samples_x[SUBBLOCK_VECTORS], samples_y[SUBBLOCK_VECTORS], samples_z[SUBBLOCK_VECTORS];
@@ -68,20 +69,21 @@ static inline void evaluate(__private const LaneOffsets* o, __private const Disp
             const floatL squared = squared_distance_by_table(table, x, y, z, samples_x[v] + to_subblock_x[b * LANES],
                                                              samples_y[v] + to_subblock_y[b * LANES],
                                                              samples_z[v] + to_subblock_z[b * LANES]);
-            lower_minimum(minimum, b * SUBBLOCK_VECTORS + v, squared, triangle);
+            lower_minimum(minimum, b * SUBBLOCK_VECTORS + v, squared, number, polyhedra);
         }
     }
 }
 
 // The same where bricks are long.
-static inline void evaluate_long_brick(__global const Polyhedron* p, double4 frame, SubblockMask touched,
-                                       __global Minimum* minimum) {
-    const uint triangle = p->triangle;
+static inline void evaluate_long_brick(uint number, double4 frame, SubblockMask touched,
+                                       __global const Polyhedron* polyhedra, __global Minimum* minimum) {
+    __global const Polyhedron* p = polyhedra + number;
     for (; touched; touched &= touched - 1) {
         const uint b = lowest_bit(touched);
         for (uint v = 0; v < SUBBLOCK_VECTORS; ++v)
             lower_minimum(minimum, b * SUBBLOCK_VECTORS + v,
-                          squared_distance_long_brick(p, frame, samples_i(b), samples_j(b), samples_k(b, v)), triangle);
+                          squared_distance_long_brick(p, frame, samples_i(b), samples_j(b), samples_k(b, v)), number,
+                          polyhedra);
     }
 }
 

@@ -10,7 +10,7 @@
 typedef struct Minimum {
     floatL squared[SUBBLOCKS * SUBBLOCK_VECTORS];
 #ifdef NEAREST
-    uintL triangle[SUBBLOCKS * SUBBLOCK_VECTORS];
+    uintL polyhedron[SUBBLOCKS * SUBBLOCK_VECTORS];
 #endif
 } Minimum;
 
@@ -32,18 +32,42 @@ static inline void clear_minimum(__global Minimum* minimum) {
     for (uint n = 0; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
         minimum->squared[n] = INFINITY;
 #ifdef NEAREST
-        minimum->triangle[n] = CLSDF_NO_TRIANGLE;
+        minimum->polyhedron[n] = CLSDF_NO_POLYHEDRON;
 #endif
     }
 }
 
-// Vector n. Of triangles that are equally near the one that comes first in the caller's order is kept.
-INLINE void lower_minimum(__global Minimum* minimum, uint n, floatL squared, uint triangle) {
+#ifdef NEAREST
+// Which lanes' polyhedra come after one in the caller's order of their triangles. lanes: those that matter.
+static inline intL come_after(uint polyhedron, uintL others, uint lanes, __global const Polyhedron* polyhedra) {
+    uint other[LANES], is_after[LANES];
+    store_lanes(others, 0, other);
+    store_lanes((uintL)0, 0, is_after);
+    for (; lanes; lanes &= lanes - 1) {
+        const uint lane = lowest_bit(lanes);
+        if (polyhedra[polyhedron].triangle < polyhedra[other[lane]].triangle) is_after[lane] = 0xFFFFFFFFu;
+    }
+    return as_intL(load_lanes(0, is_after));
+}
+
+// Whether a polyhedron's triangle is the nearer one. Of those that are equally near the first in the caller's order is.
+INLINE intL is_nearer(floatL squared, uint polyhedron, floatL least, uintL nearest,
+                      __global const Polyhedron* polyhedra) {
+    const intL equal = (squared == least) & (nearest != polyhedron) & (nearest != CLSDF_NO_POLYHEDRON);
+    const uint lanes = lanes_to_bits(equal);
+    if (lanes == 0) return squared < least;
+    return (squared < least) | (equal & come_after(polyhedron, nearest, lanes, polyhedra));
+}
+#endif
+
+// Vector n.
+INLINE void lower_minimum(__global Minimum* minimum, uint n, floatL squared, uint polyhedron,
+                          __global const Polyhedron* polyhedra) {
     const floatL least = minimum->squared[n];
 #ifdef NEAREST
-    const uintL nearest = minimum->triangle[n];
-    const intL better = (squared < least) | ((squared == least) & (triangle < nearest));
-    minimum->triangle[n] = better ? (uintL)triangle : nearest;
+    const uintL nearest = minimum->polyhedron[n];
+    const intL better = is_nearer(squared, polyhedron, least, nearest, polyhedra);
+    minimum->polyhedron[n] = better ? (uintL)polyhedron : nearest;
     minimum->squared[n] = better ? squared : least;
 #else
     minimum->squared[n] = LESSER(squared, least);

@@ -10,12 +10,15 @@
 // Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are
 // scheduled.
 //
-// Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest triangle;
-// LONG_BRICKS where spacing is so unequal that distances take double (distance.h); COUNT counts work. LANES is 1: a
-// work-item is a lane.
+// Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest polyhedron
+// and finishes what else is asked for (finish.h); LONG_BRICKS where spacing is so unequal that distances take double
+// (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
 
 #include "blocks.h"
 #include "distance.h"
+#ifdef NEAREST
+#include "finish.h"
+#endif
 #include "signed_distance.h"
 
 #define SUBBLOCKS 16
@@ -82,9 +85,18 @@ typedef struct Compacted {
 typedef struct Minimum {
     float squared[SAMPLES_PER_ITEM];
 #ifdef NEAREST
-    uint triangle[SAMPLES_PER_ITEM];
+    uint polyhedron[SAMPLES_PER_ITEM];
 #endif
 } Minimum;
+
+#ifdef NEAREST
+// Whether a polyhedron's triangle is the nearer one. Of those that are equally near the first in the caller's order is.
+static inline bool is_nearer(float squared, uint polyhedron, float least, uint nearest,
+                             __global const Polyhedron* polyhedra) {
+    if (squared != least || nearest == CLSDF_NO_POLYHEDRON) return squared < least;
+    return polyhedra[polyhedron].triangle < polyhedra[nearest].triangle;
+}
+#endif
 
 static inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra,
                             double3 centre, __private Minimum* minimum
@@ -99,7 +111,7 @@ static inline void evaluate(uint count, __local const Compacted* compacted, __gl
         const float3 from_centre = convert_float3(sample_of(b, number % SUBBLOCK_SAMPLES)) - 3.5f;
         float least = minimum->squared[s];
 #ifdef NEAREST
-        uint nearest = minimum->triangle[s];
+        uint nearest = minimum->polyhedron[s];
 #endif
         for (uint n = 0; n < count; ++n) {
             if (!((compacted->subblocks[n] >> b) & 1u)) continue;
@@ -112,9 +124,8 @@ static inline void evaluate(uint count, __local const Compacted* compacted, __gl
             const float squared = squared_distance(steps_of(p), o, from_centre.x, from_centre.y, from_centre.z);
 #endif
 #ifdef NEAREST
-            const uint triangle = p->triangle;
-            const bool better = squared < least || (squared == least && triangle < nearest);
-            nearest = better ? triangle : nearest;
+            const bool better = is_nearer(squared, compacted->polyhedron[n], least, nearest, polyhedra);
+            nearest = better ? compacted->polyhedron[n] : nearest;
             least = better ? squared : least;
 #else
             least = LESSER(squared, least);
@@ -127,7 +138,7 @@ static inline void evaluate(uint count, __local const Compacted* compacted, __gl
         }
         minimum->squared[s] = least;
 #ifdef NEAREST
-        minimum->triangle[s] = nearest;
+        minimum->polyhedron[s] = nearest;
 #endif
     }
 }
@@ -139,7 +150,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     __global const uint* sign_bits, __global uchar* computed, __global float* distance
 #ifdef NEAREST
     ,
-    __global uint* triangle
+    FINISHING_PARAMETERS
 #endif
 #ifdef COUNT
     ,
@@ -182,7 +193,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         minimum.squared[s] = INFINITY;
 #ifdef NEAREST
-        minimum.triangle[s] = CLSDF_NO_TRIANGLE;
+        minimum.polyhedron[s] = CLSDF_NO_POLYHEDRON;
 #endif
     }
 #ifdef COUNT
@@ -225,6 +236,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         }
     }
 
+#ifdef NEAREST
+    SET_FINISHING(finishing)
+#endif
     const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size);
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         const uint sample = s * GROUP + item;
@@ -239,7 +253,10 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
         bool in_band;
         distance[offset] = signed_distance(layout, negative, minimum.squared[s], &in_band);
 #ifdef NEAREST
-        triangle[offset] = in_band ? minimum.triangle[s] : CLSDF_NO_TRIANGLE;
+        if (in_band && minimum.polyhedron[s] != CLSDF_NO_POLYHEDRON)
+            finish_sample(&finishing, at + part_first, minimum.polyhedron[s], negative, offset);
+        else
+            leave_sample(&finishing, offset);
 #endif
 #ifdef COUNT
         counters[CLSDF_COUNT_BAND] += in_band;

@@ -9,7 +9,8 @@
 // Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
 // minima wait in memory until the last of them.
 //
-// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest triangle; LONG_BRICKS where spacing is so unequal
+// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest polyhedron and finishes what else is asked for
+// (finish.h); LONG_BRICKS where spacing is so unequal
 // that distances take double (distance.h), and nothing is slender; SCATTERED_ACCESS where instructions that gather and
 // scatter are fast; COUNT counts work.
 
@@ -79,14 +80,15 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
     set_displacements(&offsets, 2, displacements.z);
 #endif
     for (uint n = 0; n < count; ++n) {
-        __global const Polyhedron* polyhedron = polyhedra + queue->numbers[n];
 #if defined(LONG_BRICKS) || defined(COUNT)
+        __global const Polyhedron* polyhedron = polyhedra + queue->numbers[n];
         const double3 at = convert_double3(first) + centre;
 #endif
 #ifdef LONG_BRICKS
-        evaluate_long_brick(polyhedron, frame_at(polyhedron, at.x, at.y, at.z), queue->masks[n], minimum);
+        evaluate_long_brick(queue->numbers[n], frame_at(polyhedron, at.x, at.y, at.z), queue->masks[n], polyhedra,
+                            minimum);
 #else
-        evaluate(&offsets, &displacements, n, queue->masks[n], polyhedron->triangle, minimum);
+        evaluate(&offsets, &displacements, n, queue->masks[n], queue->numbers[n], polyhedra, minimum);
 #endif
 #ifdef COUNT
         count_covered(polyhedron, offsets_at(polyhedron, at.x, at.y, at.z), queue->masks[n], layout, counters);
@@ -260,7 +262,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
                                __global float* distance
 #ifdef NEAREST
                                ,
-                               __global uint* triangle
+                               FINISHING_PARAMETERS
 #endif
 #ifdef COUNT
                                ,
@@ -275,7 +277,8 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
     Output output;
     output.distance = distance;
 #ifdef NEAREST
-    output.triangle = triangle;
+    SET_FINISHING(finishing)
+    output.finishing = &finishing;
 #endif
     output.computed = computed;
     output.sign_bits = sign_bits;

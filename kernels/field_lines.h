@@ -41,6 +41,15 @@ INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
     for (; begin < end; ++begin) *begin = value;
 }
 
+// Sets every bit of [begin, end). Elements that are wider than a byte begin at a multiple of four.
+INLINE void store_ones(__global uchar* begin, __global uchar* end) {
+    for (; begin < end && (size_t)begin % sizeof(uint) != 0; ++begin) *begin = 0xFF;
+    __global uchar* last = end - (size_t)end % sizeof(uint);
+    if (begin >= last) last = begin;
+    store_value(0xFFFFFFFFu, (__global uint*)begin, (__global uint*)last);
+    for (; last < end; ++last) *last = 0xFF;
+}
+
 // values[0], values[1], ... into [begin, end).
 INLINE void store_values(__private const uint* values, __global uint* begin, __global uint* end) {
     for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = *values++;

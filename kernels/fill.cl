@@ -41,52 +41,96 @@ INLINE void request_signs(Layout layout, __global const uint* sign_bits, int bri
     for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE_NUMBERS) request_line_for_soon(bits + word);
 }
 
-// The empty bricks [first_brick, end_brick) of a row of bricks, in one slice of samples.
-INLINE void fill_bricks(Layout layout, int first_brick, int end_brick, int brick_y, int z,
-                        __global const uchar* computed, __global const uint* sign_bits, __global uint* distance,
-                        __global uint* triangle, int with_triangle) {
-    // Offsets from the first brick's first sample.
-    const int shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;
-    const int shift_y = layout.first[1] - layout.brick_first[1] * CLSDF_BRICK;
-    const int from_z = z + layout.first[2] - layout.brick_first[2] * CLSDF_BRICK;
-    request_signs(layout, sign_bits, brick_y, from_z + 1);  // for the next work-item of the group
-    __global const uchar* row_computed =
-        computed + ((size_t)(from_z / CLSDF_BRICK) * layout.bricks[1] + brick_y) * layout.bricks[0];
-    const int begin_y = max(brick_y * CLSDF_BRICK - shift_y, 0),
-              end_y = min((brick_y + 1) * CLSDF_BRICK - shift_y, layout.size[1]);
-    Run distances = {distance, distance, 0}, triangles = {triangle, triangle, 0};
-    for (int brick = first_brick; brick < end_brick; ++brick) {
-        if (row_computed[brick]) continue;
-        const int begin = max(brick * CLSDF_BRICK - shift_x, 0);
-        while (brick < end_brick && !row_computed[brick]) ++brick;
-        const int end = min(brick * CLSDF_BRICK - shift_x, layout.size[0]);
-        for (int y = begin_y; y < end_y; ++y) {
-            const size_t row = ((size_t)z * layout.size[1] + y) * layout.size[0];
+// Where a row of bricks lies in one slice of samples.
+typedef struct BrickRow {
+    int shift_x, shift_y;  // of the part's first sample from the first brick's
+    int from_z;            // the slice, counted from the first brick's
+    int begin_y, end_y;    // rows of samples of the part
+    __global const uchar* computed;
+} BrickRow;
+
+INLINE BrickRow brick_row(Layout layout, int brick_y, int z, __global const uchar* computed) {
+    BrickRow row;
+    row.shift_x = layout.first[0] - layout.brick_first[0] * CLSDF_BRICK;
+    row.shift_y = layout.first[1] - layout.brick_first[1] * CLSDF_BRICK;
+    row.from_z = z + layout.first[2] - layout.brick_first[2] * CLSDF_BRICK;
+    row.begin_y = max(brick_y * CLSDF_BRICK - row.shift_y, 0);
+    row.end_y = min((brick_y + 1) * CLSDF_BRICK - row.shift_y, layout.size[1]);
+    row.computed = computed + ((size_t)(row.from_z / CLSDF_BRICK) * layout.bricks[1] + brick_y) * layout.bricks[0];
+    return row;
+}
+
+// The next empty bricks from *brick on, as samples [*begin, *end) of each row; false if there are none before
+// `end_brick`. *brick is then the first one behind them.
+INLINE bool next_empty(Layout layout, BrickRow row, int end_brick, __private int* brick, __private int* begin,
+                       __private int* end) {
+    while (*brick < end_brick && row.computed[*brick]) ++*brick;
+    if (*brick >= end_brick) return false;
+    *begin = max(*brick * CLSDF_BRICK - row.shift_x, 0);
+    while (*brick < end_brick && !row.computed[*brick]) ++*brick;
+    *end = min(*brick * CLSDF_BRICK - row.shift_x, layout.size[0]);
+    return true;
+}
+
+// The distances of the empty bricks [brick, end_brick) of a row of bricks, in one slice of samples.
+INLINE void fill_bricks(Layout layout, int brick, int end_brick, int brick_y, int z, __global const uchar* computed,
+                        __global const uint* sign_bits, __global uint* distance) {
+    const BrickRow row = brick_row(layout, brick_y, z, computed);
+    request_signs(layout, sign_bits, brick_y, row.from_z + 1);  // for the next work-item of the group
+    Run distances = {distance, distance, 0};
+    for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
+        for (int y = row.begin_y; y < row.end_y; ++y) {
+            __global uint* to = distance + ((size_t)z * layout.size[1] + y) * layout.size[0];
             __global const uint* bits =
-                sign_bits + ((size_t)from_z * (layout.bricks[1] * CLSDF_BRICK) + (y + shift_y)) * layout.sign_words;
+                sign_bits +
+                ((size_t)row.from_z * (layout.bricks[1] * CLSDF_BRICK) + (y + row.shift_y)) * layout.sign_words;
             for (int x = begin, next; x < end; x = next) {
-                next = end_of_run(bits, x + shift_x, end + shift_x) - shift_x;
-                const bool inside = bits[(x + shift_x) >> 5] >> ((x + shift_x) & 31) & 1u;
-                add_run(&distances, distance + row + x, distance + row + next,
-                        as_uint(inside ? layout.inside_fill : layout.outside_fill));
+                next = end_of_run(bits, x + row.shift_x, end + row.shift_x) - row.shift_x;
+                const bool inside = bits[(x + row.shift_x) >> 5] >> ((x + row.shift_x) & 31) & 1u;
+                add_run(&distances, to + x, to + next, as_uint(inside ? layout.inside_fill : layout.outside_fill));
             }
-            if (with_triangle) add_run(&triangles, triangle + row + begin, triangle + row + end, CLSDF_NO_TRIANGLE);
         }
-    }
     store_value(distances.value, distances.begin, distances.end);
-    if (with_triangle) store_value(triangles.value, triangles.begin, triangles.end);
+}
+
+// Every bit of what else their samples hold, `sample_bytes` each.
+INLINE void leave_bricks(Layout layout, int brick, int end_brick, int brick_y, int z, __global const uchar* computed,
+                         __global uchar* output, int sample_bytes) {
+    const BrickRow row = brick_row(layout, brick_y, z, computed);
+    __global uchar *run_begin = output, *run_end = output;  // kept back, as long as rows follow each other
+    for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
+        for (int y = row.begin_y; y < row.end_y; ++y) {
+            __global uchar* to = output + ((size_t)z * layout.size[1] + y) * layout.size[0] * sample_bytes;
+            if (to + (size_t)begin * sample_bytes != run_end) {
+                store_ones(run_begin, run_end);
+                run_begin = to + (size_t)begin * sample_bytes;
+            }
+            run_end = to + (size_t)end * sample_bytes;
+        }
+    store_ones(run_begin, run_end);
 }
 
 // One work-item a piece of a row of bricks in one slice, from slice `first_slice` on.
 // Global size: (pieces of a row of bricks, rows of bricks, slices and what fills the last group).
-__kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
-                                __global uint* distance, __global uint* triangle, int with_triangle, int first_slice) {
-    const int piece = get_global_id(0), pieces = get_global_size(0), z = first_slice + get_global_id(2);
-    const int first_brick = (int)((long)layout.bricks[0] * piece / pieces);
+#define PIECE_OF_ROW                                                                                     \
+    const int piece = get_global_id(0), pieces = get_global_size(0), z = first_slice + get_global_id(2); \
+    const int first_brick = (int)((long)layout.bricks[0] * piece / pieces);                              \
     const int end_brick = (int)((long)layout.bricks[0] * (piece + 1) / pieces);
+
+__kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
+                                __global uint* distance, int first_slice) {
+    PIECE_OF_ROW
     if (z < layout.size[2])
-        fill_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, sign_bits, distance, triangle,
-                    with_triangle);
+        fill_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, sign_bits, distance);
     // Once a group, whose work-items one thread takes one after the other: each by itself would wait for its stores.
+    if (get_local_id(2) + 1 == get_local_size(2)) finish_lines();
+}
+
+// What the samples hold beside the distance, `sample_bytes` of each.
+__kernel void leave_empty_bricks(Layout layout, __global const uchar* computed, __global uchar* output,
+                                 int sample_bytes, int first_slice) {
+    PIECE_OF_ROW
+    if (z < layout.size[2])
+        leave_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, output, sample_bytes);
     if (get_local_id(2) + 1 == get_local_size(2)) finish_lines();
 }

@@ -11,8 +11,9 @@
 #define CLSDF_COARSE 32
 #define CLSDF_BRICKS_PER_COARSE 4
 
-// The minima of a brick in the vector body: of each sample a squared distance and, where it is asked for, a triangle.
-#define CLSDF_MINIMUM_BYTES(with_triangle) (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK * ((with_triangle) ? 8 : 4))
+// The minima of a brick in the vector body: of each sample a squared distance and, if more is asked for than
+// that, the number of the nearest polyhedron.
+#define CLSDF_MINIMUM_BYTES(with_nearest) (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK * ((with_nearest) ? 8 : 4))
 
 // How many polyhedra of a coarse brick's list the vector body takes at a time.
 #define CLSDF_LIST_PART 2048
@@ -20,8 +21,9 @@
 // room for a vector.
 #define CLSDF_SCRATCH_BYTES (64 * CLSDF_LIST_PART / 8 + 2 * 4 * (CLSDF_LIST_PART + 16))
 
-// The nearest triangle of a sample beyond the band.
+// The nearest triangle of a sample beyond the band, and the nearest polyhedron of one that none holds.
 #define CLSDF_NO_TRIANGLE 0xFFFFFFFFu
+#define CLSDF_NO_POLYHEDRON 0xFFFFFFFFu
 
 // What the counting variant of the kernels adds up: a set of counters for each work-item.
 #define CLSDF_COUNT_BRICK_PAIRS 0

@@ -25,12 +25,14 @@
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef int clsdf_int32;
 typedef uint clsdf_uint32;
+typedef uchar clsdf_uint8;
 #else
 #include <cstddef>
 #include <cstdint>
 namespace clsdf {
 using clsdf_int32 = std::int32_t;
 using clsdf_uint32 = std::uint32_t;
+using clsdf_uint8 = std::uint8_t;
 #endif
 
 // Index of an edge in the slopes, and of a half in pairs.
@@ -53,6 +55,11 @@ using clsdf_uint32 = std::uint32_t;
 #define CLSDF_NEAR_LENGTH 500
 // At one of its edges three faces or more meet: another face may lie upon it.
 #define CLSDF_POLYHEDRON_NON_MANIFOLD 4u
+// A vertex by itself, whose frame has shrunk to a point.
+#define CLSDF_POLYHEDRON_POINT 8u
+// Two bits from here on: the number of the triangle's vertex at the left end of the base, of which the next one is the
+// right end, and the one after it the apex; of a point, the number of the vertex.
+#define CLSDF_POLYHEDRON_VERTEX_SHIFT 4
 
 typedef struct Polyhedron {
     // What tests read, 32 words, so that several polyhedra can be transposed into lanes (lane_polyhedra.h).

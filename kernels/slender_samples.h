@@ -42,15 +42,16 @@ INLINE uintL places_of(uintL i, uintL j, uintL k) {
 #define ALL_LANES ((ushort)LANE_BITS)
 #define GATHER(p, places) __builtin_ia32_gathersiv16sf((float16)(0.0f), p, places, ALL_LANES, sizeof(float))
 #define SCATTER(values, p, places) __builtin_ia32_scattersiv16sf(p, ALL_LANES, places, values, sizeof(float))
-INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint triangle) {
+INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint number,
+                         __global const Polyhedron* polyhedra) {
     __private void* least_of = (__private void*)(size_t)minima->squared;
     const float16 least = GATHER(least_of, as_intL(places));
 #ifdef NEAREST
-    __private void* nearest_of = (__private void*)(size_t)minima->triangle;
+    __private void* nearest_of = (__private void*)(size_t)minima->polyhedron;
     const uint16 nearest = as_uint16(GATHER(nearest_of, as_intL(places)));
-    const int16 better = (squared < least) | ((squared == least) & (triangle < nearest));
+    const int16 better = is_nearer(squared, number, least, nearest, polyhedra);
     SCATTER(better ? squared : least, least_of, as_intL(places));
-    SCATTER(as_float16(better ? (uint16)triangle : nearest), nearest_of, as_intL(places));
+    SCATTER(as_float16(better ? (uint16)number : nearest), nearest_of, as_intL(places));
 #else
     SCATTER(LESSER(squared, least), least_of, as_intL(places));
 #endif
@@ -59,7 +60,8 @@ INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared,
 #undef GATHER
 #undef SCATTER
 #else
-INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint triangle) {
+INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint number,
+                         __global const Polyhedron* polyhedra) {
     uint place[LANES];
     float values[LANES];
     store_lanes(places, 0, place);
@@ -69,8 +71,10 @@ INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared,
         __global float* least = (__global float*)minima + place[lane];
 #ifdef NEAREST
         __global uint* nearest = (__global uint*)least + CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK;
-        const bool better = values[lane] < *least || (values[lane] == *least && triangle < *nearest);
-        *nearest = better ? triangle : *nearest;
+        const bool better =
+            values[lane] < *least || (values[lane] == *least && *nearest != number && *nearest != CLSDF_NO_POLYHEDRON &&
+                                      polyhedra[number].triangle < polyhedra[*nearest].triangle);
+        *nearest = better ? number : *nearest;
         *least = better ? values[lane] : *least;
 #else
         *least = LESSER(values[lane], *least);
@@ -111,8 +115,9 @@ INLINE EdgeTable table_of(__global const Polyhedron* p) {
     return table;
 }
 
-static inline void evaluate_samples(__global const Polyhedron* p, int3 first, double rounder, __private Samples* list,
-                                    __global Minimum* minima) {
+static inline void evaluate_samples(__global const Polyhedron* polyhedra, uint number, int3 first, double rounder,
+                                    __private Samples* list, __global Minimum* minima) {
+    __global const Polyhedron* p = polyhedra + number;
     const double4 gradient_x = vload4(0, p->exact_gradient_x), gradient_y = vload4(0, p->exact_gradient_y),
                   gradient_z = vload4(0, p->exact_gradient_z);
     const Split along_x = split(gradient_x, rounder), along_y = split(gradient_y, rounder),
@@ -123,7 +128,6 @@ static inline void evaluate_samples(__global const Polyhedron* p, int3 first, do
                    (gradient_z * (double)(first.z - p->origin_z) + vload4(0, p->exact_constant_at_origin))),
               rounder);
     const EdgeTable table = table_of(p);
-    const uint triangle = p->triangle;
     store_lanes((uintL)list->samples[0], 0, list->samples + list->count);  // the last vector is filled with the first
     for (uint n = 0; n < list->count; n += LANES) {
         const uintL samples = load_lanes(0, list->samples + n);
@@ -134,7 +138,7 @@ static inline void evaluate_samples(__global const Polyhedron* p, int3 first, do
         const floatL x = SUM(high, x) + SUM(low, x), y = SUM(high, y) + SUM(low, y), z = SUM(high, z) + SUM(low, z);
 #undef SUM
         lower_minima(minima, places_of(sample_i, sample_j, sample_k), squared_distance_in_region(table, x, y, x, y, z),
-                     triangle);
+                     number, polyhedra);
     }
 }
 

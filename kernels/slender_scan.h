@@ -15,17 +15,18 @@ typedef struct SlenderScan {
     int3 first;  // the coarse brick's first sample
     double rounder;
     float half_height;
+    __global const Polyhedron* polyhedra;
     __global Minimum* minima;
 } SlenderScan;
 
-// Evaluates and empties the list.
-INLINE void evaluate_and_empty(const SlenderScan* scan, __global const Polyhedron* p, __private Samples* list,
+// Evaluates and empties the list of a polyhedron.
+INLINE void evaluate_and_empty(const SlenderScan* scan, uint polyhedron, __private Samples* list,
                                __private ulong* counters) {
     if (list->count == 0) return;
 #ifdef COUNT
-    count_samples(scan->layout, p, scan->first, list, counters);
+    count_samples(scan->layout, scan->polyhedra + polyhedron, scan->first, list, counters);
 #endif
-    evaluate_samples(p, scan->first, scan->rounder, list, scan->minima);
+    evaluate_samples(scan->polyhedra, polyhedron, scan->first, scan->rounder, list, scan->minima);
     list->count = 0;
 }
 
@@ -65,9 +66,8 @@ __constant float column_of_lane[3 * LANES] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1
 
 // Lists the samples of one lane's polyhedron in some layers. In each layer's box, all layers step along u and v at
 // once. (Which sides there are is a constant in each call: where one is absent, OF_SIDE chooses nothing.)
-INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
-                        __private const SlenderPolyhedra* slender, uint lane, LayerRange range, __private Samples* list,
-                        __private ulong* counters) {
+INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
+                        LayerRange range, __private Samples* list, __private ulong* counters) {
     __private const Frustum* above = slender->sides;
     __private const Frustum* below = slender->sides + 1;
     const floatL number = load_lanes(range.columns_log, layer_of_lane);
@@ -117,7 +117,7 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
                 as_uintL(convert_intL(v)) << shift_v;
     floatL past_v = -0.5f - more_v;
     for (int n_v = 0; n_v <= most_v; ++n_v) {
-        if (list->count >= MOST_SAMPLES) evaluate_and_empty(scan, p, list, counters);
+        if (list->count >= MOST_SAMPLES) evaluate_and_empty(scan, polyhedron, list, counters);
         uint count = list->count;
         uintL samples = row;
         floatL at[4], past_u = past_v < 0.0f ? -0.5f - more_u : (floatL)1.0f;
@@ -144,8 +144,8 @@ INLINE void list_layers(const SlenderScan* scan, __global const Polyhedron* p,
 
 // One lane's polyhedron: both sides at once where they have few layers, else by themselves. (Measured, before
 // neighbours shared lanes: of narrow bands the bricks take a seventh less time than with sides by themselves always.)
-INLINE void scan_slender(const SlenderScan* scan, __global const Polyhedron* p,
-                         __private const SlenderPolyhedra* slender, uint lane, __private ulong* counters) {
+INLINE void scan_slender(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
+                         __private ulong* counters) {
     __private const Frustum* above = slender->sides;
     __private const Frustum* below = slender->sides + 1;
     const float first_above = LANE_OF(above->first, lane), last_above = LANE_OF(above->last, lane);
@@ -155,24 +155,24 @@ INLINE void scan_slender(const SlenderScan* scan, __global const Polyhedron* p,
     list.count = 0;
     if (of_both >= 0) {
         const LayerRange all = {true, true, first_above, last_above, first_below, last_below, of_both};
-        list_layers(scan, p, slender, lane, all, &list, counters);
+        list_layers(scan, polyhedron, slender, lane, all, &list, counters);
     } else {
         int columns_log = ((__private const int*)&above->columns_log)[lane];
         for (float first = first_above; first <= last_above; first += LANES) {
             const float last = first + (LANES - 1);
             const LayerRange some = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f, columns_log};
-            list_layers(scan, p, slender, lane, some, &list, counters);
+            list_layers(scan, polyhedron, slender, lane, some, &list, counters);
             columns_log = columns_log_of(last_above - last);
         }
         columns_log = ((__private const int*)&below->columns_log)[lane];
         for (float first = first_below; first <= last_below; first += LANES) {
             const float last = first + (LANES - 1);
             const LayerRange some = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below), columns_log};
-            list_layers(scan, p, slender, lane, some, &list, counters);
+            list_layers(scan, polyhedron, slender, lane, some, &list, counters);
             columns_log = columns_log_of(last_below - last);
         }
     }
-    evaluate_and_empty(scan, p, &list, counters);
+    evaluate_and_empty(scan, polyhedron, &list, counters);
 }
 
 // Polyhedra of a list until a vector is full.
@@ -194,7 +194,7 @@ static inline void scan_queue(const SlenderScan* scan, float cap, float slack, _
 #endif
     for (; present; present &= present - 1) {
         const uint lane = lowest_bit(present);
-        scan_slender(scan, polyhedra + queue->numbers[lane], &slender, lane, counters);
+        scan_slender(scan, queue->numbers[lane], &slender, lane, counters);
     }
     queue->count -= count;
     store_lanes(load_lanes(0, queue->numbers + LANES), 0, queue->numbers);
@@ -205,8 +205,12 @@ static inline void scan_queue(const SlenderScan* scan, float cap, float slack, _
 static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                           float cap, float slack, __global const Polyhedron* polyhedra,
                                           __global Minimum* minima, __global uint* others, __private ulong* counters) {
-    const SlenderScan scan = {layout, coarse * CLSDF_COARSE, splitting_rounder(longest_spacing(layout)),
-                              half_height(cap, margin_of(slack)), minima};
+    const SlenderScan scan = {layout,
+                              coarse * CLSDF_COARSE,
+                              splitting_rounder(longest_spacing(layout)),
+                              half_height(cap, margin_of(slack)),
+                              polyhedra,
+                              minima};
     SlenderQueue queue;
     queue.count = 0;
     uint other_count = 0;

@@ -6,6 +6,9 @@
 #include "brick_lists.h"
 #include "brick_minimum.h"
 #include "field_lines.h"
+#ifdef NEAREST
+#include "finish.h"
+#endif
 #include "lanes.h"
 #include "layout.h"
 
@@ -13,7 +16,7 @@
 typedef struct Output {
     __global float* distance;
 #ifdef NEAREST
-    __global uint* triangle;
+    __private const Finishing* finishing;
 #endif
     __global uchar* computed;  // of each brick, whether it was written
     __global const uint* sign_bits;
@@ -46,15 +49,8 @@ INLINE uint sign_shift_of(Layout layout, int3 brick) {
     return (uint)(brick.x - layout.brick_first[0]) % 4 * CLSDF_BRICK;
 }
 
-// A vector of a brick's rows, one or two of a slice, as they are written.
+// A vector of a brick's samples is one or two rows of a slice.
 #define ROWS_PER_VECTOR (LANES / CLSDF_BRICK)
-typedef struct FinishedRows {
-    uintL distance;
-#ifdef NEAREST
-    uintL triangle;
-#endif
-} FinishedRows;
-
 #if ROWS_PER_VECTOR == 1
 #define ROW_OF_VECTOR(rows, n) (rows)
 #else
@@ -86,27 +82,46 @@ static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
 }
 #endif
 
-// Those of slice z of a brick, from row y on.
-INLINE FinishedRows finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, int y, int z,
-                                  Output output, __private ulong* counters) {
+#ifdef NEAREST
+// What a vector's samples of slice z of a brick, from row y on, hold beside the distance, as far as they belong to the
+// part. inside, in_band: a bit a lane.
+static inline void finish_rows(Layout layout, int3 brick, __global const Minimum* minimum, int y, int z, uint inside,
+                               uint in_band, __private const Finishing* finishing) {
+    const int3 size = vload3(0, layout.size), first = vload3(0, layout.first);
+    uint nearest[LANES];
+    store_lanes(rows_from((__global const uint*)minimum->polyhedron, y, z), 0, nearest);
+    for (uint lane = 0; lane < LANES; ++lane) {
+        const int3 sample = brick * CLSDF_BRICK + (int3)((int)(lane % CLSDF_BRICK), y + (int)(lane / CLSDF_BRICK), z);
+        const int3 at = sample - first;
+        if (any(at < 0) || any(at >= size)) continue;
+        const size_t place = ((size_t)at.z * size.y + at.y) * size.x + at.x;
+        if ((in_band >> lane & 1u) != 0 && nearest[lane] != CLSDF_NO_POLYHEDRON)
+            finish_sample(finishing, sample, nearest[lane], inside >> lane & 1u, place);
+        else
+            leave_sample(finishing, place);
+    }
+}
+#endif
+
+// The distances of slice z of a brick, from row y on. What else is asked for is stored.
+INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, int y, int z, Output output,
+                           __private ulong* counters) {
     __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
     const uint shift = sign_shift_of(layout, brick);
     uint inside = 0;
 #pragma unroll
     for (int n = 0; n < ROWS_PER_VECTOR; ++n)
         inside |= (sign_bits[(y + n) * layout.sign_words] >> shift & 0xFFu) << (n * CLSDF_BRICK);
-    FinishedRows rows;
     intL in_band;
     const floatL squared = as_floatL(rows_from((__global const uint*)minimum->squared, y, z));
-    rows.distance = as_uintL(signed_distances(layout, inside, squared, &in_band));
+    const uintL distances = as_uintL(signed_distances(layout, inside, squared, &in_band));
 #ifdef NEAREST
-    const uintL nearest = rows_from((__global const uint*)minimum->triangle, y, z);
-    rows.triangle = in_band ? nearest : (uintL)CLSDF_NO_TRIANGLE;
+    finish_rows(layout, brick, minimum, y, z, inside, lanes_to_bits(in_band), output.finishing);
 #endif
 #ifdef COUNT
     counters[CLSDF_COUNT_BAND] += popcount(lanes_to_bits(in_band) & lanes_in_part(layout, brick, y));
 #endif
-    return rows;
+    return distances;
 }
 
 // Writes the samples of `count` bricks that follow each other along x, as far as they belong to the part, and clears
@@ -119,30 +134,18 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
     for (int n = 0; n < count; ++n) mark_of(layout, brick, output)[n] = 1;
     // Of a slice: rows that are read right after they are stored would be waited for.
     uint distances[CLSDF_BRICK][CLSDF_COARSE];
-#ifdef NEAREST
-    uint triangles[CLSDF_BRICK][CLSDF_COARSE];
-#endif
     for (int z = begin.z; z < end.z; ++z) {
         for (int n = 0; n < count; ++n)
             for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR) {
-                const FinishedRows rows =
-                    finished_rows(layout, brick + (int3)(n, 0, 0), minima + n, y, z, output, counters);
+                const uintL rows = finished_rows(layout, brick + (int3)(n, 0, 0), minima + n, y, z, output, counters);
 #pragma unroll
-                for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
-                    store_eight(ROW_OF_VECTOR(rows.distance, r), n, distances[y + r]);
-#ifdef NEAREST
-                    store_eight(ROW_OF_VECTOR(rows.triangle, r), n, triangles[y + r]);
-#endif
-                }
+                for (int r = 0; r < ROWS_PER_VECTOR; ++r) store_eight(ROW_OF_VECTOR(rows, r), n, distances[y + r]);
             }
         for (int y = begin.y; y < end.y; ++y) {
             const size_t row = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x;
             const size_t from = row + first.x + begin.x, to = row + first.x + end.x;
             store_values(distances[y] + begin.x, (__global uint*)output.distance + from,
                          (__global uint*)output.distance + to);
-#ifdef NEAREST
-            store_values(triangles[y] + begin.x, output.triangle + from, output.triangle + to);
-#endif
         }
     }
     for (int n = 0; n < count; ++n) clear_minimum(minima + n);  // while they are in the innermost cache
@@ -169,19 +172,14 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
     for (int n = 0; n < 2; ++n) mark_of(layout, brick, output)[n] = 1;
     for (int z = begin.z; z < end.z; ++z)
         for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR) {
-            const FinishedRows left = finished_rows(layout, brick, minima, y, z, output, counters);
-            const FinishedRows right =
-                finished_rows(layout, brick + (int3)(1, 0, 0), minima + 1, y, z, output, counters);
+            const uintL left = finished_rows(layout, brick, minima, y, z, output, counters);
+            const uintL right = finished_rows(layout, brick + (int3)(1, 0, 0), minima + 1, y, z, output, counters);
 #pragma unroll
             for (int n = 0; n < ROWS_PER_VECTOR; ++n) {
                 if (y + n < begin.y || y + n >= end.y) continue;
                 const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y + n)) * size.x + first.x;
-                store_line((uint16)(ROW_OF_VECTOR(left.distance, n), ROW_OF_VECTOR(right.distance, n)),
+                store_line((uint16)(ROW_OF_VECTOR(left, n), ROW_OF_VECTOR(right, n)),
                            (__global uint*)output.distance + at);
-#ifdef NEAREST
-                store_line((uint16)(ROW_OF_VECTOR(left.triangle, n), ROW_OF_VECTOR(right.triangle, n)),
-                           output.triangle + at);
-#endif
             }
         }
     for (int n = 0; n < 2; ++n) clear_minimum(minima + n);
@@ -193,9 +191,6 @@ INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     const int3 first = coarse * CLSDF_COARSE - vload3(0, layout.first);
     const long from_first = ((long)first.z * layout.size[1] + first.y) * layout.size[0] + first.x;
     if (PAST((size_t)output.distance + (size_t)from_first * sizeof(float), LINE_NUMBERS) != 0) return 0;
-#ifdef NEAREST
-    if (PAST((size_t)output.triangle + (size_t)from_first * sizeof(uint), LINE_NUMBERS) != 0) return 0;
-#endif
     if (layout.size[0] % LINE_NUMBERS != 0) return 0;
     ulong bricks = 0;
     for (int line = 0; line < CLSDF_COARSE / LINE_NUMBERS; ++line) {

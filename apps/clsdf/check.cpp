@@ -36,6 +36,9 @@ ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid)
                             {"expected", finding.expected},
                             {"found", finding.found}});
     }
+    ordered_json wrong_outputs;
+    clsdf::visit_extras([&](const char* name, std::size_t count) { wrong_outputs[name] = count; },
+                        report.wrong_outputs);
     return {{"passed", report.passed()},
             {"samples", report.samples},
             {"band_samples", report.band_samples},
@@ -43,7 +46,7 @@ ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid)
             {"wrong_signs", report.wrong_signs},
             {"missed", report.missed},
             {"leaked", report.leaked},
-            {"wrong_triangles", report.wrong_triangles},
+            {"wrong_outputs", wrong_outputs},
             {"max_error_voxels", report.max_error_voxels},
             {"max_error_ulp", report.max_error_ulp},
             {"rms_error_voxels", report.rms_error_voxels},
@@ -66,9 +69,14 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
         "error     at most {:.3g} voxels, and {:.3g} ulp (beyond one voxel from the surface); {:.3g} voxels in "
         "the root mean square\n",
         report.max_error_voxels, report.max_error_ulp, report.rms_error_voxels);
+    std::string outputs;
+    clsdf::visit_extras(
+        [&](const char* name, const auto& values, std::size_t count) {
+            if (!values.empty()) outputs += fmt::format(", {} wrong in {}", count, name);
+        },
+        field, report.wrong_outputs);
     print_text("found     {} wrong values, {} wrong signs, {} missed, {} leaked{}\n", report.wrong_values,
-               report.wrong_signs, report.missed, report.leaked,
-               field.triangle.empty() ? "" : fmt::format(", {} wrong triangles", report.wrong_triangles));
+               report.wrong_signs, report.missed, report.leaked, outputs);
     for (const CheckReport::Finding& finding : report.findings) {
         const auto& [i, j, k] = finding.sample;
         const clsdf::Vec3 position = field.grid.position(i, j, k);

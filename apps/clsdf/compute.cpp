@@ -171,7 +171,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     computation.output = options.output;
     if (!report.quiet) print_outcome(layout, computation);
     warn(report, warning_of_empty_band(layout, computation));
-    warn(report, warning_of_stale_triangles(layout, computation));
+    warn(report, warning_of_stale_outputs(layout, computation));
     report.result = describe(layout, computation);
     return ExitStatus::done;
 }

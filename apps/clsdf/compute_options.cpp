@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 using clsdf::Band;
@@ -61,9 +62,9 @@ Grid parse_stated_grid(const ComputeOptions& options) {
 
 clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     clsdf::Outputs outputs;
-    for (const std::string& name : names) {
-        if (name == "triangle") outputs.triangle = true;
-    }
+    visit_extras(
+        [&](const char* name, bool& wanted) { wanted = std::find(names.begin(), names.end(), name) != names.end(); },
+        outputs);
     return outputs;
 }
 
@@ -113,9 +114,12 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
                      ->capture_default_str()
                      ->group(group),
                  {"auto", "nonzero", "parity", "none"});
-    takes_some_of(parser.add_option("--with", options.with, "also, beside the distance: the nearest triangle's index")
-                      ->group(group),
-                  {"triangle"});
+    std::vector<std::string> names;
+    clsdf::visit_extras([&](const char* name, bool) { names.emplace_back(name); }, clsdf::Outputs());
+    takes_some_of(
+        parser.add_option("--with", options.with, "also, beside the distance: what the nearest triangle tells")
+            ->group(group),
+        names);
 }
 
 void add_method_options(CLI::App& parser, ComputeOptions& options) {

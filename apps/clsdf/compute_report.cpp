@@ -18,8 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of all outputs of a sample.
+std::uint64_t sample_bytes(const ComputeLayout& layout) {
+    std::uint64_t all = clsdf::output_bytes.distance;
+    clsdf::visit_extras([&](const char*, bool wanted, std::size_t bytes) { all += wanted ? bytes : 0; }, layout.outputs,
+                        clsdf::output_bytes);
+    return all;
+}
+
 std::uint64_t field_bytes(const ComputeLayout& layout) {
-    return std::uint64_t{layout.grid.sample_count()} * (layout.outputs.triangle ? 8 : 4);
+    return layout.grid.sample_count() * sample_bytes(layout);
 }
 
 /// What is in memory of the field at once.
@@ -32,7 +40,7 @@ SlabMemory slab_memory(const ComputeLayout& layout) {
     const std::vector<clsdf::Grid> slabs = clsdf::DistanceTransform::slabs_of(layout.grid);
     std::uint64_t largest = 0;
     for (const clsdf::Grid& slab : slabs) largest = std::max<std::uint64_t>(largest, slab.sample_count());
-    return {slabs.size(), largest * (layout.outputs.triangle ? 8 : 4) * std::min<std::size_t>(slabs.size(), 2)};
+    return {slabs.size(), largest * sample_bytes(layout) * std::min<std::size_t>(slabs.size(), 2)};
 }
 
 // About what a computation uses beside the field: polyhedra, for slices also their pieces, lists and the program's
@@ -153,13 +161,20 @@ std::string warning_of_format(const ComputeLayout& layout, const std::string& ou
         output);
 }
 
-std::string warning_of_stale_triangles(const ComputeLayout& layout, const Computation& computation) {
+std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computation& computation) {
     const fs::path output(computation.output);
-    const fs::path triangles =
-        output.parent_path() / (output.stem().string() + "_triangle" + output.extension().string());
-    std::error_code ignored;
-    if (layout.outputs.triangle || !fs::exists(triangles, ignored)) return {};
-    return fmt::format("{} does not belong to this field, which has no triangles; delete it", triangles.string());
+    std::string warning;
+    clsdf::visit_extras(
+        [&](const char* name, bool wanted) {
+            const fs::path file =
+                output.parent_path() / (output.stem().string() + "_" + name + output.extension().string());
+            std::error_code ignored;
+            if (wanted || !fs::exists(file, ignored)) return;
+            warning += fmt::format("{}{} does not belong to this field, which has no {}; delete it",
+                                   warning.empty() ? "" : "; ", file.string(), name);
+        },
+        layout.outputs);
+    return warning;
 }
 
 void print_layout(const ComputeLayout& layout) {

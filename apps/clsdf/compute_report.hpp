@@ -45,7 +45,7 @@ std::string warning_of_memory(const ComputeLayout& layout);
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output);
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);
 /// Triangles of an earlier field, which now lie beside this one.
-std::string warning_of_stale_triangles(const ComputeLayout& layout, const Computation& computation);
+std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computation& computation);
 
 /// To standard error.
 void print_layout(const ComputeLayout& layout);

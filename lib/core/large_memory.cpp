@@ -51,4 +51,6 @@ void detail::free_field_memory(void* memory, std::size_t bytes) noexcept {
 }  // namespace clsdf
 
 template class std::vector<float, clsdf::FieldAllocator<float>>;
+template class std::vector<double, clsdf::FieldAllocator<double>>;
 template class std::vector<std::uint32_t, clsdf::FieldAllocator<std::uint32_t>>;
+template class std::vector<std::uint8_t, clsdf::FieldAllocator<std::uint8_t>>;

@@ -1,38 +1,50 @@
 #include "field/outputs.hpp"
 
+#include "core/per_output.hpp"
+
 #include <array>
 
 namespace clsdf {
 namespace {
 
+template <typename Value>
+constexpr ValueType type_of() {
+    return std::is_same_v<Value, float>           ? ValueType::float32
+           : std::is_same_v<Value, double>        ? ValueType::float64
+           : std::is_same_v<Value, std::uint32_t> ? ValueType::uint32
+                                                  : ValueType::uint8;
+}
+
 // The row for a member of FieldSlab and the one of the same name of Field.
 template <auto slab_member, auto field_member>
-constexpr OutputKind kind(const char* name, const char* content, ValueType type, std::int64_t components,
+constexpr OutputKind kind(const char* name, const char* content, std::int64_t components,
                           bool (*wanted)(const Outputs&)) {
+    using Span = std::remove_cvref_t<decltype(std::declval<FieldSlab>().*slab_member)>;
     return {name,
             content,
-            type,
+            type_of<typename Span::value_type>(),
             components,
             wanted,
             [](const FieldSlab& slab) { return std::as_bytes(slab.*slab_member); },
-            [](Field& field, std::size_t samples) {
-                (field.*field_member).resize(samples);
+            [](Field& field, std::size_t values) {
+                (field.*field_member).resize(values);
                 return std::as_writable_bytes(std::span(field.*field_member));
             }};
 }
 
-constexpr OutputKind distance = kind<&FieldSlab::distance, &Field::distance>("distance", "distance", ValueType::float32,
-                                                                             1, [](const Outputs&) { return true; });
+constexpr OutputKind distance =
+    kind<&FieldSlab::distance, &Field::distance>("distance", "distance", 1, [](const Outputs&) { return true; });
 
-constexpr std::array extras{
-    kind<&FieldSlab::triangle, &Field::triangle>("triangle", "nearest triangle", ValueType::uint32, 1,
-                                                 [](const Outputs& outputs) { return outputs.triangle; }),
-};
+#define CLSDF_KIND(name, content, element, components)               \
+    kind<&FieldSlab::name, &Field::name>(#name, content, components, \
+                                         [](const Outputs& outputs) { return outputs.name; }),
+constexpr std::array extras{CLSDF_OUTPUTS(CLSDF_KIND)};
+#undef CLSDF_KIND
 
 }  // namespace
 
 std::size_t width_of(ValueType type) {
-    return type == ValueType::float64 ? 8 : 4;
+    return type == ValueType::float64 ? 8 : type == ValueType::uint8 ? 1 : 4;
 }
 
 const OutputKind& distance_kind() {
@@ -50,12 +62,20 @@ std::vector<OutputKind> kinds_of(const Outputs& outputs) {
     return kinds;
 }
 
+std::span<std::byte> allocate_output(const OutputKind& kind, Field& field) {
+    return kind.allocate(field, field.grid.sample_count() * static_cast<std::size_t>(kind.components));
+}
+
 FieldSlab slab_of(const Field& field) {
-    return {field.distance, field.triangle};
+    FieldSlab slab;
+    for_each_output([](const OutputRow&, auto& span, const auto& array) { span = array; }, slab, field);
+    return slab;
 }
 
 Outputs outputs_of(const Field& field) {
-    return {.triangle = !field.triangle.empty()};
+    Outputs outputs;
+    for_each_extra([](const OutputRow&, bool& wanted, const auto& array) { wanted = !array.empty(); }, outputs, field);
+    return outputs;
 }
 
 }  // namespace clsdf

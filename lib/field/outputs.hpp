@@ -8,13 +8,18 @@
 
 namespace clsdf {
 
-enum class ValueType { float32, float64, uint32 };
+enum class ValueType { float32, float64, uint32, uint8 };
+
+/// A value is an index or a number without a fraction.
+constexpr bool is_whole(ValueType type) {
+    return type == ValueType::uint32 || type == ValueType::uint8;
+}
 
 /// Bytes of a value.
 std::size_t width_of(ValueType type);
 
-/// One of the arrays of a field, and all that the formats need to know about it. A new one is a row of the table in
-/// outputs.cpp beside its members in Field, FieldSlab and Outputs.
+/// One of the arrays of a field, and all that the formats need to know about it: a row of the table in
+/// kernels/outputs.h with its members.
 struct OutputKind {
     const char* name;         ///< in files, and in the names of files
     const char* content;      ///< in words
@@ -22,8 +27,8 @@ struct OutputKind {
     std::int64_t components;  ///< values of one sample, which lie side by side
     bool (*wanted)(const Outputs& outputs);
     std::span<const std::byte> (*bytes)(const FieldSlab& slab);
-    /// Makes room for so many samples.
-    std::span<std::byte> (*allocate)(Field& field, std::size_t samples);
+    /// Makes room for so many values.
+    std::span<std::byte> (*allocate)(Field& field, std::size_t values);
 
     std::size_t sample_bytes() const { return width_of(type) * static_cast<std::size_t>(components); }
 };
@@ -33,6 +38,9 @@ const OutputKind& distance_kind();
 std::span<const OutputKind> extra_kinds();
 /// The distance first, then the others asked for.
 std::vector<OutputKind> kinds_of(const Outputs& outputs);
+
+/// Makes room for the samples of the field's grid.
+std::span<std::byte> allocate_output(const OutputKind& kind, Field& field);
 
 FieldSlab slab_of(const Field& field);
 /// What the field holds.

@@ -106,8 +106,10 @@ private:
             values.type = ValueType::float64;
         else if (is(H5T_STD_U32LE) || is(H5T_STD_U32BE))
             values.type = ValueType::uint32;
+        else if (is(H5T_STD_U8LE) || is(H5T_STD_U8BE))
+            values.type = ValueType::uint8;
         else
-            fail(kind, "its values are neither floats nor doubles nor 32-bit indices");
+            fail(kind, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
         if (!reads_as(values.type, kind.type)) fail(kind, fmt::format("{} is of another type", kind.content));
         values.order = H5Tget_order(type.get()) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
         return values;
@@ -177,7 +179,7 @@ void read_array(InputFile& file, const hdf5::Source& source, const OutputKind& k
         checked_count(file, array.values, array.shape);
         read_output(file, array.values, kind, field);
     } else {
-        read_chunks(file, array, kind.type, kind.allocate(field, field.grid.sample_count()));
+        read_chunks(file, array, kind.type, allocate_output(kind, field));
     }
 }
 

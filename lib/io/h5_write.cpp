@@ -183,7 +183,16 @@ namespace {
 using hdf5::Handle;
 
 hid_t type_of(ValueType type) {
-    return type == ValueType::uint32 ? H5T_STD_U32LE : H5T_IEEE_F32LE;
+    switch (type) {
+        case ValueType::float64:
+            return H5T_IEEE_F64LE;
+        case ValueType::uint32:
+            return H5T_STD_U32LE;
+        case ValueType::uint8:
+            return H5T_STD_U8LE;
+        default:
+            return H5T_IEEE_F32LE;
+    }
 }
 
 // z, y, x and the components of a sample.
@@ -309,9 +318,13 @@ std::string xdmf_text(const std::string& path, const Grid& grid, const std::vect
             "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n"
             "        <DataItem Dimensions=\"{}\" NumberType=\"{}\" Precision=\"{}\" Format=\"HDF\">{}:/{}</DataItem>\n"
             "      </Attribute>\n",
-            kind.name, kind.components > 1 ? "Vector" : "Scalar", fmt::join(shape_of(grid, kind), " "),
-            kind.type == ValueType::uint32 ? "UInt" : "Float", width_of(kind.type), escaped_for_xml(file_name(path)),
-            kind.name);
+            kind.name,
+            kind.components == 1   ? "Scalar"
+            : kind.components == 3 ? "Vector"
+                                   : "Matrix",
+            fmt::join(shape_of(grid, kind), " "),
+            is_whole(kind.type) ? (kind.type == ValueType::uint8 ? "UChar" : "UInt") : "Float", width_of(kind.type),
+            escaped_for_xml(file_name(path)), kind.name);
     return fmt::format(
         "<?xml version=\"1.0\"?>\n"
         "<Xdmf Version=\"3.0\">\n"

@@ -372,8 +372,10 @@ private:
             array.values.type = type->width == 8 ? ValueType::float64 : ValueType::float32;
         else if (type && !type->is_signed && type->width == 4)
             array.values.type = ValueType::uint32;
+        else if (type && !type->is_real && !type->is_signed && type->width == 1)
+            array.values.type = ValueType::uint8;
         else
-            fail(kind, "its values are neither floats nor doubles nor 32-bit indices");
+            fail(kind, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
         array.values.order = type->order;
         if (!reads_as(array.values.type, kind.type)) fail(kind, fmt::format("{} is of another type", kind.content));
     }

@@ -125,13 +125,13 @@ std::uint64_t little_endian(std::string_view bytes) {
 
 void set_type(NpyHeader& header, const InputFile& file, const std::string& type) {
     static const std::map<std::string, ValueType> types{
-        {"f4", ValueType::float32}, {"f8", ValueType::float64}, {"u4", ValueType::uint32}};
+        {"f4", ValueType::float32}, {"f8", ValueType::float64}, {"u4", ValueType::uint32}, {"u1", ValueType::uint8}};
     const auto found = type.empty() ? types.end() : types.find(type.substr(1));
-    if (found == types.end() || (type[0] != '<' && type[0] != '>'))
+    if (found == types.end() || (type[0] != '<' && type[0] != '>' && type[0] != '|'))
         file.fail(
             fmt::format("header field 'descr': {} is not read; save the array as float32 ('<f4')", quoted(type, 80)));
     header.values.type = found->second;
-    header.values.order = type[0] == '<' ? std::endian::little : std::endian::big;
+    header.values.order = type[0] == '>' ? std::endian::big : std::endian::little;
 }
 
 /// Throws Error(unreadable_input).
@@ -199,7 +199,16 @@ std::vector<std::int64_t> shape_of(const Grid& grid, const OutputKind& kind) {
 }
 
 const char* name_of(ValueType type) {
-    return type == ValueType::uint32 ? "<u4" : "<f4";
+    switch (type) {
+        case ValueType::float64:
+            return "<f8";
+        case ValueType::uint32:
+            return "<u4";
+        case ValueType::uint8:
+            return "|u1";
+        default:
+            return "<f4";
+    }
 }
 
 void check_shape(const InputFile& file, const NpyHeader& header, const Grid& grid) {
@@ -264,8 +273,9 @@ std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDes
 Field read_npy(const std::string& path) {
     InputFile file(path);
     const NpyHeader header = read_npy_header(file);
-    if (header.values.type == ValueType::uint32)
-        file.fail("header field 'descr': '<u4' is not a distance; save the array as float32 ('<f4')");
+    if (is_whole(header.values.type))
+        file.fail(fmt::format("header field 'descr': '{}' is not a distance; save the array as float32 ('<f4')",
+                              name_of(header.values.type)));
     if (header.shape.size() != 3)
         file.fail(fmt::format("header field 'shape': ({}) has {} dimensions; a distance field has three, (nz, ny, nx)",
                               fmt::join(header.shape, ", "), header.shape.size()));

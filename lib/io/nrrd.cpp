@@ -78,8 +78,10 @@ std::string normalised(std::string_view name) {
 
 std::optional<ValueType> parse_type(const std::string& text) {
     static const std::map<std::string, ValueType> types{
-        {"float", ValueType::float32},       {"double", ValueType::float64}, {"uint", ValueType::uint32},
-        {"unsigned int", ValueType::uint32}, {"uint32", ValueType::uint32},  {"uint32_t", ValueType::uint32}};
+        {"float", ValueType::float32},       {"double", ValueType::float64},      {"uint", ValueType::uint32},
+        {"unsigned int", ValueType::uint32}, {"uint32", ValueType::uint32},       {"uint32_t", ValueType::uint32},
+        {"uchar", ValueType::uint8},         {"unsigned char", ValueType::uint8}, {"uint8", ValueType::uint8},
+        {"uint8_t", ValueType::uint8}};
     const auto found = types.find(text);
     return found == types.end() ? std::nullopt : std::optional(found->second);
 }
@@ -297,8 +299,7 @@ Field read_nrrd(const std::string& path) {
     InputFile file(path);
     const NrrdHeader header(file);
     const RawValues values = header.values();
-    if (values.type == ValueType::uint32)
-        header.fail("type", *header.find("type"), "a distance field is of float or double");
+    if (is_whole(values.type)) header.fail("type", *header.find("type"), "a distance field is of float or double");
     const std::vector<std::int64_t> size = header.sizes(3);
     checked_count(file, values, size);
 
@@ -322,7 +323,16 @@ Field read_nrrd(const std::string& path) {
 namespace {
 
 const char* name_of(ValueType type) {
-    return type == ValueType::uint32 ? "unsigned int" : "float";
+    switch (type) {
+        case ValueType::float64:
+            return "double";
+        case ValueType::uint32:
+            return "unsigned int";
+        case ValueType::uint8:
+            return "unsigned char";
+        default:
+            return "float";
+    }
 }
 
 // What every reader of NRRD needs; fmt writes the shortest text that reads back as the same double. The components of a

@@ -129,7 +129,7 @@ void read_values(InputFile& file, const RawValues& values, ValueType wanted, std
 }
 
 void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field) {
-    read_values(file, values, kind.type, kind.allocate(field, field.grid.sample_count()));
+    read_values(file, values, kind.type, allocate_output(kind, field));
 }
 
 void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width) {

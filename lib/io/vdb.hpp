@@ -7,6 +7,11 @@
 #include <openvdb/openvdb.h>
 #pragma GCC visibility pop
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
 // Included by the few files that include OpenVDB, whose headers take long to compile.
 
 namespace clsdf::vdb {
@@ -23,14 +28,32 @@ inline openvdb::Coord coordinates(const Index3& index) {
     return {static_cast<int>(index[0]), static_cast<int>(index[1]), static_cast<int>(index[2])};
 }
 
-/// Of which outputs there are grids: Int32Grid,
-inline bool is_index(const OutputKind& kind) {
-    return kind.type == ValueType::uint32 && kind.components == 1;
+/// Outputs of whole numbers are in an Int32Grid, those of up to three doubles in a Vec3DGrid, of floats in a Vec3SGrid.
+/// Numbers of a byte are widened, and vectors of two components get a third one, which is 0; beyond the band all bits
+/// are set there, too.
+inline std::size_t sample_bytes_in_grid(const OutputKind& kind) {
+    return is_whole(kind.type) ? sizeof(std::int32_t) : 3 * width_of(kind.type);
+}
+inline bool fits_grid(const OutputKind& kind) {
+    return is_whole(kind.type) ? kind.components == 1 : kind.components == 2 || kind.components == 3;
 }
 
-/// and Vec3SGrid.
-inline bool is_vector(const OutputKind& kind) {
-    return kind.type == ValueType::float32 && kind.components == 3;
+/// The samples of an output as its grid has them, into `room`.
+inline void widen(const OutputKind& kind, std::span<const std::byte> values, std::span<std::byte> room) {
+    const std::size_t from = kind.sample_bytes(), to = sample_bytes_in_grid(kind);
+    for (std::size_t sample = 0; sample < values.size() / from; ++sample) {
+        const auto one = values.subspan(sample * from, from);
+        const bool is_left = std::all_of(one.begin(), one.end(), [](std::byte b) { return b == std::byte{0xFF}; });
+        const auto wide = room.subspan(sample * to, to);
+        std::fill(wide.begin(), wide.end(), is_left ? std::byte{0xFF} : std::byte{0});
+        std::copy(one.begin(), one.end(), wide.begin());  // the low bytes come first, as in all that OpenVDB writes
+    }
+}
+inline void narrow(const OutputKind& kind, std::span<const std::byte> wide, std::span<std::byte> room) {
+    const std::size_t from = sample_bytes_in_grid(kind), to = kind.sample_bytes();
+    for (std::size_t sample = 0; sample < room.size() / to; ++sample)
+        std::copy_n(wide.begin() + static_cast<std::ptrdiff_t>(sample * from), to,
+                    room.begin() + static_cast<std::ptrdiff_t>(sample * to));
 }
 
 }  // namespace clsdf::vdb

@@ -124,10 +124,15 @@ Field read_checked(InputFile& file, bool is_ours) {
     reader.copy(*distance, in_file, distance_kind().allocate(field, samples));
     for (const OutputKind& kind : extra_kinds()) {
         if (!reader.has(kind.name)) continue;
-        if (is_index(kind))
-            reader.copy(*reader.read<openvdb::Int32Grid>(kind.name), in_file, kind.allocate(field, samples));
-        else if (is_vector(kind))
-            reader.copy(*reader.read<openvdb::Vec3SGrid>(kind.name), in_file, kind.allocate(field, samples));
+        if (!fits_grid(kind)) continue;
+        std::vector<std::byte> wide(samples * sample_bytes_in_grid(kind));
+        if (is_whole(kind.type))
+            reader.copy(*reader.read<openvdb::Int32Grid>(kind.name), in_file, wide);
+        else if (kind.type == ValueType::float64)
+            reader.copy(*reader.read<openvdb::Vec3DGrid>(kind.name), in_file, wide);
+        else
+            reader.copy(*reader.read<openvdb::Vec3SGrid>(kind.name), in_file, wide);
+        narrow(kind, wide, allocate_output(kind, field));
     }
     return field;
 }

@@ -250,11 +250,16 @@ private:
 
 /// Throws Error(unsupported), with the file's path, for an output that .vdb has no place for.
 std::unique_ptr<OutputTree> tree_for(const OutputKind& kind, const Fill& fill, const std::string& path) {
-    constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
     if (std::string_view(kind.name) == distance_kind().name) return std::make_unique<DistanceTree>(fill);
-    if (is_index(kind)) return std::make_unique<ExtraTree<openvdb::Int32Grid>>(fill, -1);  // no_triangle
-    if (is_vector(kind)) return std::make_unique<ExtraTree<openvdb::Vec3SGrid>>(fill, openvdb::Vec3s(nothing));
-    throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb has no place for the output {}", path, kind.name));
+    if (!fits_grid(kind))
+        throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb has no place for the output {}", path, kind.name));
+    // Beyond the band every bit is set.
+    const auto single = std::bit_cast<float>(~std::uint32_t{0});
+    const auto twice = std::bit_cast<double>(~std::uint64_t{0});
+    if (is_whole(kind.type)) return std::make_unique<ExtraTree<openvdb::Int32Grid>>(fill, -1);
+    if (kind.type == ValueType::float64)
+        return std::make_unique<ExtraTree<openvdb::Vec3DGrid>>(fill, openvdb::Vec3d(twice));
+    return std::make_unique<ExtraTree<openvdb::Vec3SGrid>>(fill, openvdb::Vec3s(single));
 }
 
 }  // namespace
@@ -375,7 +380,17 @@ public:
 private:
     void add_layer(const Layer& layer, std::span<const std::span<const std::byte>> values) {
         const std::span distance(reinterpret_cast<const float*>(values[0].data()), values[0].size() / sizeof(float));
-        for (std::size_t i = 0; i < kinds_.size(); ++i) trees_[i]->add(layer, distance, values[i]);
+        std::vector<std::byte> wide;
+        for (std::size_t i = 0; i < kinds_.size(); ++i) {
+            const std::size_t bytes = i == 0 ? sizeof(float) : sample_bytes_in_grid(kinds_[i]);
+            std::span<const std::byte> in_grid = values[i];
+            if (bytes != kinds_[i].sample_bytes()) {
+                wide.resize(distance.size() * bytes);
+                widen(kinds_[i], values[i], wide);
+                in_grid = wide;
+            }
+            trees_[i]->add(layer, distance, in_grid);
+        }
     }
 
     // What OpenVDB's tools take one for: cubic voxels, a sign, and a background that is the half width.

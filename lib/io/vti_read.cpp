@@ -281,6 +281,7 @@ std::optional<ValueType> parse_type(const std::string& type) {
     if (type == "Float32") return ValueType::float32;
     if (type == "Float64") return ValueType::float64;
     if (type == "UInt32") return ValueType::uint32;
+    if (type == "UInt8") return ValueType::uint8;
     return std::nullopt;
 }
 
@@ -306,7 +307,7 @@ public:
             std::vector<std::byte> bytes = decoded(array);
             const RawValues values{*type, document_.order, 0, bytes.size()};
             checked_count(file_, values, sizes);  // base64 is longer than what it stands for, and lies in the file
-            convert_values(bytes, values, kind.type, kind.allocate(field, field.grid.sample_count()));
+            convert_values(bytes, values, kind.type, allocate_output(kind, field));
         } else {
             const RawValues values = appended(array, *type);
             checked_count(file_, values, sizes);

@@ -15,7 +15,16 @@ namespace {
 constexpr std::size_t header_width = sizeof(std::uint64_t);
 
 const char* name_of(ValueType type) {
-    return type == ValueType::uint32 ? "UInt32" : "Float32";
+    switch (type) {
+        case ValueType::float64:
+            return "Float64";
+        case ValueType::uint32:
+            return "UInt32";
+        case ValueType::uint8:
+            return "UInt8";
+        default:
+            return "Float32";
+    }
 }
 
 void check_extent(const std::string& path, const Grid& grid) {

@@ -99,7 +99,7 @@ Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint3
         polyhedron.slope_below[frame.polyhedron_edge(k)] = slopes.below[k];
     }
     polyhedron.triangle = triangle;
-    polyhedron.flags = 0;
+    polyhedron.flags = frame.base_edge << CLSDF_POLYHEDRON_VERTEX_SHIFT;
     if (is_compact(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_COMPACT;
     if (is_near(frame, polyhedron)) polyhedron.flags |= CLSDF_POLYHEDRON_NEAR;
     return polyhedron;
@@ -135,6 +135,10 @@ void write_site_records(const MeshTopology& topology, const Frusta& frusta, cons
         const Vector position = (to_vector(frusta.positions[site.vertex]) - to_vector(lattice.origin)) / lattice.unit;
         new (&records[i]) Polyhedron(pack(point_frame(position, site.normal), site.slopes, topology.order[site.face],
                                           frusta.positions, {site.vertex, site.vertex, site.vertex}, lattice));
+        const Triangle& corners = topology.faces.triangles[site.face];
+        const auto corner =
+            static_cast<std::uint32_t>(std::find(corners.begin(), corners.end(), site.vertex) - corners.begin());
+        records[i].flags |= CLSDF_POLYHEDRON_POINT | corner << CLSDF_POLYHEDRON_VERTEX_SHIFT;
     }
 }
 

@@ -10,6 +10,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/ordered_faces.cpp ${CMAKE_CURRENT_LIST_DIR}/records.cpp
           ${CMAKE_CURRENT_LIST_DIR}/pair_edges.cpp ${CMAKE_CURRENT_LIST_DIR}/plane_sides.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_site.cpp ${CMAKE_CURRENT_LIST_DIR}/side_of_plane.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sites.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slopes.cpp ${CMAKE_CURRENT_LIST_DIR}/solid_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/triangle_frame.cpp ${CMAKE_CURRENT_LIST_DIR}/vertex_fans.cpp
           ${CMAKE_CURRENT_LIST_DIR}/wedge_batch.cpp)

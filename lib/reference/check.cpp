@@ -12,11 +12,25 @@ namespace clsdf::reference {
 
 namespace {
 
-void require_size(const char* array, std::size_t size, std::size_t expected) {
-    if (size != expected) {
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the field has {} values of {} but its grid has {} samples", size, array, expected));
-    }
+/// Throws if an array of the field does not fit its grid.
+void require_sizes(const Field& field) {
+    const std::size_t count = field.grid.sample_count();
+    const auto require = [&](const char* name, const auto& values, std::size_t bytes) {
+        const std::size_t components = bytes / sizeof(values[0]);
+        if (values.size() != count * components) {
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the field has {} values of {} but its grid has {} samples{}", values.size(), name,
+                                    count, components > 1 ? fmt::format(" of {} values", components) : ""));
+        }
+    };
+    require("distance", field.distance, output_bytes.distance);
+    visit_extras(
+        [&](const char* name, const auto& values, std::size_t bytes) {
+            if (!values.empty()) {
+                require(name, values, bytes);
+            }
+        },
+        field, output_bytes);
 }
 
 /// Runs `part(index, tally)` for all parts on all cores and adds the tallies up in the order of the parts, so that the
@@ -78,10 +92,7 @@ CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& opti
     field.band.validate();
     field.grid.validate();
     const std::size_t count = field.grid.sample_count();
-    require_size("distance", field.distance.size(), count);
-    if (!field.triangle.empty()) {
-        require_size("triangle", field.triangle.size(), count);
-    }
+    require_sizes(field);
 
     // Far enough that whatever is found nowhere is beyond the band's limit and its tolerance.
     const double widest_half = widest(field.band, field.sign != SignRule::none);

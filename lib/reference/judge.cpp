@@ -30,7 +30,8 @@ void Tally::append(const Tally& next) {
     report.wrong_signs += next.report.wrong_signs;
     report.missed += next.report.missed;
     report.leaked += next.report.leaked;
-    report.wrong_triangles += next.report.wrong_triangles;
+    visit_outputs([](const char*, std::size_t& count, std::size_t of_next) { count += of_next; }, report.wrong_outputs,
+                  next.report.wrong_outputs);
     report.max_error_voxels = std::max(report.max_error_voxels, next.report.max_error_voxels);
     report.max_error_ulp = std::max(report.max_error_ulp, next.report.max_error_ulp);
     squared_errors += next.squared_errors;
@@ -49,28 +50,19 @@ CheckReport Tally::finish() const {
     return finished;
 }
 
-/// One sample: the truth, what the field says, and where in the band it is.
-struct Judge::Case {
-    enum class Place { in_band, at_limit, beyond };
-
-    Index3 index;
-    const TrueSample& truth;
-    std::size_t offset;
-    float found;
-    double expected;  ///< what the field should say
-    Place place;
-    bool sign_is_certain;
-
-    void report(Tally& tally, std::size_t CheckReport::*counter, std::string what) const {
-        ++(tally.report.*counter);
-        if (tally.report.findings.size() < kept_findings) {
-            tally.report.findings.push_back({index, expected, static_cast<double>(found), std::move(what)});
-        }
+void Judge::Case::report(std::size_t& counter, std::string what) const {
+    ++counter;
+    if (tally.report.findings.size() < kept_findings) {
+        tally.report.findings.push_back({index, expected, static_cast<double>(found), std::move(what)});
     }
-};
+}
 
 Judge::Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options)
-    : truth_(truth), field_(field), options_(options), voxel_(field.grid.voxel()) {}
+    : truth_(truth), field_(field), options_(options), voxel_(field.grid.voxel()) {
+    if (!field.site.empty() || !field.gradient.empty()) {
+        sites_.emplace(truth.tree().mesh());
+    }
+}
 
 double Judge::tolerance(double distance) const {
     return std::max(options_.tolerance_voxels * voxel_, options_.tolerance_ulp * ulp(distance));
@@ -94,37 +86,36 @@ void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) co
                       field_.distance[offset],
                       in_band ? truth.signed_distance() : static_cast<double>(fill(truth.inside)),
                       at_limit ? Case::Place::at_limit : (in_band ? Case::Place::in_band : Case::Place::beyond),
-                      !in_doubt};
+                      !in_doubt,
+                      tally};
 
     ++tally.report.samples;
     tally.report.band_samples += in_band ? 1 : 0;
-    judge_sign(sample, tally);
-    judge_distance(sample, tally);
-    if (!field_.triangle.empty()) {
-        judge_triangle(sample, tally);
-    }
+    judge_sign(sample);
+    judge_distance(sample);
+    judge_outputs(sample);
 }
 
-void Judge::judge_sign(const Case& sample, Tally& tally) const {
+void Judge::judge_sign(const Case& sample) const {
     if (std::isnan(sample.found)) {
         return;  // no value at all, and judged as such
     }
     const bool negative = std::signbit(sample.found);
     if (!truth_.is_signed()) {
         if (negative) {
-            sample.report(tally, &CheckReport::wrong_signs, "negative in an unsigned field");
+            sample.report(sample.tally.report.wrong_signs, "negative in an unsigned field");
         }
     } else if (sample.sign_is_certain) {
         if (negative != sample.truth.inside) {
-            sample.report(tally, &CheckReport::wrong_signs,
+            sample.report(sample.tally.report.wrong_signs,
                           sample.truth.inside ? "inside, but not negative" : "outside, but negative");
         }
     } else if (negative && sample.found == 0 && sample.found != fill(true)) {
-        sample.report(tally, &CheckReport::wrong_signs, "a zero distance written as -0");
+        sample.report(sample.tally.report.wrong_signs, "a zero distance written as -0");
     }
 }
 
-void Judge::judge_distance(const Case& sample, Tally& tally) const {
+void Judge::judge_distance(const Case& sample) const {
     const double magnitude = std::fabs(static_cast<double>(sample.found));
     const double error = std::fabs(magnitude - sample.truth.distance);
     const double allowed = tolerance(sample.truth.distance);
@@ -136,10 +127,11 @@ void Judge::judge_distance(const Case& sample, Tally& tally) const {
     const bool measured = sample.place == Case::Place::in_band || (sample.place == Case::Place::at_limit && !is_fill);
     if (sample.truth.distance <= half_width(field_.band, truth_.is_signed(), sample.truth.inside) && measured &&
         std::isfinite(error)) {
-        tally.report.max_error_voxels = std::max(tally.report.max_error_voxels, error / voxel_);
-        tally.squared_errors += (error / voxel_) * (error / voxel_);
+        sample.tally.report.max_error_voxels = std::max(sample.tally.report.max_error_voxels, error / voxel_);
+        sample.tally.squared_errors += (error / voxel_) * (error / voxel_);
         if (sample.truth.distance > voxel_ && ulp(sample.truth.distance) > 0) {
-            tally.report.max_error_ulp = std::max(tally.report.max_error_ulp, error / ulp(sample.truth.distance));
+            sample.tally.report.max_error_ulp =
+                std::max(sample.tally.report.max_error_ulp, error / ulp(sample.truth.distance));
         }
     }
 
@@ -149,46 +141,21 @@ void Judge::judge_distance(const Case& sample, Tally& tally) const {
                 return;
             }
             if (is_fill) {
-                sample.report(tally, &CheckReport::missed, "in the band, but with the fill value");
+                sample.report(sample.tally.report.missed, "in the band, but with the fill value");
             } else {
-                sample.report(tally, &CheckReport::wrong_values, "in the band, with another distance");
+                sample.report(sample.tally.report.wrong_values, "in the band, with another distance");
             }
             return;
         case Case::Place::at_limit:
             if (!(error <= allowed) && !is_fill) {
-                sample.report(tally, &CheckReport::wrong_values, "at the band's limit, with another distance");
+                sample.report(sample.tally.report.wrong_values, "at the band's limit, with another distance");
             }
             return;
         case Case::Place::beyond:
             if (!is_fill) {
-                sample.report(tally, &CheckReport::leaked, "beyond the band, but not with the fill value");
+                sample.report(sample.tally.report.leaked, "beyond the band, but not with the fill value");
             }
             return;
-    }
-}
-
-void Judge::judge_triangle(const Case& sample, Tally& tally) const {
-    const std::uint32_t found = field_.triangle[sample.offset];
-    if (found == no_triangle) {
-        if (sample.place == Case::Place::in_band) {
-            sample.report(tally, &CheckReport::wrong_triangles, "in the band, but no triangle named");
-        }
-        return;
-    }
-    if (sample.place == Case::Place::beyond) {
-        sample.report(tally, &CheckReport::wrong_triangles,
-                      fmt::format("beyond the band, but triangle {} named", found));
-        return;
-    }
-    if (found >= truth_.tree().mesh().triangles().size()) {
-        sample.report(tally, &CheckReport::wrong_triangles, fmt::format("triangle {} is not in the mesh", found));
-        return;
-    }
-    const double distance = truth_.distance_to(found, sample.index);
-    if (!(distance - sample.truth.distance <= tolerance(sample.truth.distance))) {
-        sample.report(
-            tally, &CheckReport::wrong_triangles,
-            fmt::format("triangle {} is {} away, triangle {} is nearer", found, distance, sample.truth.triangle));
     }
 }
 

@@ -1,6 +1,10 @@
 #pragma once
 
+#include "mesh_sites.hpp"
 #include "true_samples.hpp"
+
+#include <optional>
+#include <string>
 
 namespace clsdf::reference {
 
@@ -23,17 +27,32 @@ public:
     void judge(const Index3& index, const TrueSample& truth, Tally& tally) const;
 
 private:
-    struct Case;
+    /// One sample: the truth, what the field says, and where in the band it is.
+    struct Case {
+        enum class Place { in_band, at_limit, beyond };
+
+        Index3 index;
+        const TrueSample& truth;
+        std::size_t offset;
+        float found;
+        double expected;  ///< what the field should say
+        Place place;
+        bool sign_is_certain;
+        Tally& tally;
+
+        void report(std::size_t& counter, std::string what) const;
+    };
     double tolerance(double distance) const;
     float fill(bool inside) const;
-    void judge_sign(const Case& sample, Tally& tally) const;
-    void judge_distance(const Case& sample, Tally& tally) const;
-    void judge_triangle(const Case& sample, Tally& tally) const;
+    void judge_sign(const Case& sample) const;
+    void judge_distance(const Case& sample) const;
+    void judge_outputs(const Case& sample) const;  // judge_outputs.cpp
 
     const TrueSamples& truth_;
     const Field& field_;
     const CheckOptions& options_;
     double voxel_;
+    std::optional<MeshSites> sites_;  ///< if sites or gradients are judged
 };
 
 }  // namespace clsdf::reference

@@ -14,6 +14,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/true_samples.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sample_choice.cpp
           ${CMAKE_CURRENT_LIST_DIR}/judge.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/judge_outputs.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/mesh_sites.cpp
           ${CMAKE_CURRENT_LIST_DIR}/check.cpp
           ${CMAKE_CURRENT_LIST_DIR}/reference_field.cpp
           ${CMAKE_CURRENT_LIST_DIR}/self_intersections.cpp)

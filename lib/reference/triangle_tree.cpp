@@ -190,8 +190,12 @@ std::optional<Nearest> TriangleTree::nearest(const ExactPosition& query, double 
     return traversal.result();
 }
 
+TriangleFrame::Closest TriangleTree::closest_on(std::uint32_t triangle, const ExactPosition& query) const {
+    return state_->frames[state_->slots[triangle]].closest(query);
+}
+
 double TriangleTree::distance_to(std::uint32_t triangle, const ExactPosition& query) const {
-    return state_->frames[state_->slots[triangle]].closest(query).distance;
+    return closest_on(triangle, query).distance;
 }
 
 void TriangleTree::meet_ray(double x, double y, double z, std::vector<std::uint32_t>& triangles) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "exact_position.hpp"
+#include "triangle_frame.hpp"
 
 #include <clsdf/reference.hpp>
 
@@ -24,7 +25,8 @@ public:
     std::optional<Nearest> nearest(const ExactPosition& query,
                                    double bound = std::numeric_limits<double>::infinity()) const;
 
-    /// The distance to one triangle.
+    /// The closest point of one triangle, and the distance to it.
+    TriangleFrame::Closest closest_on(std::uint32_t triangle, const ExactPosition& query) const;
     double distance_to(std::uint32_t triangle, const ExactPosition& query) const;
 
     /// The triangles whose box meets the line parallel to x through (y, z), from x on; in no particular order.

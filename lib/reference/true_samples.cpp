@@ -22,6 +22,10 @@ void TrueSamples::measure(const ExactPosition& position, double bound, TrueSampl
     }
     sample.distance = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     sample.triangle = nearest ? nearest->triangle : no_triangle;
+    if (nearest) {
+        sample.site = nearest->site;
+        sample.point = nearest->point;
+    }
     sample.rounding = 2 * position.rounding();
 }
 

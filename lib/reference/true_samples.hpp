@@ -12,6 +12,8 @@ namespace clsdf::reference {
 struct TrueSample {
     double distance = 0;  ///< unsigned; infinite where it is beyond the reach
     std::uint32_t triangle = no_triangle;
+    Site site = Site::face;  ///< of that triangle, and the closest point, within the reach
+    Vec3 point{};
     bool inside = false;
     bool on_surface = false;  ///< of the double nearest to the sample, to which the sign belongs
     double rounding = 0;  ///< how far the sample may be from that double; its sign is uncertain that near the surface
@@ -33,6 +35,8 @@ public:
 
     /// All samples (i, j, k) of one row, i = 0 ... size - 1.
     void row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& samples) const;
+
+    ExactPosition position(const Index3& sample) const { return exact_position(grid_, sample); }
 
     double distance_to(std::uint32_t triangle, const Index3& sample) const {
         return tree_.distance_to(triangle, exact_position(grid_, sample));

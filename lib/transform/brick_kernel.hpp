@@ -4,6 +4,7 @@
 
 #include "transform/coarse_lists.hpp"
 #include "transform/command_chain.hpp"
+#include "transform/finishing.hpp"
 #include "transform/prepared_mesh.hpp"
 #include "transform/programs.hpp"
 
@@ -19,6 +20,7 @@ struct BrickInputs {
     const CoarseLists& lists;
     const cl::Buffer& sign_bits;
     const cl::Buffer& computed;  ///< written: a mark for each computed brick
+    const Finishing* finishing;  ///< null if the distance alone is asked for
 };
 
 /// Computes the samples of all bricks that a polyhedron touches, in launches of bounded length.
@@ -31,7 +33,7 @@ public:
     double fraction_before(std::size_t launch) const { return launches_[launch].fraction_before; }
 
     /// Sets the arguments that change from call to call, and enqueues what must precede the first launch.
-    virtual void enqueue_reset(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) = 0;
+    virtual void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) = 0;
     virtual void enqueue_launch(CommandChain& chain, std::size_t launch) = 0;
 
     /// Sums of CLSDF_COUNTERS counters of the last computation; blocks. Empty where nothing is counted.

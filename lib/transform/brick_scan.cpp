@@ -1,5 +1,6 @@
 #include "transform/brick_scan.hpp"
 
+#include "core/per_output.hpp"
 #include "transform/brick_kernel.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/layout_of.hpp"
@@ -20,21 +21,24 @@ class BrickScan final : public FieldScan {
 public:
     BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
               const Layout& layout, const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
-              const cl::Buffer& sign_bits, const BrickVariant& variant, const ShortLaunches& launches)
+              const cl::Buffer& sign_bits, const Finishing* finishing, const BrickVariant& variant,
+              const ShortLaunches& launches)
         : layout_(layout),
-          with_triangle_(variant.triangle),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
           fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
           fill_group_slices_(programs.body == KernelBody::by_group ? 1 : slices_of_a_group),
           lists_(make_coarse_lists(context, programs, pool, layout, mesh, points, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
-        const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_};
+        const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_, finishing};
         const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
         bricks_ = make(context, programs, pool, inputs, variant);
         fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
         fill_kernel_.setArg(fill_layout, layout);
         fill_kernel_.setArg(fill_computed, *computed_);
         fill_kernel_.setArg(fill_sign_bits, sign_bits);
+        leave_kernel_ = cl::Kernel(programs.fill, "leave_empty_bricks");
+        leave_kernel_.setArg(leave_layout, layout);
+        leave_kernel_.setArg(leave_computed, *computed_);
         const double slice = static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]);
         const std::size_t most_slices = launches.most(seconds_per_filled_sample * slice);
         if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
@@ -46,26 +50,28 @@ public:
     std::size_t launch_count() const override { return bricks_->launch_count(); }
     double fraction_before(std::size_t launch) const override { return bricks_->fraction_before(launch); }
 
-    void enqueue_begin(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
+    void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) override {
         chain.then_fill(*computed_, brick_count(layout_));
-        bricks_->enqueue_reset(chain, distance, triangle);
-        fill_kernel_.setArg(fill_distance, distance);
-        fill_kernel_.setArg(fill_triangle, with_triangle_ ? triangle : distance);
-        fill_kernel_.setArg(fill_with_triangle, cl_int{with_triangle_ ? 1 : 0});
+        bricks_->enqueue_reset(chain, outputs);
+        fill_kernel_.setArg(fill_distance, outputs.distance);
+        outputs_ = outputs;
     }
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
 
     void enqueue_end(CommandChain& chain) override {
-        const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]),
-                   slices = static_cast<std::size_t>(layout_.size[2]);
-        for (std::size_t slice = 0; slice < slices; slice += slices_per_fill_) {
-            fill_kernel_.setArg(fill_first_slice, static_cast<cl_int>(slice));
-            const cl::NDRange range(fill_pieces_, brick_rows, std::min(slices_per_fill_, whole_groups(slices - slice)));
-            chain.then([&](auto& target, auto* wait, auto* event) {
-                target.enqueueNDRangeKernel(fill_kernel_, cl::NullRange, range, fill_group_, wait, event);
-            });
-        }
+        enqueue_slices(chain, fill_kernel_, fill_first_slice, slices_per_fill_);
+        for_each_extra(
+            [&](const OutputRow& row, const cl::Buffer& buffer) {
+                if (buffer() == nullptr) return;
+                leave_kernel_.setArg(leave_output, buffer);
+                const std::size_t bytes = row.sample_bytes((outputs_.in_double & row.bit) != 0);
+                leave_kernel_.setArg(leave_sample_bytes, static_cast<cl_int>(bytes));
+                enqueue_slices(chain, leave_kernel_, leave_first_slice,
+                               in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
+            },
+            outputs_);
+        outputs_ = {};
     }
 
     void describe(TransformStatistics& statistics) const override {
@@ -85,15 +91,26 @@ public:
     }
 
 private:
-    enum FillArgument : cl_uint {
-        fill_layout,
-        fill_computed,
-        fill_sign_bits,
-        fill_distance,
-        fill_triangle,
-        fill_with_triangle,
-        fill_first_slice
-    };
+    enum FillArgument : cl_uint { fill_layout, fill_computed, fill_sign_bits, fill_distance, fill_first_slice };
+    enum LeaveArgument : cl_uint { leave_layout, leave_computed, leave_output, leave_sample_bytes, leave_first_slice };
+
+    /// All slices of the empty bricks, `most` a launch.
+    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint first_slice_argument, std::size_t most) const {
+        const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]),
+                   slices = static_cast<std::size_t>(layout_.size[2]);
+        for (std::size_t slice = 0; slice < slices; slice += most) {
+            kernel.setArg(first_slice_argument, static_cast<cl_int>(slice));
+            const cl::NDRange range(fill_pieces_, brick_rows, std::min(most, whole_groups(slices - slice)));
+            chain.then([&](auto& target, auto* wait, auto* event) {
+                target.enqueueNDRangeKernel(kernel, cl::NullRange, range, fill_group_, wait, event);
+            });
+        }
+    }
+
+    /// Whole groups of no more slices, but one at least.
+    std::size_t in_groups(std::size_t slices) const {
+        return std::max<std::size_t>(slices / fill_group_slices_, 1) * fill_group_slices_;
+    }
 
     /// What a launch has work-items for; the kernel leaves out those beyond the last slice.
     std::size_t whole_groups(std::size_t slices) const {
@@ -101,7 +118,6 @@ private:
     }
 
     Layout layout_;
-    bool with_triangle_;
     std::size_t fill_pieces_;
     std::size_t fill_group_slices_;
     cl::NDRange fill_group_ = cl::NullRange;
@@ -109,6 +125,8 @@ private:
     device::BufferPool::Lease computed_;
     std::unique_ptr<BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
+    cl::Kernel leave_kernel_;
+    OutputBuffers outputs_;  ///< of the computation that is being enqueued
     std::size_t slices_per_fill_;
 };
 
@@ -117,9 +135,10 @@ private:
 std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                                            const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
-                                           const cl::Buffer& sign_bits, const BrickVariant& variant,
-                                           const ShortLaunches& launches) {
-    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, points, sign_bits, variant, launches);
+                                           const cl::Buffer& sign_bits, const Finishing* finishing,
+                                           const BrickVariant& variant, const ShortLaunches& launches) {
+    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, points, sign_bits, finishing, variant,
+                                       launches);
 }
 
 }  // namespace clsdf::transform

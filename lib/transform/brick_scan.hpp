@@ -9,11 +9,11 @@
 
 namespace clsdf::transform {
 
-/// The scan by bricks; the mesh and the sign bits must outlive it.
+/// The scan by bricks; the mesh, the sign bits and `finishing`, null for the distance alone, must outlive it.
 std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
                                            const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
-                                           const cl::Buffer& sign_bits, const BrickVariant& variant,
-                                           const ShortLaunches& launches);
+                                           const cl::Buffer& sign_bits, const Finishing* finishing,
+                                           const BrickVariant& variant, const ShortLaunches& launches);
 
 }  // namespace clsdf::transform

@@ -15,7 +15,7 @@ public:
                   const BrickInputs& inputs, const BrickVariant& variant)
         : BrickKernel(context, pool, inputs.lists, pairs_per_launch,
                       variant.count ? inputs.lists.order.size() * groups_per_coarse_brick : 0),
-          with_triangle_(variant.triangle),
+          finishing_(inputs.finishing),
           group_size_(programs.group_size),
           kernel_(programs.bricks(context, variant), "bricks_by_group") {
         const CoarseLists& lists = inputs.lists;
@@ -28,12 +28,13 @@ public:
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
         kernel_.setArg(arg_computed, inputs.computed);
-        if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
+        if (variant.count)
+            kernel_.setArg(variant.nearest ? arg_optional + Finishing::argument_count : arg_optional, *counters_);
     }
 
-    void enqueue_reset(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
-        kernel_.setArg(arg_distance, distance);
-        if (with_triangle_) kernel_.setArg(arg_optional, triangle);
+    void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
+        kernel_.setArg(arg_distance, outputs.distance);
+        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
     }
 
@@ -59,10 +60,10 @@ private:
         arg_sign_bits,
         arg_computed,
         arg_distance,
-        arg_optional  // the triangles, then the counters, where asked for
+        arg_optional  // those of finishing, then the counters, if asked for
     };
 
-    bool with_triangle_;
+    const Finishing* finishing_;
     std::size_t group_size_;
     cl::Kernel kernel_;
 };

@@ -14,7 +14,7 @@ constexpr double pairs_per_core_and_launch = 100000;
 /// The minima of a coarse brick, whose bricks a work-item takes together.
 std::size_t minima_bytes(const BrickVariant& variant) {
     constexpr std::size_t bricks = CLSDF_BRICKS_PER_COARSE * CLSDF_BRICKS_PER_COARSE * CLSDF_BRICKS_PER_COARSE;
-    return bricks * CLSDF_MINIMUM_BYTES(variant.triangle);
+    return bricks * CLSDF_MINIMUM_BYTES(variant.nearest);
 }
 
 /// One a core, as far as their minima fit into one allocation.
@@ -32,7 +32,7 @@ public:
                       pairs_per_core_and_launch * static_cast<double>(work_items(context, variant)),
                       variant.count ? work_items(context, variant) : 0),
           work_items_(work_items(context, variant)),
-          with_triangle_(variant.triangle),
+          finishing_(inputs.finishing),
           kernel_(programs.bricks(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
         turns_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
@@ -51,13 +51,14 @@ public:
         kernel_.setArg(arg_computed, inputs.computed);
         kernel_.setArg(arg_scratch, *scratch_);
         kernel_.setArg(arg_minima, *minima_);
-        if (variant.count) kernel_.setArg(variant.triangle ? arg_optional + 1 : arg_optional, *counters_);
+        if (variant.count)
+            kernel_.setArg(variant.nearest ? arg_optional + Finishing::argument_count : arg_optional, *counters_);
         if (!launches_.empty() && context.is_first_use_of(kernel_)) warm_up(context.queue(), inputs.computed);
     }
 
-    void enqueue_reset(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
-        kernel_.setArg(arg_distance, distance);
-        if (with_triangle_) kernel_.setArg(arg_optional, triangle);
+    void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
+        kernel_.setArg(arg_distance, outputs.distance);
+        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
         chain.then_fill(*turns_, launches_.size() * sizeof(cl_uint));
     }
@@ -93,7 +94,7 @@ private:
         arg_scratch,
         arg_minima,
         arg_distance,
-        arg_optional  // the triangles, then the counters, where asked for
+        arg_optional  // those of finishing, then the counters, if asked for
     };
 
     void warm_up(const cl::CommandQueue& queue, const cl::Buffer& unused) {
@@ -101,13 +102,13 @@ private:
         kernel_.setArg(arg_begin, cl_uint{0});
         kernel_.setArg(arg_end, cl_uint{0});
         kernel_.setArg(arg_distance, unused);
-        if (with_triangle_) kernel_.setArg(arg_optional, unused);
+        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, {});
         queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1));
         queue.finish();
     }
 
     std::size_t work_items_;
-    bool with_triangle_;
+    const Finishing* finishing_;
     cl::Kernel kernel_;
     device::BufferPool::Lease turns_;
     device::BufferPool::Lease scratch_;

@@ -2,9 +2,11 @@
 
 #include "core/keep.hpp"
 #include "core/moved_from.hpp"
+#include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/layout_of.hpp"
+#include "transform/output_targets.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
 #include "transform/self_test.hpp"
@@ -21,6 +23,7 @@
 #include <list>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace clsdf {
@@ -94,7 +97,7 @@ struct DistanceTransform::State {
 
         bool fits(const Grid& grid, const Band& band, const Outputs& outputs, bool counts) const {
             return plan->grid == grid && plan->band.inside == band.inside && plan->band.outside == band.outside &&
-                   plan->outputs.triangle == outputs.triangle && count == counts;
+                   plan->outputs == outputs && count == counts;
         }
     };
 
@@ -206,14 +209,35 @@ struct DistanceTransform::State {
         statistics.first_use = std::exchange(first_use, false) || compiling.first_use;
     }
 
-    transform::Inputs inputs(const Grid& grid, const Band& band) {
-        const Layout layout = transform::layout_of(grid, band, sign);
+    transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
         try {
-            return stages->inputs(grid, layout, sign);
+            return make_inputs(grid, band, outputs);
         } catch (const Error& error) {
             if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
         }
-        return stages->inputs(grid, layout, sign);
+        return make_inputs(grid, band, outputs);
+    }
+
+    transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
+        transform::Inputs inputs = stages->inputs(grid, transform::layout_of(grid, band, sign), sign);
+        if (outputs == Outputs{} || scan == Scan::slices) return inputs;
+        inputs.sites = stages->sites(outputs.gradient);
+        inputs.is_inside_out = topology.balanced && inputs.sites->encloses_negative_volume;
+        return inputs;
+    }
+
+    /// Throws Error(unsupported) for outputs that the scan does not know.
+    void check_outputs(const Outputs& outputs) const {
+        if (scan != Scan::slices) return;
+        visit_extras(
+            [](const char* name, bool wanted) {
+                if (wanted && std::string_view(name) != "triangle")
+                    throw Error(ErrorCode::unsupported,
+                                fmt::format("the scan by slices does not know the output {}; use the scan by bricks, "
+                                            "or do without",
+                                            name));
+            },
+            outputs);
     }
 
     std::unique_ptr<Plan::State> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
@@ -268,9 +292,9 @@ struct DistanceTransform::State {
         return is_kept;
     }
 
-    /// Slab by slab, into the caller's memory or, where `host` is empty, to the sink.
-    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const HostOutputs& host,
-                 std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
+    /// Slab by slab, into the arrays or, if not in place, to the sink.
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
+                 bool in_place, std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
 
     /// The samples of one slab. Its progress runs from `begin` to `end`.
     void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end,
@@ -289,10 +313,8 @@ void DistanceTransform::State::compute(Plan::State& plan, const transform::SlabP
                 if (call.progress) call.progress(begin + (end - begin) * fraction);
             };
         try {
-            plan.enqueue(context.queue(), slot.distance.buffer(),
-                         plan.outputs.triangle ? slot.triangle.buffer() : cl::Buffer(), {}, between);
-            slot.distance.enqueue_handover(context.queue());
-            if (plan.outputs.triangle) slot.triangle.enqueue_handover(context.queue());
+            plan.enqueue(context.queue(), slot.buffers(), {}, between);
+            slot.enqueue_handover(context.queue());
             context.queue().finish();
             plan.read_counters();
             plan.read_times(context.queue());
@@ -311,7 +333,7 @@ transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, con
     transform::TestCase test_case;
     test_case.body = programs.body;
     test_case.scan = scan;
-    test_case.variant.brick = {outputs.triangle, count, transform::has_long_bricks(grid)};
+    test_case.variant.brick = {outputs != Outputs{}, count, transform::has_long_bricks(grid)};
     test_case.is_signed = sign != SignRule::none;
     if (scan == Scan::slices)
         test_case.variant.key_64 = device::guarded([&] {
@@ -334,6 +356,7 @@ bool DistanceTransform::State::test(const transform::TestCase& test_case, Compil
 
 bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
                                        Compiling& compiling) const {
+    check_outputs(outputs);
     transform::TestCase test_case = test_case_of(grid, band, outputs, count);
     transform::TestCase large = test_case;
     large.is_large = true;
@@ -343,7 +366,7 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
 }
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
-                                       const HostOutputs& host, std::vector<Grid> slabs,
+                                       const transform::HostArrays& arrays, bool in_place, std::vector<Grid> slabs,
                                        transform::SlabPipeline& pipeline, const CallOptions& call) {
     TransformStatistics statistics;
     Compiling compiling(call, options.log);
@@ -351,7 +374,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     transform::Inputs inputs_of_grid;
     const auto set_inputs = [&] {
         const Stopwatch watch;
-        inputs_of_grid = inputs(grid, band);
+        inputs_of_grid = inputs(grid, band, outputs);
         statistics.polyhedra_seconds = watch.seconds();
         throw_if_stopped(call);
     };
@@ -369,13 +392,18 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         const Grid slab = slabs.back();
         slabs.pop_back();
         const std::size_t count = slab.sample_count();
-        HostOutputs part;
-        if (!host.distance.empty()) part.distance = host.distance.subspan(done, count);
-        if (!host.triangle.empty()) part.triangle = host.triangle.subspan(done, count);
         transform::SlabPipeline::Slot& slot = pipeline.next();
         try {
             const std::scoped_lock lock(mutex);
-            pipeline.place(slot, slab, outputs, part);
+            if (in_place) {
+                transform::HostArrays part;
+                for_each_output([&](const OutputRow& row, const auto& array,
+                                    auto& of_slab) { of_slab = array.from_sample(row, done); },
+                                arrays, part);
+                pipeline.place(slot, slab, part);
+            } else {
+                pipeline.place_own(slot, slab, arrays);
+            }
             if (!plan) plan = make_plan(inputs_of_grid, slab, band, outputs, call, compiling);
             throw_if_stopped(call);
             compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples,
@@ -463,7 +491,7 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
     Compiling compiling(call, state.options.log);
     state.compile(grid, band, outputs, call.count, compiling);
     const Stopwatch watch;
-    transform::Inputs inputs = state.inputs(grid, band);
+    transform::Inputs inputs = state.inputs(grid, band, outputs);
     const double seconds = watch.seconds();
     auto made = state.make_plan(std::move(inputs), grid, band, outputs, call, compiling);
     made->statistics.polyhedra_seconds = seconds;
@@ -475,20 +503,20 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
     return plan;
 }
 
-void DistanceTransform::compute(const Grid& grid, const Band& band, const HostOutputs& host,
+void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
                                 const CallOptions& call) const {
     State& state = this->state();
     grid.validate();
-    const std::size_t samples = grid.sample_count();
-    const Outputs outputs{.triangle = !host.triangle.empty()};
-    if (host.distance.size() != samples || (outputs.triangle && host.triangle.size() != samples))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the grid has {} samples, and the arrays given hold {} distances and {} triangles",
-                                samples, host.distance.size(), host.triangle.size()));
+    const transform::HostTargets host(targets, grid);
     const device::Context& context = state.device.internal();
-    transform::SlabPipeline pipeline(context, state.pool, {}, true);
-    state.compute(grid, band, outputs, host, transform::slabs_of(grid, transform::limits_of(context.capabilities())),
-                  pipeline, call);
+    const bool in_place = host.are_packed();
+    const auto store = [&](const Grid& part, const transform::HostArrays& values) { host.store(part, values); };
+    transform::SlabPipeline pipeline(context, state.pool,
+                                     in_place ? transform::ArraySink() : transform::ArraySink(store), true);
+    const transform::SlabLimits limits =
+        in_place ? transform::limits_of(context.capabilities()) : transform::stream_limits_of(context.capabilities());
+    state.compute(grid, band, transform::outputs_of(targets), host.arrays(), in_place,
+                  transform::slabs_of(grid, limits), pipeline, call);
 }
 
 void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
@@ -498,8 +526,11 @@ void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const 
     grid.sample_count();
     if (!sink) throw Error(ErrorCode::invalid_argument, "DistanceTransform::compute_slabs needs a sink; it is empty");
     const device::Context& context = state.device.internal();
-    transform::SlabPipeline pipeline(context, state.pool, sink, options.overlap);
-    state.compute(grid, band, outputs, {},
+    const auto hand_on = [&](const Grid& part, const transform::HostArrays& values) {
+        sink(part, transform::slab_of(values, part.sample_count()));
+    };
+    transform::SlabPipeline pipeline(context, state.pool, hand_on, options.overlap);
+    state.compute(grid, band, outputs, transform::arrays_for(outputs), false,
                   transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), pipeline, call);
 }
 
@@ -518,16 +549,24 @@ Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Ou
     field.sign = sign();
     field.mesh_name = state().mesh().name();
     grid.validate();
+    OutputTargets targets;
     try {
         field.distance.resize(grid.sample_count());
-        if (outputs.triangle) field.triangle.resize(grid.sample_count());
+        targets.distance = field.distance;
+        for_each_extra(
+            [&](const OutputRow& row, bool wanted, auto& array, OutputTarget& target) {
+                if (!wanted) return;
+                array.resize(grid.sample_count() * row.components);
+                target = array;
+            },
+            outputs, field, targets);
     } catch (const std::exception&) {
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("a field of {} x {} x {} samples does not fit the memory; compute parts of the grid",
                                 grid.size[0], grid.size[1], grid.size[2]));
     }
     try {
-        compute(grid, band, {field.distance, field.triangle}, call);
+        compute(grid, band, targets, call);
     } catch (const Error&) {
         if (state_->device.internal().is_lost()) keep_for_good(field);
         throw;

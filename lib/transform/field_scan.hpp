@@ -3,6 +3,7 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "transform/command_chain.hpp"
+#include "transform/finishing.hpp"
 
 namespace clsdf::transform {
 
@@ -15,8 +16,8 @@ public:
     /// The share of the work that lies before a launch.
     virtual double fraction_before(std::size_t launch) const = 0;
 
-    /// What precedes the first launch, with the outputs of this call; `triangle` only where it is wanted.
-    virtual void enqueue_begin(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) = 0;
+    /// What precedes the first launch, with the outputs of this call.
+    virtual void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) = 0;
     virtual void enqueue_launch(CommandChain& chain, std::size_t launch) = 0;
     /// What follows the last launch.
     virtual void enqueue_end(CommandChain& chain) = 0;

@@ -6,6 +6,7 @@
 #include "device/has_ended.hpp"
 #include "transform/brick_scan.hpp"
 #include "transform/layout_of.hpp"
+#include "transform/output_targets.hpp"
 #include "transform/programs.hpp"
 #include "transform/sign_sweep.hpp"
 #include "transform/slice_scan.hpp"
@@ -35,12 +36,14 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     has_large_triangles = signs.has_large_triangles;
     statistics.sign_seconds = sign_watch.seconds();
     const transform::PreparedMesh& records = *inputs.records;
+    if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
-        const transform::BrickVariant variant{outputs.triangle, options.count, transform::has_long_bricks(grid)};
-        scan_ = records.pieces ? transform::make_slice_scan(context, programs, pool, layout, records, *sign_bits_,
-                                                            variant, options.slice_minimum)
-                               : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points,
-                                                            *sign_bits_, variant, launches);
+        const transform::BrickVariant variant{outputs != Outputs{}, options.count, transform::has_long_bricks(grid)};
+        scan_ = records.pieces
+                    ? transform::make_slice_scan(context, programs, pool, layout, records, *sign_bits_, variant,
+                                                 options.slice_minimum)
+                    : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points, *sign_bits_,
+                                                 finishing_ ? &*finishing_ : nullptr, variant, launches);
         context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
         context.queue().flush();
     });
@@ -67,14 +70,14 @@ Plan::State::~State() {
     keep_for_good(inputs);
 }
 
-cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
+cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const transform::OutputBuffers& buffers,
                                const std::vector<cl::Event>& wait_list,
                                const std::function<void(double)>& between_launches) {
     std::vector<cl::Event> before = wait_list;
     before.push_back(device::has_ended(last_) ? ready_ : last_);  // the run before has the same buffers
     transform::CommandChain chain(queue, std::move(before));
     try {
-        scan_->enqueue_begin(chain, distance, triangle);
+        scan_->enqueue_begin(chain, buffers);
         before_launches_ = chain.last();
         for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
             if (between_launches) {
@@ -108,24 +111,6 @@ void Plan::State::read_times(const cl::CommandQueue& queue) {
     statistics.fill_seconds = seconds(after_launches_, last_);
 }
 
-namespace {
-
-/// Memory of the caller's that is too small, or of another context, would be written past, or fail later and less
-/// clearly.
-void check_memory(const char* name, cl_mem memory, cl_context context, std::size_t samples) {
-    const cl::Memory object(memory, true);
-    if (object.getInfo<CL_MEM_CONTEXT>()() != context)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("DeviceOutputs::{} belongs to another OpenCL context than the plan's device", name));
-    const std::size_t bytes = object.getInfo<CL_MEM_SIZE>();
-    if (bytes / sizeof(float) < samples)
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("DeviceOutputs::{} holds {} bytes, and the grid's {} samples need {}", name, bytes,
-                                samples, samples * sizeof(float)));
-}
-
-}  // namespace
-
 Plan::Plan(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Plan::Plan(Plan&&) noexcept = default;
 Plan& Plan::operator=(Plan&&) noexcept = default;
@@ -148,30 +133,16 @@ const TransformStatistics& Plan::statistics() const {
     return state().statistics;
 }
 
-cl_event Plan::enqueue(cl_command_queue queue, const DeviceOutputs& outputs, std::span<const cl_event> wait_list) {
+cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
     State& state = this->state();
-    if (outputs.distance == nullptr)
-        throw Error(ErrorCode::invalid_argument,
-                    "Plan::enqueue needs memory for the distance; DeviceOutputs::distance is null");
-    if (state.outputs.triangle && outputs.triangle == nullptr)
-        throw Error(ErrorCode::invalid_argument,
-                    "the plan was made with Outputs::triangle, and DeviceOutputs::triangle is null; give it memory, or "
-                    "plan without");
-    if (!state.outputs.triangle && outputs.triangle != nullptr)
-        throw Error(
-            ErrorCode::invalid_argument,
-            "DeviceOutputs::triangle is given, and the plan was made without; plan with Outputs{.triangle = true}");
     return device::guarded([&] {
-        const std::size_t samples = state.grid.sample_count();
-        check_memory("distance", outputs.distance, state.device.context(), samples);
-        if (outputs.triangle != nullptr) check_memory("triangle", outputs.triangle, state.device.context(), samples);
+        const transform::OutputBuffers buffers =
+            transform::device_buffers(targets, state.grid, state.outputs, state.device.internal());
         std::vector<cl::Event> events;
         for (cl_event event : wait_list) events.emplace_back(event, true);
         const cl::CommandQueue target =
             queue != nullptr ? cl::CommandQueue(queue, true) : state.device.internal().callers_queue();
-        const cl::Buffer distance(outputs.distance, true);
-        const cl::Buffer triangle = outputs.triangle != nullptr ? cl::Buffer(outputs.triangle, true) : cl::Buffer();
-        const cl::Event last = state.enqueue(target, distance, triangle, events, {});
+        const cl::Event last = state.enqueue(target, buffers, events, {});
         clRetainEvent(last());
         return last();
     });

@@ -29,7 +29,7 @@ struct Plan::State {
     State& operator=(const State&) = delete;
 
     /// As Plan::enqueue; `between_launches` (may be empty) is called with the fraction done before each launch.
-    cl::Event enqueue(const cl::CommandQueue& queue, const cl::Buffer& distance, const cl::Buffer& triangle,
+    cl::Event enqueue(const cl::CommandQueue& queue, const transform::OutputBuffers& buffers,
                       const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
 
     /// Reads the counters of the last computation into the statistics, where it was asked for.
@@ -53,6 +53,7 @@ struct Plan::State {
 
 private:
     device::BufferPool::Lease sign_bits_;
+    std::optional<transform::Finishing> finishing_;  ///< if more than the distance is asked for
     std::unique_ptr<transform::FieldScan> scan_;
     cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
     // Of the latest computation.

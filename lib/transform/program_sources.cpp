@@ -22,7 +22,7 @@ std::size_t lanes_for(const device::Context::Capabilities& capabilities, KernelB
 }
 
 std::string options_of(const BrickVariant& variant) {
-    return fmt::format("{}{}{}", variant.triangle ? " -DNEAREST" : "", variant.count ? " -DCOUNT" : "",
+    return fmt::format("{}{}{}", variant.nearest ? " -DNEAREST" : "", variant.count ? " -DCOUNT" : "",
                        variant.long_bricks ? " -DLONG_BRICKS" : "");
 }
 
@@ -69,14 +69,14 @@ ProgramSource ProgramSources::slices_source(const char* kernel_file, const Slice
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
     std::vector<ProgramSource> sources{scan_source(), coarse_lists_source(), sign_sweep_source(), fill_source()};
-    for (const bool triangle : {false, true})
+    for (const bool nearest : {false, true})
         for (const bool count : {false, true})
             for (const bool long_bricks : {false, true}) {
-                const BrickVariant variant{triangle, count, long_bricks};
+                const BrickVariant variant{nearest, count, long_bricks};
                 sources.push_back(bricks_source(variant));
                 for (const bool key_64 : {false, true})
                     for (const char* file : {"slices_active.cl", "slices_scan.cl", "slices_finish.cl"})
-                        if (triangle || !key_64) sources.push_back(slices_source(file, {variant, key_64}));
+                        if (nearest || !key_64) sources.push_back(slices_source(file, {variant, key_64}));
             }
     return sources;
 }

@@ -11,7 +11,7 @@ namespace clsdf::transform {
 
 /// What a brick kernel is compiled for.
 struct BrickVariant {
-    bool triangle = false;     ///< keeps the nearest triangle
+    bool nearest = false;      ///< keeps the nearest polyhedron: other outputs than the distance are asked for
     bool count = false;        ///< counts its work
     bool long_bricks = false;  ///< spacing so unequal that distances take double
 };

@@ -59,7 +59,7 @@ std::string key_of(const device::Context& context, const Programs& programs, con
 std::size_t TestCase::index() const {
     std::size_t index = 0;
     for (const bool bit :
-         {body == KernelBody::by_group, scan == Scan::slices, variant.brick.triangle, variant.brick.count,
+         {body == KernelBody::by_group, scan == Scan::slices, variant.brick.nearest, variant.brick.count,
           variant.brick.long_bricks, variant.key_64, is_signed, is_wide, is_large})
         index = 2 * index + static_cast<std::size_t>(bit);
     return index;
@@ -73,7 +73,7 @@ TestCase TestCase::with_small_triangles() const {
 
 std::string TestCase::name() const {
     return fmt::format("{} {}{}{}{}{} {} {}{}", body == KernelBody::by_group ? "by_group" : "by_vector",
-                       scan == Scan::slices ? "slices" : "bricks", variant.brick.triangle ? " NEAREST" : "",
+                       scan == Scan::slices ? "slices" : "bricks", variant.brick.nearest ? " NEAREST" : "",
                        variant.brick.count ? " COUNT" : "", variant.brick.long_bricks ? " LONG_BRICKS" : "",
                        variant.key_64 ? " KEY_64" : "", is_signed ? "signed" : "unsigned", is_wide ? "wide" : "narrow",
                        is_large ? " large" : "");
@@ -102,14 +102,14 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     const KnownField known(
         {test_case.is_wide, test_case.is_signed, test_case.variant.brick.long_bricks, test_case.is_large});
     const TransformOptions options = options_of(test_case);
-    const Outputs outputs{.triangle = test_case.variant.brick.triangle};
+    const Outputs outputs{.triangle = test_case.variant.brick.nearest};
     device::Context& context = device.internal();
     const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device.shared());
     Stages stages(context, pool, known.mesh(), options, test_case.scan);
-    Plan::State plan(device, pool, programs,
-                     stages.inputs(known.grid(), layout_of(known.grid(), known.band(), options.sign), options.sign),
-                     known.grid(), known.band(), options.sign, outputs,
+    Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), options.sign), options.sign);
+    if (outputs.triangle && test_case.scan != Scan::slices) inputs.sites = stages.sites(true);
+    Plan::State plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), options.sign, outputs,
                      {test_case.variant.brick.count, options.slice_minimum}, watch.begins);
     return device::guarded([&] {
         std::vector<float> distance(known.grid().sample_count());
@@ -119,7 +119,10 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
         const auto between = [&](double) {
             if (watch.begins) watch.begins();
         };
-        plan.enqueue(queue, *distances, outputs.triangle ? *triangles : cl::Buffer(), {}, between);
+        OutputBuffers buffers;
+        buffers.distance = *distances;
+        if (outputs.triangle) buffers.triangle = *triangles;
+        plan.enqueue(queue, buffers, {}, between);
         queue.enqueueReadBuffer(*distances, CL_TRUE, 0, distance.size() * sizeof(float), distance.data());
         if (outputs.triangle)
             queue.enqueueReadBuffer(*triangles, CL_TRUE, 0, triangle.size() * sizeof(std::uint32_t), triangle.data());

@@ -10,14 +10,35 @@ namespace clsdf::transform {
 
 namespace {
 
-/// For exactly so many samples where it must grow; what it holds is of no use any more.
-template <typename Value>
-void make_room(FieldArray<Value>& array, std::size_t samples) {
-    if (array.capacity() < samples) array = {};
-    array.resize(samples);
+/// For exactly so many bytes if it must grow; what it holds is of no use any more.
+void make_room(FieldArray<MemoryLine>& array, std::size_t bytes) {
+    const std::size_t lines = (bytes + sizeof(MemoryLine) - 1) / sizeof(MemoryLine);
+    if (array.capacity() < lines) array = {};
+    array.resize(lines);
 }
 
 }  // namespace
+
+HostArrays arrays_for(const Outputs& outputs) {
+    HostArrays arrays;
+    arrays.distance.is_wanted = true;
+    for_each_extra([](const OutputRow&, HostArray& array, bool wanted) { array.is_wanted = wanted; }, arrays, outputs);
+    for_each_output([](const OutputRow&, HostArray& array,
+                       auto span) { array.in_double = std::is_same_v<typename decltype(span)::value_type, double>; },
+                    arrays, FieldSlab());
+    return arrays;
+}
+
+FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
+    FieldSlab slab;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array, auto& span) {
+            using Value = typename std::remove_reference_t<decltype(span)>::element_type;
+            if (array.is_wanted) span = {reinterpret_cast<Value*>(array.data), samples * row.components};
+        },
+        arrays, slab);
+    return slab;
+}
 
 void OutputMemory::place(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes) {
     host_ = host;
@@ -45,7 +66,27 @@ cl::Event OutputMemory::fetch(const cl::CommandQueue& transfers) const {
     return event;
 }
 
-SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, SlabSink sink,
+OutputBuffers SlabPipeline::Slot::buffers() const {
+    OutputBuffers buffers;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            buffer = memory.buffer();
+            if (array.in_double) buffers.in_double |= row.bit;
+        },
+        host_, memory_, buffers);
+    return buffers;
+}
+
+void SlabPipeline::Slot::enqueue_handover(const cl::CommandQueue& queue) const {
+    for_each_output(
+        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+            if (array.is_wanted) memory.enqueue_handover(queue);
+        },
+        host_, memory_);
+}
+
+SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
                            bool overlap)
     : context_(context),
       pool_(std::move(pool)),
@@ -68,24 +109,32 @@ SlabPipeline::Slot& SlabPipeline::next() {
     return slot;
 }
 
-void SlabPipeline::place(Slot& slot, const Grid& slab, const Outputs& outputs, const HostOutputs& callers) {
-    const std::size_t samples = slab.sample_count();
-    slot.host = callers;
-    if (callers.distance.empty()) {
-        try {
-            make_room(slot.own_distance_, samples);
-            make_room(slot.own_triangle_, outputs.triangle ? samples : 0);
-        } catch (const std::exception&) {
-            throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
-                                                              slab.size[0], slab.size[1], slab.size[2]));
-        }
-        slot.host = {slot.own_distance_, slot.own_triangle_};
-    }
+void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& callers) {
+    slot.host_ = callers;
     device::guarded([&] {
-        slot.distance.place(context_, *pool_, slot.host.distance.data(), samples * sizeof(float));
-        if (outputs.triangle)
-            slot.triangle.place(context_, *pool_, slot.host.triangle.data(), samples * sizeof(std::uint32_t));
+        for_each_output(
+            [&](const OutputRow& row, const HostArray& array, OutputMemory& memory) {
+                if (array.is_wanted)
+                    memory.place(context_, *pool_, array.data, slab.sample_count() * row.sample_bytes(array.in_double));
+            },
+            slot.host_, slot.memory_);
     });
+}
+
+void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wanted) {
+    HostArrays arrays = wanted;
+    try {
+        for_each_output(
+            [&](const OutputRow& row, HostArray& array, FieldArray<MemoryLine>& own) {
+                make_room(own, array.is_wanted ? slab.sample_count() * row.sample_bytes(array.in_double) : 0);
+                if (array.is_wanted) array.data = own.data()->bytes;
+            },
+            arrays, slot.own_);
+    } catch (const std::exception&) {
+        throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
+                                                          slab.size[0], slab.size[1], slab.size[2]));
+    }
+    place(slot, slab, arrays);
 }
 
 void SlabPipeline::take_back(Slot& slot) {
@@ -97,11 +146,13 @@ void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
     is_finished_ = false;
     std::vector<cl::Event> read;
     device::guarded([&] {
-        read.push_back(slot.distance.fetch(transfers_));
-        if (!slot.host.triangle.empty()) read.push_back(slot.triangle.fetch(transfers_));
+        for_each_output(
+            [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+                if (array.is_wanted) read.push_back(memory.fetch(transfers_));
+            },
+            slot.host_, slot.memory_);
     });
-    const FieldSlab values{slot.host.distance, slot.host.triangle};
-    slot.delivered_ = std::async(policy_, [this, previous = latest_, read, slab, values]() mutable {
+    slot.delivered_ = std::async(policy_, [this, previous = latest_, read, slab, values = slot.host_]() mutable {
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
         device::guarded([&] {
@@ -120,9 +171,12 @@ void SlabPipeline::finish() {
 }
 
 std::size_t SlabPipeline::host_bytes() const {
-    std::size_t values = 0;
-    for (const Slot& slot : slots_) values += slot.own_distance_.capacity() + slot.own_triangle_.capacity();
-    return values * sizeof(float);
+    std::size_t bytes = 0;
+    for (const Slot& slot : slots_)
+        for_each_output(
+            [&](const OutputRow&, const FieldArray<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
+            slot.own_);
+    return bytes;
 }
 
 }  // namespace clsdf::transform

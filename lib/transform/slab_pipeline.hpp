@@ -2,7 +2,9 @@
 
 #include <clsdf/distance_transform.hpp>
 
+#include "core/per_output.hpp"
 #include "device/buffer_pool.hpp"
+#include "transform/finishing.hpp"
 
 #include <array>
 #include <atomic>
@@ -10,6 +12,27 @@
 #include <memory>
 
 namespace clsdf::transform {
+
+/// A packed array of one output on the host.
+struct HostArray {
+    bool is_wanted = false;  ///< the output is asked for
+    bool in_double = false;
+    std::byte* data = nullptr;
+
+    HostArray from_sample(const OutputRow& row, std::size_t sample) const {
+        return {is_wanted, in_double, data == nullptr ? nullptr : data + sample * row.sample_bytes(in_double)};
+    }
+};
+
+namespace detail {
+template <typename>
+using HostArrayOf = HostArray;
+}
+using HostArrays = PerOutput<detail::HostArrayOf>;
+
+/// Without memory yet, with the elements of PerOutput.
+HostArrays arrays_for(const Outputs& outputs);
+FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
 
 /// Device memory for a host array: the array itself on a processor, whose memory it is.
 class OutputMemory {
@@ -32,25 +55,42 @@ private:
     device::BufferPool::Lease lease_;
 };
 
+/// Called with the slabs of a field, as SlabSink is.
+using ArraySink = std::function<void(const Grid& part, const HostArrays& values)>;
+
+/// Elements of arrays of bytes, so many at once that making them costs nothing where compilers do not optimise.
+struct MemoryLine {
+    std::byte bytes[64];
+};
+
 /// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of
 /// buffers, a queue of its own for what is read, and a thread for the sink, which is called with one slab at a time, in
 /// their order.
 class SlabPipeline {
 public:
-    struct Slot {
-        HostOutputs host;
-        OutputMemory distance;
-        OutputMemory triangle;
+    class Slot {
+    public:
+        /// Where the device writes the slab.
+        OutputBuffers buffers() const;
+        /// Enqueued behind what computes the slab.
+        void enqueue_handover(const cl::CommandQueue& queue) const;
 
     private:
         friend SlabPipeline;
-        FieldArray<float> own_distance_;
-        FieldArray<std::uint32_t> own_triangle_;
+        template <typename>
+        using MemoryOf = OutputMemory;
+        template <typename>
+        using OwnOf = FieldArray<MemoryLine>;
+
+        HostArrays host_;
+        PerOutput<MemoryOf> memory_;
+        PerOutput<OwnOf> own_;
         std::shared_future<void> delivered_;
     };
 
     /// Without a sink slabs end in the caller's memory. Without overlap it is called from the thread of deliver().
-    SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, SlabSink sink, bool overlap);
+    SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
+                 bool overlap);
     /// Slabs that were not handed on yet are dropped; waits for the sink.
     ~SlabPipeline();
     SlabPipeline(const SlabPipeline&) = delete;
@@ -58,8 +98,10 @@ public:
 
     /// Waits until the slot's former slab has been handed on; throws what the sink threw.
     Slot& next();
-    /// Memory of the device, for the caller's arrays; without these, for arrays of the slot.
-    void place(Slot& slot, const Grid& slab, const Outputs& outputs, const HostOutputs& callers);
+    /// Memory of the device, for the caller's arrays.
+    void place(Slot& slot, const Grid& slab, const HostArrays& callers);
+    /// The same for arrays of the slot, of the wanted outputs.
+    void place_own(Slot& slot, const Grid& slab, const HostArrays& wanted);
     /// The slot's slab has not been computed; next() gives the slot again.
     void take_back(Slot& slot);
     /// The slab has been computed.
@@ -73,7 +115,7 @@ public:
 private:
     const device::Context& context_;
     std::shared_ptr<device::BufferPool> pool_;
-    SlabSink sink_;
+    ArraySink sink_;
     std::launch policy_;
     cl::CommandQueue transfers_;
     std::array<Slot, 2> slots_;

@@ -34,7 +34,7 @@ public:
               const Layout& layout, const PreparedMesh& mesh, const cl::Buffer& sign_bits, const BrickVariant& brick,
               SliceMinimum minimum)
         : layout_(layout),
-          variant_{brick, takes_64_bits(context, layout, brick.triangle, minimum)},
+          variant_{brick, takes_64_bits(context, layout, brick.nearest, minimum)},
           shape_(programs.slice_shape()),
           part_group_(programs.part_group()),
           parts_(programs.parallel_parts(context, static_cast<std::size_t>(layout.size[2]))) {
@@ -50,10 +50,10 @@ public:
     std::size_t launch_count() const override { return schedule_.launches.size(); }
     double fraction_before(std::size_t launch) const override { return schedule_.launches[launch].fraction_before; }
 
-    void enqueue_begin(CommandChain& chain, const cl::Buffer& distance, const cl::Buffer& triangle) override {
+    void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) override {
         cl_uint argument = finish_outputs_;
-        finish_kernel_.setArg(argument++, distance);
-        if (variant_.brick.triangle) finish_kernel_.setArg(argument++, triangle);
+        finish_kernel_.setArg(argument++, outputs.distance);
+        if (variant_.brick.nearest) finish_kernel_.setArg(argument++, outputs.triangle);
         if (variant_.brick.count) finish_kernel_.setArg(argument++, *band_samples_);
         chain.then_fill(*counters_, counters_.bytes());
         chain.then_fill(*band_samples_, band_samples_.bytes());
@@ -127,7 +127,7 @@ private:
     };
 
     /// Beside the distances, not in one key with them.
-    bool has_triangles() const { return variant_.brick.triangle && !variant_.key_64; }
+    bool has_triangles() const { return variant_.brick.nearest && !variant_.key_64; }
 
     std::size_t cursor_count() const { return static_cast<std::size_t>(layout_.size[2]) * parts_; }
 
@@ -215,7 +215,7 @@ private:
         finish_kernel_.setArg(finish_end_slice, layout_.first[2]);
         cl_uint argument = finish_outputs_;
         finish_kernel_.setArg(argument++, *keys_);
-        if (variant_.brick.triangle) finish_kernel_.setArg(argument++, *keys_);
+        if (variant_.brick.nearest) finish_kernel_.setArg(argument++, *keys_);
         if (variant_.brick.count) finish_kernel_.setArg(argument++, *band_samples_);
         queue.enqueueNDRangeKernel(finish_kernel_, cl::NullRange, finish_range(1), cl::NDRange(finish_group, 1, 1));
         queue.finish();

@@ -6,8 +6,10 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/finishing.cpp
           ${CMAKE_CURRENT_LIST_DIR}/known_field.cpp
           ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/output_targets.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/program_sources.cpp

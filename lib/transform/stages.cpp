@@ -83,6 +83,7 @@ void Stages::move(std::vector<Vec3> positions) {
     lattices_.clear();
     frusta_.reset();
     index_.reset();
+    sites_.reset();
 }
 
 const polyhedra::MeshTopology& Stages::topology() {
@@ -176,8 +177,17 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inpu
     inputs.sweep_mesh = kept.sweep_mesh;
 }
 
+std::shared_ptr<const DeviceSites> Stages::sites(bool with_normals) {
+    if (!sites_ || (with_normals && sites_->normals.bytes() == 0)) {
+        sites_.reset();
+        sites_ = std::make_shared<const DeviceSites>(upload_sites(context_, pool_, mesh_, with_normals));
+    }
+    return sites_;
+}
+
 void Stages::keep_within(std::size_t budget) {
-    std::size_t bytes = 0;
+    std::size_t bytes = sites_ ? sites_->bytes() : 0;
+    if (bytes > budget) sites_.reset();
     for (auto it = lattices_.begin(); it != lattices_.end();) {
         bytes += it->bytes();
         it = bytes > budget ? lattices_.erase(it) : std::next(it);
@@ -185,7 +195,7 @@ void Stages::keep_within(std::size_t budget) {
 }
 
 std::size_t Stages::device_bytes() const {
-    std::size_t bytes = 0;
+    std::size_t bytes = sites_ ? sites_->bytes() : 0;
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }

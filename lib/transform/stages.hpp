@@ -9,6 +9,7 @@
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/mesh_topology.hpp"
+#include "transform/finishing.hpp"
 #include "transform/prepared_mesh.hpp"
 #include "transform/sweep_mesh.hpp"
 
@@ -23,6 +24,8 @@ struct Inputs {
     std::shared_ptr<const PreparedMesh> records;
     std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
     std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
+    std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
+    bool is_inside_out = false;                   ///< the faces look inwards
 };
 
 /// What a transform keeps of its mesh. Each value is made from those above it when it is needed first, and again only
@@ -30,6 +33,7 @@ struct Inputs {
 ///
 ///     MeshTopology   of the triangles                    kept
 ///     Frusta, index  + positions                         kept until the vertices move
+///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. The field has the same
@@ -47,6 +51,9 @@ public:
 
     /// Throws Error(invalid_argument, unsupported or out_of_memory).
     Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign);
+
+    /// What finishing reads, with pseudonormals if the gradient is asked for. Throws Error(out_of_memory).
+    std::shared_ptr<const DeviceSites> sites(bool with_normals);
 
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
@@ -84,6 +91,7 @@ private:
     std::optional<polyhedra::MeshTopology> topology_;
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
+    std::shared_ptr<const DeviceSites> sites_;
     std::list<Lattice> lattices_;                   // that was used last first
 };
 

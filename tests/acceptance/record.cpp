@@ -45,7 +45,7 @@ struct Summary {
         wrong_signs += report.wrong_signs;
         missed += report.missed;
         leaked += report.leaked;
-        wrong_triangles += report.wrong_triangles;
+        wrong_triangles += report.wrong_outputs.triangle;
         max_error_voxels = std::max(max_error_voxels, report.max_error_voxels);
         max_error_ulp = std::max(max_error_ulp, report.max_error_ulp);
     }
@@ -136,7 +136,7 @@ std::string results_table(const std::vector<Result>& results) {
             r.name, r.triangles, size_of(r.size), r.half_width_voxels, name_of(r.sign),
             r.every_sample ? "all" : fmt::format("{}", r.judged.samples), r.judged.band_samples,
             r.judged.max_error_voxels, r.judged.max_error_ulp, r.beyond_aim, r.judged.wrong_values,
-            r.judged.wrong_signs, r.judged.missed, r.judged.leaked, r.judged.wrong_triangles, r.compute_seconds,
+            r.judged.wrong_signs, r.judged.missed, r.judged.leaked, r.judged.wrong_outputs.triangle, r.compute_seconds,
             r.check_seconds, r.passed() ? "" : "**FAILED**");
     }
     return text;
@@ -176,7 +176,7 @@ std::string row(const Result& r) {
         "{:>6.1f}s{}",
         r.name, r.triangles, size_of(r.size), r.half_width_voxels, r.judged.band_samples, r.every_sample ? '*' : ' ',
         r.judged.max_error_voxels, r.judged.max_error_ulp, r.beyond_aim, r.judged.wrong_values, r.judged.wrong_signs,
-        r.judged.missed, r.judged.leaked, r.judged.wrong_triangles, r.compute_seconds, r.check_seconds,
+        r.judged.missed, r.judged.leaked, r.judged.wrong_outputs.triangle, r.compute_seconds, r.check_seconds,
         r.passed() ? "" : "  FAILED");
 }
 

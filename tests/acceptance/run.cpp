@@ -16,7 +16,7 @@ reference::CheckReport check(const Mesh& mesh, const Field& field, std::size_t s
 
 /// Of a check against the aim: nothing is wrong but values, and no value by more than the bound.
 bool is_within_bound(const reference::CheckReport& report) {
-    return report.wrong_signs + report.missed + report.leaked + report.wrong_triangles == 0 &&
+    return report.wrong_signs + report.missed + report.leaked + report.wrong_outputs.triangle == 0 &&
            report.max_error_voxels <= judged_voxels;
 }
 

@@ -43,6 +43,34 @@ BOOST_AUTO_TEST_CASE(is_read_with_the_same_bits_grid_band_sign_and_name) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(has_every_output_bit_by_bit) {
+    for_each_format(&Format::has_extras, [](const TemporaryFolder& folder, const Format& format) {
+        Field written = example_field(format);
+        written.band = Band::symmetric(1);
+        std::mt19937_64 random(1);
+        visit_extras(
+            [&](const char*, auto& values, std::size_t bytes) {
+                using Value = std::remove_cvref_t<decltype(values[0])>;
+                values.clear();
+                for (std::size_t i = 0; i < written.grid.sample_count() * bytes / sizeof(Value); ++i) {
+                    // Beyond the band every bit is set.
+                    const auto number = static_cast<Value>(i % 5 == 4 ? 0 : random() % 200);
+                    values.push_back(number);
+                }
+                std::memset(values.data(), 0xFF, bytes);
+            },
+            written, output_bytes);
+        write(written, folder.file("field" + format.ending));
+        const Field read = read_field(folder.file("field" + format.ending));
+        visit_outputs(
+            [&](const char* name, const auto& one, const auto& other) {
+                BOOST_TEST(one.size() == other.size(), name);
+                BOOST_TEST(std::memcmp(one.data(), other.data(), one.size() * sizeof(one[0])) == 0, name);
+            },
+            written, read);
+    });
+}
+
 BOOST_AUTO_TEST_CASE(has_all_its_values_where_it_is_read_in_parts_on_all_cores) {
     for_each_format([](const TemporaryFolder& folder, const Format& format) {
         Field written = large_field(format);

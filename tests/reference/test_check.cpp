@@ -25,7 +25,9 @@ CheckOptions complete() {
 }
 
 std::size_t findings_of(const CheckReport& report) {
-    return report.wrong_values + report.wrong_signs + report.missed + report.leaked + report.wrong_triangles;
+    std::size_t wrong = report.wrong_values + report.wrong_signs + report.missed + report.leaked;
+    visit_extras([&](const char*, std::size_t count) { wrong += count; }, report.wrong_outputs);
+    return wrong;
 }
 
 /// Of inradius 0.4.
@@ -38,8 +40,17 @@ Grid grid_around_it() {
     return {{-1.03, -1.01, -0.97}, {0.21, 0.27, 0.23}, {20, 16, 18}, {}};
 }
 
+/// The distance and the triangle alone: other outputs do not follow when a test changes a band.
+Field plain_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign = SignRule::automatic) {
+    Field field = reference_field(mesh, grid, band, sign);
+    const FieldArray<std::uint32_t> triangle = field.triangle;
+    visit_extras([](const char*, auto& values) { values.clear(); }, field);
+    field.triangle = triangle;
+    return field;
+}
+
 Field right_field(const Band& band = {0.1, 0.7}, SignRule sign = SignRule::nonzero) {
-    return reference_field(tetrahedron(), grid_around_it(), band, sign);
+    return plain_field(tetrahedron(), grid_around_it(), band, sign);
 }
 
 /// The first sample that fits; there must be one.
@@ -145,7 +156,7 @@ BOOST_AUTO_TEST_CASE(large_distances_are_judged_in_units_of_the_float_written) {
     // 1e5 voxels away a float32 is coarser than 1e-5 voxel.
     const Mesh mesh = tetrahedron();
     const Grid grid{{1e5, 0.1, 0.2}, {1, 1, 1}, {30, 2, 2}, {}};
-    Field field = reference_field(mesh, grid, {infinity, infinity});
+    Field field = plain_field(mesh, grid, {infinity, infinity});
     BOOST_TEST(check(mesh, field, complete()).passed());
     const auto step = [](float& value, int steps) {
         for (int i = 0; i < steps; ++i) {
@@ -231,7 +242,7 @@ BOOST_AUTO_TEST_CASE(the_sign_of_zero_is_part_of_the_contract) {
 BOOST_AUTO_TEST_CASE(a_zero_distance_is_written_as_positive_zero) {
     const Mesh mesh({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
     const Grid grid{{-1, -1, -1}, {1, 1, 1}, {7, 7, 7}, {}};
-    Field field = reference_field(mesh, grid, {1, 1});
+    Field field = plain_field(mesh, grid, {1, 1});
     BOOST_TEST(check(mesh, field, complete()).passed());
     const std::size_t zero = find(field, [](float d) { return d == 0; });
     field.distance[zero] = -0.0F;
@@ -239,7 +250,7 @@ BOOST_AUTO_TEST_CASE(a_zero_distance_is_written_as_positive_zero) {
     BOOST_TEST(report.wrong_signs == 1U);
     BOOST_TEST(findings_of(report) == 1U);
     // Unless -0 is the fill value, and the sample within the tolerance of that limit.
-    Field without_inside = reference_field(mesh, grid, {0, 1});
+    Field without_inside = plain_field(mesh, grid, {0, 1});
     without_inside.distance[zero] = -0.0F;
     BOOST_TEST(check(mesh, without_inside, complete()).passed());
     // The sign of a sample on the surface, to within the margin, is not judged otherwise.
@@ -252,7 +263,7 @@ BOOST_AUTO_TEST_CASE(a_sample_at_the_limit_may_carry_its_distance_or_the_fill_va
     const Mesh mesh({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
     const Grid grid{{-3, -3, -3}, {1, 1, 1}, {11, 11, 11}, {}};
     for (const double width : {1.0 + 1e-7, 1.0 - 1e-7}) {
-        Field field = reference_field(mesh, grid, {1, width});
+        Field field = plain_field(mesh, grid, {1, width});
         field.band.outside = 1;
         for (float& value : field.distance) {
             value = value == static_cast<float>(width) ? 1.0F : value;
@@ -273,7 +284,7 @@ BOOST_AUTO_TEST_CASE(a_triangle_that_is_not_a_nearest_one_is_found) {
     for (const auto& [at, triangle] : {std::pair{in_band, no_triangle}, {in_band, 77U}, {beyond, 0U}, {beyond, 77U}}) {
         Field field = right;
         field.triangle[at] = triangle;
-        BOOST_TEST(check_broken(field).wrong_triangles == 1U);
+        BOOST_TEST(check_broken(field).wrong_outputs.triangle == 1U);
         BOOST_TEST(findings_of(check_broken(field)) == 1U);
     }
     std::size_t accepted = 0;
@@ -284,6 +295,42 @@ BOOST_AUTO_TEST_CASE(a_triangle_that_is_not_a_nearest_one_is_found) {
     }
     BOOST_TEST(accepted >= 1U);
     BOOST_TEST(accepted < 4U);
+}
+
+BOOST_AUTO_TEST_CASE(an_output_that_breaks_its_contract_is_found) {
+    const Field right = reference_field(tetrahedron(), grid_around_it(), {0.1, 0.7}, SignRule::nonzero);
+    BOOST_TEST(check_broken(right).passed());
+    const std::size_t in_band = find(right, is_in_outer_band);
+    const std::size_t beyond = find(right, is_outside_beyond);
+    struct Change {
+        const char* output;
+        std::function<void(Field&)> make;
+    };
+    const std::vector<Change> changes{
+        {"site", [&](Field& field) { field.site[in_band] = no_site; }},
+        {"site", [&](Field& field) { field.site[in_band] = 7; }},
+        {"site", [&](Field& field) { field.site[in_band] = static_cast<std::uint8_t>((field.site[in_band] + 1) % 7); }},
+        {"site", [&](Field& field) { field.site[beyond] = 6; }},
+        {"closest", [&](Field& field) { field.closest[3 * in_band + 1] += 1e-3; }},
+        {"closest", [&](Field& field) { field.closest[3 * in_band] = std::nan(""); }},
+        {"closest", [&](Field& field) { field.closest[3 * beyond + 2] = 0; }},
+        {"gradient",
+         [&](Field& field) {
+             for (std::size_t i = 0; i < 3; ++i) field.gradient[3 * in_band + i] *= -1;
+         }},
+        {"gradient", [&](Field& field) { field.gradient[3 * in_band + 2] += 1e-3F; }},
+        {"gradient", [&](Field& field) { field.gradient[3 * in_band] = std::nanf(""); }},
+    };
+    for (const Change& change : changes) BOOST_TEST_CONTEXT(change.output) {
+            Field field = right;
+            change.make(field);
+            const CheckReport report = check_broken(field);
+            visit_extras(
+                [&](const char* name, std::size_t wrong) {
+                    BOOST_TEST(wrong == (std::string(name) == change.output ? 1U : 0U), name);
+                },
+                report.wrong_outputs);
+        }
 }
 
 BOOST_AUTO_TEST_CASE(only_the_first_ten_findings_are_kept_but_all_are_counted) {
@@ -301,7 +348,7 @@ BOOST_AUTO_TEST_CASE(the_drawn_half_finds_faults_at_the_limits_and_near_edges_an
     // 1.8 million samples, of which each fault has so few that uniform draws alone would hit it hardly ever.
     const Mesh mesh = tetrahedron();
     const Grid grid{{-0.53, -0.51, -0.47}, {0.025, 0.027, 0.023}, {120, 114, 132}, {}};
-    const Field right = reference_field(mesh, grid, {0.1, 0.3});
+    const Field right = plain_field(mesh, grid, {0.1, 0.3});
     const CheckOptions sampled{.samples = 4000};
     BOOST_TEST(check(mesh, right, sampled).passed());
 
@@ -377,7 +424,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_far_from_the_origin_raises_no_false_alarm_and_hides_
             }
             const Mesh mesh(vertices, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
             const Grid grid{{far - 12.3, -far - 11.9, far - 12.1}, {1, 1, 1}, {25, 25, 25}, {}};
-            Field field = reference_field(mesh, grid, {2, 3});
+            Field field = plain_field(mesh, grid, {2, 3});
             BOOST_TEST(check(mesh, field, complete()).passed());
             CheckOptions strict = complete();
             strict.tolerance_voxels = 1e-7;
@@ -400,7 +447,7 @@ BOOST_AUTO_TEST_CASE(every_counterexample_passes_with_its_own_field) {
                 grid.spacing[axis] = (extent[axis] + 2 * example.half_width) / 17;
             }
             const Band band{example.half_width, example.half_width};
-            BOOST_TEST(check(example.mesh, reference_field(example.mesh, grid, band), complete()).passed());
+            BOOST_TEST(check(example.mesh, plain_field(example.mesh, grid, band), complete()).passed());
         }
     }
 }

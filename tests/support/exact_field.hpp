@@ -5,6 +5,7 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -32,9 +33,18 @@ inline constexpr Accuracy nearly_aimed{1.5e-6, 2};
 /// What every field is held to, also where distances of many voxels round more than twice.
 inline constexpr Accuracy guaranteed{1e-5, 2};
 
-inline Field compute(const Mesh& mesh, const Grid& grid, const Band& band, TransformOptions options = {}) {
-    DistanceTransform transform(test_device(), mesh, std::move(options));
-    return transform(grid, band, {.triangle = true});
+/// All that there is beside the distance, or what a scan knows of it.
+inline Outputs all_outputs(const TransformOptions& options = {}) {
+    Outputs outputs;
+    const bool by_slices = resolve_scan(options.polyhedra, options.scan) == Scan::slices;
+    visit_extras([&](const char*, bool& wanted) { wanted = !by_slices; }, outputs);
+    outputs.triangle = true;
+    return outputs;
+}
+
+inline Field compute(const Mesh& mesh, const Grid& grid, const Band& band, const TransformOptions& options = {}) {
+    DistanceTransform transform(test_device(), mesh, options);
+    return transform(grid, band, all_outputs(options));
 }
 
 inline Field compute(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
@@ -45,7 +55,7 @@ inline Field compute(const Mesh& mesh, const Grid& grid, const Band& band, Kerne
     return compute(mesh, grid, band, TransformOptions{.body = body});
 }
 
-/// Every sample held against the reference: distance, sign, fill and triangle.
+/// Every sample held against the reference: distance, sign, fill and all else that the field holds.
 inline reference::CheckReport check_exact(const Mesh& mesh, const Field& field, const Accuracy& accuracy = aimed) {
     reference::CheckOptions options;
     options.samples = 0;
@@ -60,7 +70,9 @@ inline reference::CheckReport check_exact(const Mesh& mesh, const Field& field, 
         BOOST_TEST(report.wrong_signs == 0U);
         BOOST_TEST(report.missed == 0U);
         BOOST_TEST(report.leaked == 0U);
-        BOOST_TEST(report.wrong_triangles == 0U);
+        visit_extras(
+            [](const char* name, std::size_t wrong) { BOOST_TEST(wrong == 0U, wrong << " wrong in " << name); },
+            report.wrong_outputs);
         for (const reference::CheckReport::Finding& finding : report.findings)
             BOOST_TEST_MESSAGE("  at (" << finding.sample[0] << ", " << finding.sample[1] << ", " << finding.sample[2]
                                         << "): " << finding.found << " instead of " << finding.expected << ": "
@@ -104,8 +116,16 @@ inline std::vector<std::uint32_t> bits_of(std::span<const float> values) {
     return bits;
 }
 
+/// Of the outputs that both hold.
 inline bool same_bytes(const Field& one, const Field& other) {
-    return bits_of(one.distance) == bits_of(other.distance) && one.triangle == other.triangle;
+    bool is_same = true;
+    visit_outputs(
+        [&](const char*, const auto& values, const auto& others) {
+            if (values.empty() || others.empty()) return;
+            is_same = is_same && std::ranges::equal(std::as_bytes(std::span(values)), std::as_bytes(std::span(others)));
+        },
+        one, other);
+    return is_same;
 }
 
 }  // namespace clsdf::test

@@ -196,17 +196,18 @@ BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {
     std::vector<float> distance(grid.sample_count() + 1);
     std::vector<std::uint32_t> triangle(grid.sample_count() + 1);
     const std::span<float> all(distance);
-    const auto refuse = [&](const HostOutputs& outputs) {
+    const auto refuse = [&](const OutputTargets& targets, const std::string& name, std::size_t size) {
         check_throws(ErrorCode::invalid_argument,
-                     {std::to_string(grid.sample_count()) + " samples", std::to_string(outputs.distance.size()),
-                      std::to_string(outputs.triangle.size())},
-                     [&] { transform.compute(grid, Band::full(), outputs); });
+                     {std::to_string(grid.sample_count()) + " samples", name, std::to_string(size) + " values"},
+                     [&] { transform.compute(grid, Band::full(), targets); });
     };
-    refuse({});
-    refuse({.distance = all});
-    refuse({.distance = all.first(grid.sample_count() - 1)});
-    refuse({.distance = all.first(grid.sample_count()), .triangle = triangle});
-    refuse({.distance = all.first(grid.sample_count()), .triangle = std::span(triangle).first(1)});
+    const std::size_t count = grid.sample_count();
+    refuse({.distance = all}, "distance", count + 1);
+    refuse({.distance = all.first(count - 1)}, "distance", count - 1);
+    refuse({.distance = all.first(count), .triangle = triangle}, "triangle", count + 1);
+    refuse({.distance = all.first(count), .triangle = std::span(triangle).first(1)}, "triangle", 1);
+    check_throws(ErrorCode::invalid_argument, {"distance has no target"},
+                 [&] { transform.compute(grid, Band::full(), {}); });
 }
 
 BOOST_AUTO_TEST_CASE(samples_of_the_band_are_counted_where_the_grid_cuts_bricks) {

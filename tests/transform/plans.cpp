@@ -41,7 +41,7 @@ struct Memory {
     DeviceMemory distance{test_device().context(), grid().sample_count()};
     DeviceMemory triangle{test_device().context(), grid().sample_count()};
 
-    DeviceOutputs outputs() const { return {distance.handle(), triangle.handle()}; }
+    OutputTargets outputs() const { return {distance.handle(), triangle.handle()}; }
 
     void check(const Field& expected, const cl::CommandQueue& queue) const {
         BOOST_TEST((distance.read(queue) == bits_of(expected.distance)));
@@ -153,7 +153,7 @@ BOOST_AUTO_TEST_CASE(memory_for_triangles_that_were_not_planned_is_refused) {
     DistanceTransform transform(test_device(), mesh());
     Plan plan = transform.plan(grid(), band());
     const Memory memory;
-    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::triangle", "Outputs{.triangle = true}"},
+    check_throws(ErrorCode::invalid_argument, {"triangle has a target", "Outputs{.triangle = true}"},
                  [&] { plan.enqueue(nullptr, memory.outputs()); });
     BOOST_TEST((memory.triangle.read(callers_queue()) == std::vector<std::uint32_t>(grid().sample_count(), untouched)));
 }
@@ -162,7 +162,7 @@ BOOST_AUTO_TEST_CASE(memory_that_is_too_small_is_refused) {
     DistanceTransform transform(test_device(), mesh());
     Plan plan = transform.plan(grid(), band());
     const cl::Buffer small(cl::Context(test_device().context(), true), CL_MEM_READ_WRITE, 16);
-    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::distance", "16 bytes"},
+    check_throws(ErrorCode::invalid_argument, {"output distance", "16 bytes"},
                  [&] { plan.enqueue(nullptr, {.distance = small()}); });
 }
 
@@ -192,7 +192,7 @@ BOOST_AUTO_TEST_CASE(memory_that_is_missing_is_an_error) {
     DistanceTransform transform(test_device(), mesh());
     Plan plan = transform.plan(grid(), band(), {.triangle = true});
     const Memory memory;
-    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::distance"}, [&] { plan.enqueue(nullptr, {}); });
-    check_throws(ErrorCode::invalid_argument, {"DeviceOutputs::triangle"},
+    check_throws(ErrorCode::invalid_argument, {"distance has no target"}, [&] { plan.enqueue(nullptr, {}); });
+    check_throws(ErrorCode::invalid_argument, {"triangle has no target"},
                  [&] { plan.enqueue(nullptr, {.distance = memory.distance.handle()}); });
 }

@@ -4,7 +4,7 @@ function(clsdf_transform_test name)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::reference OpenCL::OpenCL)
 endfunction()
 
-foreach(name counterexamples shapes bands grids accuracy topology ties extremes determinism plans calls
+foreach(name counterexamples shapes bands grids accuracy topology ties extremes determinism plans calls outputs
              bodies slabs streams launches hostile_callers coarse_lists
              slender_polyhedra self_test stages)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)

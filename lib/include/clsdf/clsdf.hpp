@@ -13,5 +13,6 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/method.hpp>
+#include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 #include <clsdf/version.hpp>

@@ -5,6 +5,7 @@
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/method.hpp>
+#include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
 #include <functional>
@@ -13,7 +14,6 @@
 #include <span>
 #include <vector>
 
-typedef struct _cl_mem* cl_mem;
 typedef struct _cl_event* cl_event;
 
 namespace clsdf {
@@ -100,18 +100,6 @@ struct CallOptions {
     TransformStatistics* statistics = nullptr;  ///< set at the end of a call that succeeds
 };
 
-/// The caller's own device memory; each holds grid.sample_count() values of four bytes.
-struct DeviceOutputs {
-    cl_mem distance = nullptr;  ///< float, the mesh's units
-    cl_mem triangle = nullptr;  ///< uint32, or null
-};
-
-/// The caller's own host memory; each span holds grid.sample_count() values, or is empty where not wanted.
-struct HostOutputs {
-    std::span<float> distance{};
-    std::span<std::uint32_t> triangle{};
-};
-
 /// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
 /// are there until it returns. What it throws ends the computation.
 using SlabSink = std::function<void(const Grid& part, const FieldSlab& values)>;
@@ -138,11 +126,11 @@ public:
     const Band& band() const;
     SignRule sign() const;
 
-    /// Enqueues the field's computation into the caller's memory on the caller's queue (null: the device's own), after
-    /// the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end, which
-    /// the caller releases. May be called again at once, on any queue of the device's context: computations of a plan
-    /// follow one another. Throws Error(device_failure).
-    cl_event enqueue(cl_command_queue queue, const DeviceOutputs& outputs, std::span<const cl_event> wait_list = {});
+    /// Enqueues the field's computation into the caller's device memory on the caller's queue (null: the device's own),
+    /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
+    /// which the caller releases. May be called again at once, on any queue of the device's context: computations of a
+    /// plan follow one another. Throws Error(device_failure).
+    cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
 
     const TransformStatistics& statistics() const;
 
@@ -201,8 +189,10 @@ public:
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {},
                      const CallOptions& call = {}) const;
 
-    /// The same into the caller's memory. After an error what it holds is undefined.
-    void compute(const Grid& grid, const Band& band, const HostOutputs& host, const CallOptions& call = {}) const;
+    /// The same into the caller's host memory, every output that has a target. After an error what it holds is
+    /// undefined. Throws Error(invalid_argument) for memory that is missing or too small, Error(unsupported) for a kind
+    /// of target that there is no way to yet.
+    void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {}) const;
 
     /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the
     /// sink in the order of z; together they are the field, with the same bytes. Two slabs are in memory, one being

@@ -2,6 +2,7 @@
 
 #include <clsdf/field_array.hpp>
 #include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
 #include <cstdint>
@@ -9,14 +10,6 @@
 #include <string>
 
 namespace clsdf {
-
-/// Beyond the band.
-inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
-
-/// What a field is to hold beside the distance.
-struct Outputs {
-    bool triangle = false;  ///< the nearest triangle of every sample in the band
-};
 
 /// What a field is, its values apart.
 struct FieldDescription {
@@ -26,18 +19,17 @@ struct FieldDescription {
     std::string mesh_name;
 };
 
-/// A computed field on the host. Arrays have grid.sample_count() values, x fastest, and are empty where not asked for;
-/// what is made of them by hand is to be set whole, see FieldArray.
-struct Field : FieldDescription {
-    FieldArray<float> distance;          ///< signed distance in the mesh's units
-    FieldArray<std::uint32_t> triangle;  ///< the nearest triangle (caller's order), or no_triangle beyond the band
-};
+/// A computed field on the host. Each array has grid.sample_count() samples, x fastest, or is empty if the output was
+/// not asked for; one that is made by hand is to be set whole, see FieldArray.
+struct Field : FieldDescription, PerOutput<FieldArray> {};
+
+namespace detail {
+template <typename Element>
+using SpanOf = std::span<const Element>;
+}
 
 /// The values of some slices of a field, z after z: grid.size[0] * grid.size[1] samples for each, x fastest. An array
-/// is empty where the field does not hold that output.
-struct FieldSlab {
-    std::span<const float> distance{};
-    std::span<const std::uint32_t> triangle{};
-};
+/// is empty if the field does not hold that output.
+using FieldSlab = PerOutput<detail::SpanOf>;
 
 }  // namespace clsdf

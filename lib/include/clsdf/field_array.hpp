@@ -72,4 +72,6 @@ using FieldArray = std::vector<Value, FieldAllocator<Value>>;
 
 // Compiled with the library: in a program's build without optimisation each element would take a call.
 extern template class CLSDF_EXPORT std::vector<float, clsdf::FieldAllocator<float>>;
+extern template class CLSDF_EXPORT std::vector<double, clsdf::FieldAllocator<double>>;
 extern template class CLSDF_EXPORT std::vector<std::uint32_t, clsdf::FieldAllocator<std::uint32_t>>;
+extern template class CLSDF_EXPORT std::vector<std::uint8_t, clsdf::FieldAllocator<std::uint8_t>>;

@@ -29,14 +29,14 @@ CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::spa
 
 /// Reads what write() wrote, with the very same grid, and such files of other programs if they say enough: float or
 /// double of either byte order, raw, on a grid parallel to the axes. A band that they do not state is without end, and
-/// a sign rule `automatic`. `triangle` is empty if its file is not there.
+/// a sign rule `automatic`. An output is empty if its file is not there.
 /// Throws Error(unsupported) for an unknown ending, Error(unreadable_input) that names the file, the field and the
 /// value, or Error(out_of_memory).
 CLSDF_EXPORT Field read_field(const std::string& path);
 
 /// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb; docs/formats.md
-/// says what each of them holds. Beside .nrrd and .npy triangles have a file of their own, FILE_triangle.nrrd or
-/// FILE_triangle.npy. Nothing appears under its final name before everything has been written; the distances appear
+/// says what each of them holds. Beside .nrrd and .npy each other output has a file of its own, FILE_triangle.nrrd
+/// or FILE_closest.npy. Nothing appears under its final name before everything has been written; the distances appear
 /// last.
 /// Throws Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) if the arrays do
 /// not fit the grid.

@@ -1,0 +1,213 @@
+// Finishing: what a field holds beside the distance, from a sample's nearest polyhedron.
+//
+// The sample's coordinates in the triangle's frame (polyhedron.h) are formed in double, and tell the nearest of the
+// seven sites, the closest point and the direction. The altitude divides the triangle in two right-angled halves; the
+// half on the sample's side has the nearest point. Nothing is divided by the triangle's area: slivers are as exact as
+// other triangles.
+//
+// A sample within SITE_TOLERANCE of the border between the regions of two sites belongs to the smaller one: a vertex
+// comes before an edge, an edge before the face.
+#ifndef CLSDF_FINISH_H
+#define CLSDF_FINISH_H
+
+#include "frame.h"
+#include "inline.h"
+#include "layout.h"
+#include "outputs.h"
+
+// In units: above the rounding of frames, and far below what the outputs promise.
+#define SITE_TOLERANCE 1.0e-10
+// Relative to the coordinates that differences are taken of.
+#define SITE_ROUNDING 1.0e-13
+// In units, squared. Samples nearer than that to their closest point have no direction of their own.
+#define SQUARE_OF_NO_DISTANCE 1.0e-18
+
+// Sites as the frame numbers them: vertices left, right, apex; edges from each to the next; the face.
+#define FRAME_LEFT 0u
+#define FRAME_RIGHT 1u
+#define FRAME_APEX 2u
+#define FRAME_BASE 3u
+#define FRAME_RIGHT_EDGE 4u
+#define FRAME_LEFT_EDGE 5u
+
+#define IS_WANTED(finishing, name) ((finishing)->how.wanted >> CLSDF_OUTPUT_##name & 1u)
+#define IS_DOUBLE(finishing, name) ((finishing)->how.in_double >> CLSDF_OUTPUT_##name & 1u)
+
+// What finishing reads, and where the outputs go: `of_name` is the first byte of output `name`.
+typedef struct Finishing {
+    Finish how;
+    __global const Polyhedron* polyhedra;
+    __global const TriangleSites* sites;  // of the triangles, in the caller's order
+    __global const float* normals;        // pseudonormals, six sites a triangle
+#define OUTPUT_POINTER(name, content, element, components) __global uchar* of_##name;
+    CLSDF_OUTPUTS(OUTPUT_POINTER)
+#undef OUTPUT_POINTER
+} Finishing;
+
+// The nearest site of a sample, as the outputs need it.
+typedef struct Nearest {
+    double3 from;      // from the closest point to the sample, along the frame's axes, in units
+    double3 axes[3];   // by axis of the mesh: that of the frame's three unit vectors
+    uint frame_site;   // as the frame numbers it
+    uint triangle;     // that is named
+    uint site;         // of that triangle
+    uint normal;       // the pseudonormal's place; not of a face
+    double sign;       // of the distance: 1 or -1
+    double3 position;  // of the sample
+} Nearest;
+
+// The nearest site of a triangle, and how far the sample lies from its closest point in the frame's plane. at: (X, Y,
+// Z) of the sample.
+static inline double2 from_site(__global const Polyhedron* p, double4 at, __private uint* site) {
+    const bool left = at.x < 0.0;
+    const uint half_index = left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT;
+    const double base = p->exact_base[half_index], altitude = p->exact_altitude;
+    const double along = p->exact_normal_along[half_index], across = p->exact_normal_across[half_index];
+    const double away = fabs(at.x), side = left ? -1.0 : 1.0;
+    const double tolerance = SITE_TOLERANCE + SITE_ROUNDING * (away + fabs(at.y) + fabs(at.z) + p->exact_base[0] +
+                                                               p->exact_base[1] + altitude);
+    const double beyond = away - base, above_apex = at.y - altitude;
+    const double outward = along * beyond + across * at.y;
+    const double before = across * beyond - along * at.y;
+    const double past = along * above_apex - across * away;
+    const bool at_base = at.y <= tolerance;
+    if (!at_base && outward < -tolerance) {
+        *site = CLSDF_SITE_OF_FACE;
+        return (double2)(0.0, 0.0);
+    }
+    if ((at_base ? beyond : before) >= -tolerance) {
+        *site = left ? FRAME_LEFT : FRAME_RIGHT;
+        return (double2)(side * beyond, at.y);
+    }
+    if (at_base) {
+        *site = FRAME_BASE;
+        return (double2)(0.0, at.y);
+    }
+    if (past >= -tolerance) {
+        *site = FRAME_APEX;
+        return (double2)(at.x, above_apex);
+    }
+    *site = left ? FRAME_LEFT_EDGE : FRAME_RIGHT_EDGE;
+    return (double2)(side * outward * along, outward * across);
+}
+
+// A site of the frame, as the triangle numbers it whose vertex `first` is the left end of the base.
+INLINE uint site_of_triangle(uint frame_site, uint first) {
+    const uint number = frame_site % 3u + first;
+    return frame_site / 3u * 3u + (number >= 3u ? number - 3u : number);
+}
+
+static inline Nearest nearest_of(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative) {
+    __global const Polyhedron* p = finishing->polyhedra + polyhedron;
+    const Finish how = finishing->how;
+    const double4 at = frame_at(p, sample.x, sample.y, sample.z);
+    Nearest nearest;
+    const double2 in_plane = from_site(p, at, &nearest.frame_site);
+    nearest.from = (double3)(in_plane, at.z);
+    nearest.axes[0] = vload3(0, p->exact_gradient_x) * how.per_spacing[0];
+    nearest.axes[1] = vload3(0, p->exact_gradient_y) * how.per_spacing[1];
+    nearest.axes[2] = vload3(0, p->exact_gradient_z) * how.per_spacing[2];
+    nearest.sign = negative ? -1.0 : 1.0;
+    nearest.position = (double3)(how.origin[0] + sample.x * how.spacing[0], how.origin[1] + sample.y * how.spacing[1],
+                                 how.origin[2] + sample.z * how.spacing[2]);
+    nearest.triangle = p->triangle;
+    nearest.site = CLSDF_SITE_OF_FACE;
+    nearest.normal = 0;
+    if (nearest.frame_site != CLSDF_SITE_OF_FACE) {
+        const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+        const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(nearest.frame_site, first);
+        __global const TriangleSites* sites = finishing->sites + p->triangle;
+        nearest.normal = 6u * p->triangle + own;
+        nearest.triangle = sites->triangle[own];
+        nearest.site = sites->site[own] & CLSDF_SITE_NUMBER;
+    }
+    return nearest;
+}
+
+// From the closest point to the sample, along the mesh's axes, in units.
+INLINE double3 offset_of(__private const Nearest* nearest) {
+    return (double3)(dot(nearest->axes[0], nearest->from), dot(nearest->axes[1], nearest->from),
+                     dot(nearest->axes[2], nearest->from));
+}
+
+// Each output's value, by its name in the table. ----------------------------------------------------------------------
+
+INLINE uint finished_triangle(__private const Finishing* finishing, __private const Nearest* nearest) {
+    return nearest->triangle;
+}
+
+INLINE uchar finished_site(__private const Finishing* finishing, __private const Nearest* nearest) {
+    return (uchar)nearest->site;
+}
+
+// A position in double, an offset from the sample in float.
+INLINE double3 finished_closest(__private const Finishing* finishing, __private const Nearest* nearest) {
+    const double3 offset = offset_of(nearest) * finishing->how.unit;
+    return IS_DOUBLE(finishing, closest) ? nearest->position - offset : -offset;
+}
+
+INLINE double3 finished_gradient(__private const Finishing* finishing, __private const Nearest* nearest) {
+    const double squared = dot(nearest->from, nearest->from);
+    if (squared > SQUARE_OF_NO_DISTANCE) return offset_of(nearest) * (nearest->sign / sqrt(squared));
+    const double outward = finishing->how.outward;
+    if (nearest->frame_site == CLSDF_SITE_OF_FACE)
+        return outward * (double3)(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
+    return outward * convert_double3(vload3(nearest->normal, finishing->normals));
+}
+
+// Where they go, by their elements. -----------------------------------------------------------------------------------
+
+#define STORE_uint32(value, components, at, to, is_double) ((__global uint*)(to))[at] = value
+#define STORE_uint8(value, components, at, to, is_double) (to)[at] = value
+#define STORE_real(value, components, at, to, is_double)       \
+    if (is_double)                                             \
+        vstore##components(value, at, (__global double*)(to)); \
+    else                                                       \
+        vstore##components(convert_float##components(value), at, (__global float*)(to))
+
+// Every bit set.
+#define LEAVE_uint32(components, at, to, is_double) ((__global uint*)(to))[at] = 0xFFFFFFFFu
+#define LEAVE_uint8(components, at, to, is_double) (to)[at] = 0xFFu
+#define LEAVE_real(components, at, to, is_double)                                      \
+    if (is_double)                                                                     \
+        vstore##components((ulong##components)(~(ulong)0), at, (__global ulong*)(to)); \
+    else                                                                               \
+        vstore##components((uint##components)(0xFFFFFFFFu), at, (__global uint*)(to))
+
+// Stores what a sample of the band holds beside the distance. at: its place in the part, in samples.
+static inline void finish_sample(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
+                                 size_t at) {
+    const Nearest nearest = nearest_of(finishing, sample, polyhedron, negative);
+#define FINISH(name, content, element, components)                                                  \
+    if (IS_WANTED(finishing, name)) {                                                               \
+        STORE_##element(finished_##name(finishing, &nearest), components, at, finishing->of_##name, \
+                        IS_DOUBLE(finishing, name));                                                \
+    }
+    CLSDF_OUTPUTS(FINISH)
+#undef FINISH
+}
+
+// The same of a sample beyond the band.
+static inline void leave_sample(__private const Finishing* finishing, size_t at) {
+#define LEAVE(name, content, element, components)                                          \
+    if (IS_WANTED(finishing, name)) {                                                      \
+        LEAVE_##element(components, at, finishing->of_##name, IS_DOUBLE(finishing, name)); \
+    }
+    CLSDF_OUTPUTS(LEAVE)
+#undef LEAVE
+}
+
+// What a kernel's parameters and arguments are.
+#define FINISHING_POINTER(name, content, element, components) , __global uchar* to_##name
+#define FINISHING_PARAMETERS \
+    Finish how, __global const TriangleSites *sites, __global const float *normals CLSDF_OUTPUTS(FINISHING_POINTER)
+#define SET_POINTER(name, content, element, components) finishing.of_##name = to_##name;
+#define SET_FINISHING(finishing)     \
+    Finishing finishing;             \
+    finishing.how = how;             \
+    finishing.polyhedra = polyhedra; \
+    finishing.sites = sites;         \
+    finishing.normals = normals;     \
+    CLSDF_OUTPUTS(SET_POINTER)
+
+#endif

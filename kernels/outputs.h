@@ -1,0 +1,57 @@
+// One definition for the host and the kernels: what a field may hold beside the distance, and what finishing needs for
+// it.
+#ifndef CLSDF_OUTPUTS_H
+#define CLSDF_OUTPUTS_H
+
+#include "polyhedron.h"
+
+// ROW(name, what it is, type of an element, elements of a sample). An element of type `real` is a float or a double, as
+// the caller asks for. Beyond the band every bit is set: no triangle, no site, and not a number.
+#define CLSDF_OUTPUTS(ROW)                                \
+    ROW(triangle, "nearest triangle", uint32, 1)          \
+    ROW(site, "nearest site of the triangle", uint8, 1)   \
+    ROW(closest, "closest point of the surface", real, 3) \
+    ROW(gradient, "gradient of the distance", real, 3)
+
+// Sites of a triangle: its vertices 0, 1, 2; its edges 3, 4, 5, of which edge 3 + k runs from vertex k to the next;
+// its face.
+#define CLSDF_SITE_OF_FACE 6
+
+#ifndef __OPENCL_VERSION__
+namespace clsdf {
+#endif
+
+// Numbers of the outputs, in sets of bits.
+#define CLSDF_OUTPUT_NUMBER(name, content, element, components) CLSDF_OUTPUT_##name,
+enum clsdf_output_number { CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
+#undef CLSDF_OUTPUT_NUMBER
+
+// How the sites of the vertices and edges of one triangle are named: as those of the lowest triangle that shares them.
+typedef struct TriangleSites {
+    clsdf_uint32 triangle[6];  // by site: the lowest triangle, in the caller's order
+    clsdf_uint8
+        site[8];  // by site: its number there, with CLSDF_SITE_REVERSED if that triangle's edge runs the other way
+} TriangleSites;
+
+#define CLSDF_SITE_NUMBER 7u
+#define CLSDF_SITE_REVERSED 8u
+
+// What finishing needs to know of the grid and of the outputs.
+typedef struct Finish {
+    double origin[3];        // position of the lattice's sample (0, 0, 0), in the mesh's units
+    double spacing[3];       // in the mesh's units
+    double per_spacing[3];   // the reciprocals, per unit of the layout
+    double unit;             // of the layout, in the mesh's units
+    clsdf_uint32 wanted;     // bit n: output n is stored
+    clsdf_uint32 in_double;  // bit n: its elements are doubles
+    float outward;           // -1 if pseudonormals point inside: the mesh is inside out
+    float padding;
+} Finish;
+
+#ifndef __OPENCL_VERSION__
+static_assert(sizeof(TriangleSites) == 32);
+static_assert(sizeof(Finish) == 96 && offsetof(Finish, wanted) == 80);
+}  // namespace clsdf
+#endif
+
+#endif

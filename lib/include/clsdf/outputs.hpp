@@ -1,0 +1,121 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <ranges>
+#include <type_traits>
+
+typedef struct _cl_mem* cl_mem;
+
+namespace clsdf {
+
+/// Beyond the band.
+inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
+inline constexpr std::uint8_t no_site = 255;
+
+/// What a field is to hold beside the distance. All outputs of a sample belong to one nearest triangle and one of its
+/// sites; docs/library.md says what each of them is.
+struct Outputs {
+    bool triangle = false;  ///< the nearest triangle; of an edge or a vertex the lowest that shares it
+    bool site = false;      ///< where on it: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
+    bool closest = false;   ///< the closest point
+    bool gradient = false;  ///< of the signed distance: a unit vector
+
+    bool operator==(const Outputs&) const = default;
+};
+
+/// One thing for each output, by the type of its elements. Vectors have their components side by side. Beyond the band
+/// there is no triangle (no_triangle), no site (no_site), and vectors are not a number.
+template <template <typename Element> class Of>
+struct PerOutput {
+    Of<float> distance{};          ///< signed, in the mesh's units
+    Of<std::uint32_t> triangle{};  ///< in the caller's order
+    Of<std::uint8_t> site{};
+    Of<double> closest{};  ///< three coordinates, in the mesh's units
+    Of<float> gradient{};  ///< three components
+};
+
+namespace detail {
+template <typename Element>
+using CountOf = std::size_t;
+}
+
+/// Bytes of a sample in fields and in files.
+inline constexpr PerOutput<detail::CountOf> output_bytes{sizeof(float), sizeof(std::uint32_t), sizeof(std::uint8_t),
+                                                         3 * sizeof(double), 3 * sizeof(float)};
+
+/// Calls visit(name, a.triangle, b.triangle, ...), and so on for each output but the distance.
+template <typename Visit, typename... Sets>
+void visit_extras(const Visit& visit, Sets&&... sets) {
+    visit("triangle", sets.triangle...);
+    visit("site", sets.site...);
+    visit("closest", sets.closest...);
+    visit("gradient", sets.gradient...);
+}
+
+/// The same for the distance, first, and the others.
+template <typename Visit, typename... Sets>
+void visit_outputs(const Visit& visit, Sets&&... sets) {
+    visit("distance", sets.distance...);
+    visit_extras(visit, sets...);
+}
+
+/// Where an output goes: memory of the caller's, on the host or on the device.
+///
+/// The elements are those of PerOutput. The closest point may also go to floats: they are the offset from the sample to
+/// it, which keeps its accuracy however large the coordinates are. Other elements are Error(unsupported).
+///
+/// Samples are packed with x fastest unless strides are given, which host memory may have, at the cost of a copy; on
+/// the device they are Error(unsupported). Memory between the samples stays as it is.
+struct OutputTarget {
+    enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
+
+    void* host = nullptr;
+    cl_mem device = nullptr;
+    std::size_t bytes = 0;  ///< that host memory holds
+    Element element = Element::automatic;
+    /// Bytes before the first sample. On the device a multiple of what buffers are aligned to
+    /// (CL_DEVICE_MEM_BASE_ADDR_ALIGN).
+    std::size_t offset = 0;
+    /// Bytes from a sample to the next one along x, y and z; zeros: packed.
+    std::array<std::ptrdiff_t, 3> strides{};
+    /// Bytes from a component to the next one; 0: side by side.
+    std::ptrdiff_t component_stride = 0;
+
+    OutputTarget() = default;
+    /// An array of the caller's.
+    template <std::ranges::contiguous_range Array>
+    requires(!std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Array>>>)
+        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): any array is a target
+        OutputTarget(Array&& array)
+        : host(std::ranges::data(array)),
+          bytes(std::ranges::size(array) * sizeof(std::ranges::range_value_t<Array>)),
+          element(element_of<std::ranges::range_value_t<Array>>()) {}
+    /// Memory of the device, a buffer.
+    // NOLINTNEXTLINE(google-explicit-constructor): a buffer is a target
+    OutputTarget(cl_mem memory, Element element_in = Element::automatic) : device(memory), element(element_in) {}
+
+    bool is_given() const { return host != nullptr || device != nullptr; }
+
+private:
+    template <typename Value>
+    static constexpr Element element_of() {
+        if constexpr (std::same_as<Value, float>) return Element::float32;
+        if constexpr (std::same_as<Value, double>) return Element::float64;
+        if constexpr (std::same_as<Value, std::uint32_t>) return Element::uint32;
+        if constexpr (std::same_as<Value, std::uint8_t>) return Element::uint8;
+        return Element::other;
+    }
+};
+
+namespace detail {
+template <typename Element>
+using TargetOf = OutputTarget;
+}
+
+/// Where the outputs of a computation go; those that are not given are not computed.
+using OutputTargets = PerOutput<detail::TargetOf>;
+
+}  // namespace clsdf

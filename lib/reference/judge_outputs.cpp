@@ -1,0 +1,238 @@
+#include "judge.hpp"
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+// What a field holds beside the distance, held against the contracts of docs/accuracy.md.
+namespace clsdf::reference {
+
+namespace {
+
+// In voxels.
+constexpr double closest_tolerance = 1e-6;
+constexpr double direction_tolerance_voxels = 2e-6;
+constexpr double direction_tolerance = 1e-5;
+// Nearer than this a sample has no direction of its own.
+constexpr double on_surface_voxels = 1e-10;
+
+Eigen::Vector3d vector_of(const Vec3& v) {
+    return {v[0], v[1], v[2]};
+}
+
+/// From a point to a sample.
+Eigen::Vector3d offset_of(const ExactPosition& sample, const Vec3& point) {
+    return {(sample.head[0] - point[0]) + sample.tail[0], (sample.head[1] - point[1]) + sample.tail[1],
+            (sample.head[2] - point[2]) + sample.tail[2]};
+}
+
+/// How far a sum of coordinates of this size may be rounded.
+double rounding_of(const ExactPosition& sample, const Vec3& point) {
+    return 4 * std::numeric_limits<double>::epsilon() *
+           std::max(vector_of(sample.head).cwiseAbs().maxCoeff(), vector_of(point).cwiseAbs().maxCoeff());
+}
+
+/// A site, the point of it that is closest to a sample, and how far away the plane, the line or the point is that it is
+/// part of.
+struct ClosestOfSite {
+    Vec3 point{};
+    double distance = 0;
+    double to_extension = 0;
+};
+
+ClosestOfSite closest_of(const ExactPosition& sample, const SiteCorners& site) {
+    const auto& [a, b, c] = site.positions;
+    if (site.count == 1) {
+        const double distance = offset_of(sample, a).norm();
+        return {a, distance, distance};
+    }
+    const TriangleFrame::Closest closest = TriangleFrame(a, b, site.count == 2 ? b : c).closest(sample);
+    const Eigen::Vector3d along = vector_of(b) - vector_of(a), from = offset_of(sample, a);
+    if (site.count == 2) {
+        const double length = along.norm();
+        const Eigen::Vector3d direction = length > 0 ? Eigen::Vector3d(along / length) : Eigen::Vector3d::Zero();
+        return {closest.point, closest.distance, (from - from.dot(direction) * direction).norm()};
+    }
+    const Eigen::Vector3d normal = along.cross(vector_of(c) - vector_of(a)).stableNormalized();
+    return {closest.point, closest.distance, std::fabs(normal.dot(from))};
+}
+
+template <typename Values>
+Vec3 vector_at(const Values& values, std::size_t sample) {
+    return {static_cast<double>(values[3 * sample]), static_cast<double>(values[3 * sample + 1]),
+            static_cast<double>(values[3 * sample + 2])};
+}
+
+/// Whether a sample has nothing, as beyond the band.
+template <typename Values>
+bool is_left(const Values& values, std::size_t sample, std::size_t sample_count) {
+    const std::size_t components = values.size() / sample_count;
+    using Value = typename Values::value_type;
+    for (std::size_t c = 0; c < components; ++c) {
+        const Value value = values[sample * components + c];
+        if constexpr (std::is_floating_point_v<Value>) {
+            if (!std::isnan(value)) return false;
+        } else {
+            if (value != std::numeric_limits<Value>::max()) return false;
+        }
+    }
+    return true;
+}
+
+/// What a field says of a sample beside its distance. Each function returns what is wrong with an output, or nothing.
+struct OutputsOfSample {
+    const TrueSamples& truths;
+    const Field& field;
+    const MeshSites* sites;  ///< if sites or gradients are judged
+    const Index3& index;
+    const TrueSample& truth;
+    std::size_t offset;
+    double voxel;
+    double tolerance;  ///< of the distance
+
+    std::string wrong_triangle() const;
+    std::string wrong_site() const;
+    std::string wrong_closest() const;
+    std::string wrong_gradient() const;
+
+private:
+    std::string wrong_gradient_on_surface(const Vec3& gradient) const;
+    /// The triangle that the field names, if it does and the mesh has it.
+    std::optional<std::uint32_t> named_triangle() const;
+};
+
+std::optional<std::uint32_t> OutputsOfSample::named_triangle() const {
+    if (field.triangle.empty()) return std::nullopt;
+    const std::uint32_t triangle = field.triangle[offset];
+    if (triangle >= truths.tree().mesh().triangles().size()) return std::nullopt;
+    return triangle;
+}
+
+std::string OutputsOfSample::wrong_triangle() const {
+    const std::uint32_t found = field.triangle[offset];
+    if (found == no_triangle) return "in the band, but no triangle named";
+    if (!named_triangle()) return fmt::format("triangle {} is not in the mesh", found);
+    const double distance = truths.distance_to(found, index);
+    if (distance - truth.distance <= tolerance) return {};
+    return fmt::format("triangle {} is {} away, triangle {} is nearer", found, distance, truth.triangle);
+}
+
+std::string OutputsOfSample::wrong_site() const {
+    const std::uint8_t number = field.site[offset];
+    if (number > 6) return number == no_site ? "in the band, but no site named" : fmt::format("{} is no site", number);
+    const std::optional<std::uint32_t> triangle = named_triangle();
+    if (!triangle) return {};
+    const auto site = static_cast<Site>(number);
+    const ClosestOfSite closest = closest_of(truths.position(index), sites->corners(*triangle, site));
+    const double allowed = tolerance;
+    if (!(closest.distance <= truth.distance + allowed) || !(closest.to_extension >= truth.distance - allowed))
+        return fmt::format("site {} of triangle {} is not nearest: it is {} away, and its line or plane {}", number,
+                           *triangle, closest.distance, closest.to_extension);
+    const auto [lowest, its_site] = sites->lowest(*triangle, site);
+    if (lowest == *triangle && its_site == site) return {};
+    return fmt::format("site {} of triangle {} is site {} of triangle {}, which is to be named", number, *triangle,
+                       static_cast<int>(its_site), lowest);
+}
+
+std::string OutputsOfSample::wrong_closest() const {
+    const Vec3 point = vector_at(field.closest, offset);
+    const ExactPosition position = truths.position(index);
+    const double distance = offset_of(position, point).norm();
+    const double rounding = rounding_of(position, point);
+    if (!(std::fabs(distance - truth.distance) <= tolerance + rounding))
+        return fmt::format("the closest point is {} away", distance);
+    const double allowed = closest_tolerance * voxel + rounding;
+    const std::optional<std::uint32_t> triangle = named_triangle();
+    const double from_surface =
+        triangle ? truths.tree().distance_to(*triangle, {point, {}}) : truths.tree().nearest({point, {}})->distance;
+    if (from_surface <= allowed) return {};
+    return fmt::format("the closest point is {} off {}", from_surface,
+                       triangle ? fmt::format("triangle {}", *triangle) : "the surface");
+}
+
+std::string OutputsOfSample::wrong_gradient_on_surface(const Vec3& gradient) const {
+    // Only with its site is it clear which faces count.
+    const std::optional<std::uint32_t> triangle = named_triangle();
+    if (!triangle || field.site.empty() || field.site[offset] > 6) return {};
+    const std::optional<Vec3> normal = sites->pseudonormal(*triangle, static_cast<Site>(field.site[offset]));
+    if (!normal) return {};
+    const bool is_turned = truths.is_signed() && sites->is_inside_out();
+    const Eigen::Vector3d expected = (is_turned ? -1.0 : 1.0) * vector_of(*normal);
+    const double error = (vector_of(gradient) - expected).norm();
+    if (error <= direction_tolerance) return {};
+    return fmt::format("on the surface, and the gradient ({}, {}, {}) is off the pseudonormal by {}", gradient[0],
+                       gradient[1], gradient[2], error);
+}
+
+std::string OutputsOfSample::wrong_gradient() const {
+    const Vec3 gradient = vector_at(field.gradient, offset);
+    const double distance = truth.distance;
+    // Its pseudonormal counts there.
+    const bool on_surface = distance <= on_surface_voxels * voxel;
+    const double length = vector_of(gradient).norm();
+    if (!(std::fabs(length - 1) <= 1e-5)) {
+        // Faces without area have no pseudonormal.
+        if (std::isnan(length) && on_surface) {
+            const auto triangle = named_triangle();
+            if (triangle && !field.site.empty() && field.site[offset] <= 6 &&
+                !sites->pseudonormal(*triangle, static_cast<Site>(field.site[offset])))
+                return {};
+        }
+        return fmt::format("the gradient's length is {}", length);
+    }
+    if (on_surface) return wrong_gradient_on_surface(gradient);
+    const double allowed = direction_tolerance + direction_tolerance_voxels * voxel / distance;
+    if (allowed >= 2) return {};
+    // The nearest triangle in the direction of the gradient, if none is named: of several that are equally near any is
+    // right.
+    const ExactPosition position = truths.position(index);
+    const double side = truth.inside ? -1.0 : 1.0;
+    const Eigen::Vector3d to_surface = -side * vector_of(gradient);
+    Vec3 there{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        there[axis] = position.head[axis] + distance * to_surface[static_cast<Eigen::Index>(axis)];
+    const std::optional<std::uint32_t> named = named_triangle();
+    const std::uint32_t triangle = named ? *named : truths.tree().nearest({there, {}})->triangle;
+    // Beside the border of two sites both are nearest, within the accuracy of the distance.
+    const bool has_site = named && !field.site.empty() && field.site[offset] <= 6;
+    const int first = has_site ? field.site[offset] : 0, last = has_site ? first : 6;
+    double least = std::numeric_limits<double>::infinity();
+    for (int site = first; site <= last; ++site) {
+        const ClosestOfSite closest = closest_of(position, sites->corners(triangle, static_cast<Site>(site)));
+        if (!(closest.distance - distance <= tolerance)) continue;
+        const Eigen::Vector3d direction = side * offset_of(position, closest.point).normalized();
+        const double rounding = rounding_of(position, closest.point) / distance;
+        least = std::min(least, (vector_of(gradient) - direction).norm() - rounding);
+    }
+    if (least <= allowed) return {};
+    return fmt::format("the gradient ({}, {}, {}) is off by {}", gradient[0], gradient[1], gradient[2], least);
+}
+
+}  // namespace
+
+void Judge::judge_outputs(const Case& sample) const {
+    const OutputsOfSample outputs{truth_,        field_, sites_ ? &*sites_ : nullptr,     sample.index, sample.truth,
+                                  sample.offset, voxel_, tolerance(sample.truth.distance)};
+    const auto judge = [&](const char* name, const auto& values, std::size_t& count,
+                           std::string (OutputsOfSample::*wrong)() const) {
+        if (values.empty()) return;
+        const bool nothing = is_left(values, sample.offset, field_.distance.size());
+        if (sample.place == Case::Place::beyond) {
+            if (!nothing) sample.report(count, fmt::format("beyond the band, but with a value of {}", name));
+            return;
+        }
+        if (nothing && sample.place == Case::Place::at_limit) return;
+        const std::string what = (outputs.*wrong)();
+        if (!what.empty()) sample.report(count, what);
+    };
+    auto& wrong = sample.tally.report.wrong_outputs;
+    judge("triangle", field_.triangle, wrong.triangle, &OutputsOfSample::wrong_triangle);
+    judge("site", field_.site, wrong.site, &OutputsOfSample::wrong_site);
+    judge("closest", field_.closest, wrong.closest, &OutputsOfSample::wrong_closest);
+    judge("gradient", field_.gradient, wrong.gradient, &OutputsOfSample::wrong_gradient);
+}
+
+}  // namespace clsdf::reference

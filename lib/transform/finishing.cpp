@@ -1,0 +1,59 @@
+#include "transform/finishing.hpp"
+
+#include "core/per_output.hpp"
+#include "polyhedra/sites.hpp"
+
+namespace clsdf::transform {
+
+namespace {
+
+template <typename Value>
+device::BufferPool::Lease upload(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                 const UninitializedVector<Value>& values, const char* purpose) {
+    const std::size_t bytes = values.size() * sizeof(Value);
+    auto lease = pool->lease(bytes, purpose);
+    if (bytes > 0)
+        device::guarded([&] { context.queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values.data()); });
+    return lease;
+}
+
+}  // namespace
+
+DeviceSites upload_sites(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
+                         bool with_normals) {
+    const polyhedra::Sites sites = polyhedra::make_sites(mesh, with_normals);
+    return {
+        upload(context, pool, sites.triangles, "names of the sites"),
+        with_normals ? upload(context, pool, sites.normals, "pseudonormals of the sites") : device::BufferPool::Lease(),
+        sites.encloses_negative_volume};
+}
+
+Finishing::Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
+                     bool is_inside_out)
+    : sites_(std::move(sites)) {
+    finish_.unit = static_cast<double>(layout.unit);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        finish_.origin[axis] = grid.origin[axis];
+        finish_.spacing[axis] = grid.spacing[axis];
+        finish_.per_spacing[axis] = finish_.unit / grid.spacing[axis];
+    }
+    finish_.outward = is_inside_out ? -1.0F : 1.0F;
+}
+
+void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
+    Finish finish = finish_;
+    finish.in_double = outputs.in_double;
+    const cl::Buffer& unused = *sites_->triangles;
+    cl_uint argument = first + 3;
+    for_each_extra(
+        [&](const OutputRow& row, const cl::Buffer& buffer) {
+            if (buffer() != nullptr) finish.wanted |= row.bit;
+            kernel.setArg(argument++, buffer() != nullptr ? buffer : unused);
+        },
+        outputs);
+    kernel.setArg(first, finish);
+    kernel.setArg(first + 1, *sites_->triangles);
+    kernel.setArg(first + 2, sites_->normals.bytes() > 0 ? *sites_->normals : unused);
+}
+
+}  // namespace clsdf::transform

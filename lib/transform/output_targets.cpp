@@ -1,0 +1,261 @@
+#include "transform/output_targets.hpp"
+
+#include "core/parallel.hpp"
+#include "core/per_output.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace clsdf::transform {
+
+namespace {
+
+using Element = OutputTarget::Element;
+
+const char* name_of(Element element) {
+    switch (element) {
+        case Element::float32:
+            return "float";
+        case Element::float64:
+            return "double";
+        case Element::uint32:
+            return "uint32";
+        case Element::uint8:
+            return "uint8";
+        default:
+            return "another type";
+    }
+}
+
+/// Those of PerOutput.
+template <typename Value>
+constexpr Element natural_element() {
+    return std::is_same_v<Value, float>           ? Element::float32
+           : std::is_same_v<Value, double>        ? Element::float64
+           : std::is_same_v<Value, std::uint32_t> ? Element::uint32
+                                                  : Element::uint8;
+}
+
+template <typename Value>
+struct ElementOf {
+    Element element = natural_element<Value>();
+};
+
+Error misuse(const std::string& what) {
+    return {ErrorCode::invalid_argument, what};
+}
+
+/// Sets the element of a target, and throws if there is no way to such elements.
+void resolve_element(const OutputRow& row, Element natural, OutputTarget& target) {
+    if (target.element == Element::automatic) target.element = natural;
+    const bool is_offset = natural == Element::float64 && target.element == Element::float32;
+    if (target.element == natural || is_offset) return;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("the output {} cannot be written as {}; give it memory for elements of type {}{}", row.name,
+                            name_of(target.element), name_of(natural),
+                            natural == Element::float64 ? ", or float for offsets from the sample" : ""));
+}
+
+std::ptrdiff_t width_of(Element element) {
+    return element == Element::float64 ? 8 : element == Element::uint8 ? 1 : 4;
+}
+
+bool is_in_double(const OutputTarget& target) {
+    return target.element == Element::float64;
+}
+
+/// Bytes of the samples, which lie side by side.
+std::size_t packed_bytes(const OutputRow& row, const OutputTarget& target, const Grid& grid) {
+    return grid.sample_count() * row.sample_bytes(is_in_double(target));
+}
+
+std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const Grid& grid) {
+    return {sample_bytes, sample_bytes * grid.size[0], sample_bytes * grid.size[0] * grid.size[1]};
+}
+
+/// Sets the strides that are left open; whether the target is packed.
+bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& target) {
+    const std::ptrdiff_t width = width_of(target.element);
+    const bool has_strides = std::any_of(target.strides.begin(), target.strides.end(), [](auto s) { return s != 0; });
+    const auto packed = packed_strides(static_cast<std::ptrdiff_t>(row.sample_bytes(is_in_double(target))), grid);
+    if (!has_strides) target.strides = packed;
+    if (target.component_stride == 0) target.component_stride = width;
+    return target.strides == packed && (row.components == 1 || target.component_stride == width);
+}
+
+void check_host_memory(const OutputRow& row, const Grid& grid, const OutputTarget& target, bool is_packed) {
+    if (target.device != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the target of the output {} is memory of the device, and this call writes to the "
+                                "host's; use DistanceTransform::plan",
+                                row.name));
+    const std::ptrdiff_t width = width_of(target.element);
+    if (is_packed && target.offset == 0) {
+        if (target.bytes == packed_bytes(row, target, grid)) return;
+        throw misuse(fmt::format("the grid has {} samples, and the array given for the output {} holds {} values of {}",
+                                 grid.sample_count(), row.name, target.bytes / static_cast<std::size_t>(width),
+                                 static_cast<std::size_t>(grid.sample_count()) * row.components));
+    }
+    // In double, which no sum of such products overflows.
+    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
+    const auto extend = [&](std::ptrdiff_t stride, double steps) {
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
+    extend(target.component_stride, static_cast<double>(row.components - 1));
+    if (lowest < 0 || highest > static_cast<double>(target.bytes))
+        throw misuse(
+            fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
+                        "strides, and its memory holds {}",
+                        row.name, lowest, highest, target.bytes));
+    const auto is_whole = [&](std::ptrdiff_t bytes) { return bytes % width == 0; };
+    if (!is_whole(static_cast<std::ptrdiff_t>(target.offset)) || !is_whole(target.component_stride) ||
+        !std::all_of(target.strides.begin(), target.strides.end(), is_whole))
+        throw misuse(
+            fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
+                        "elements' {} bytes",
+                        row.name, width));
+}
+
+void require_distance(const OutputTargets& targets) {
+    if (!targets.distance.is_given())
+        throw misuse("the distance has no target; give it memory, whatever else is asked for");
+}
+
+}  // namespace
+
+Outputs outputs_of(const OutputTargets& targets) {
+    Outputs outputs;
+    for_each_extra([](const OutputRow&, const OutputTarget& target, bool& wanted) { wanted = target.is_given(); },
+                   targets, outputs);
+    return outputs;
+}
+
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid) : targets_(targets), grid_(grid) {
+    require_distance(targets);
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array) {
+            if (!target.is_given()) return;
+            resolve_element(row, natural.element, target);
+            const bool is_packed = resolve_strides(row, grid, target);
+            check_host_memory(row, grid, target, is_packed);
+            are_packed_ = are_packed_ && is_packed;
+            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
+        },
+        targets_, elements, arrays_);
+}
+
+void HostTargets::store(const Grid& slab, const HostArrays& values) const {
+    const auto first_slice = static_cast<std::ptrdiff_t>(slab.first[2] - grid_.first[2]);
+    const auto width = static_cast<std::size_t>(slab.size[0]), rows_of_slice = static_cast<std::size_t>(slab.size[1]);
+    for_each_output(
+        [&](const OutputRow& row, const OutputTarget& target, const HostArray& array) {
+            if (!target.is_given()) return;
+            const auto element = static_cast<std::size_t>(width_of(target.element));
+            const std::size_t sample = element * row.components;
+            const bool is_row_packed = target.strides[0] == static_cast<std::ptrdiff_t>(sample) &&
+                                       (row.components == 1 || target.component_stride == width_of(target.element));
+            std::byte* const first = static_cast<std::byte*>(target.host) + target.offset;
+            for_each_index(rows_of_slice * static_cast<std::size_t>(slab.size[2]), [&](std::size_t number) {
+                const auto y = static_cast<std::ptrdiff_t>(number % rows_of_slice);
+                const auto z = first_slice + static_cast<std::ptrdiff_t>(number / rows_of_slice);
+                const std::byte* from = array.data + number * width * sample;
+                std::byte* to = first + y * target.strides[1] + z * target.strides[2];
+                if (is_row_packed) {
+                    std::memcpy(to, from, width * sample);
+                    return;
+                }
+                for (std::size_t x = 0; x < width; ++x, to += target.strides[0])
+                    for (std::size_t c = 0; c < row.components; ++c, from += element)
+                        std::memcpy(to + static_cast<std::ptrdiff_t>(c) * target.component_stride, from, element);
+            });
+        },
+        targets_, values);
+}
+
+namespace {
+
+/// The buffer from `offset` on.
+cl::Buffer buffer_from(const OutputRow& row, const cl::Buffer& buffer, std::size_t offset, std::size_t bytes,
+                       const device::Context& context) {
+    if (offset == 0) return buffer;
+    const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+    if (offset % alignment != 0)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("the target of the output {} begins at byte {} of its buffer; the device can only begin "
+                        "at multiples of {}",
+                        row.name, offset, alignment));
+    cl::Buffer parent = buffer;
+    if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
+        offset += buffer.getInfo<CL_MEM_OFFSET>();
+        parent = cl::Buffer(whole(), true);
+    }
+    const cl_buffer_region region{offset, bytes};
+    return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
+}
+
+/// Memory of the caller's that is too small, or of another context, would be written past, or fail later and less
+/// clearly.
+void check_device_memory(const OutputRow& row, const OutputTarget& target, const cl::Memory& memory, std::size_t needed,
+                         const device::Context& context) {
+    if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
+        throw misuse(fmt::format("the target of the output {} belongs to another OpenCL context than the plan's device",
+                                 row.name));
+    const std::size_t bytes = memory.getInfo<CL_MEM_SIZE>();
+    if (bytes < target.offset || bytes - target.offset < needed)
+        throw misuse(
+            fmt::format("the target of the output {} holds {} bytes from byte {} on, and the grid's samples "
+                        "need {}",
+                        row.name, bytes - std::min(bytes, target.offset), target.offset, needed));
+}
+
+}  // namespace
+
+OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
+                             const device::Context& context) {
+    require_distance(targets);
+    for_each_extra(
+        [](const OutputRow& row, const OutputTarget& target, bool is_expected) {
+            if (target.is_given() == is_expected) return;
+            throw misuse(is_expected ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
+                                                   "memory, or plan without",
+                                                   row.name)
+                                     : fmt::format("{0} has a target, and the plan was made without; plan with "
+                                                   "Outputs{{.{0} = true}}",
+                                                   row.name));
+        },
+        targets, expected);
+    OutputBuffers buffers;
+    OutputTargets resolved = targets;
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, cl::Buffer& buffer) {
+            if (!target.is_given()) return;
+            if (target.device == nullptr)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} is memory of the host, and a plan writes to the "
+                                        "device's; use DistanceTransform::compute",
+                                        row.name));
+            resolve_element(row, natural.element, target);
+            if (!resolve_strides(row, grid, target))
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} has strides, which memory of the device cannot "
+                                        "have yet; give it a packed buffer",
+                                        row.name));
+            const cl::Buffer memory(target.device, true);
+            const std::size_t bytes = packed_bytes(row, target, grid);
+            check_device_memory(row, target, memory, bytes, context);
+            buffer = buffer_from(row, memory, target.offset, bytes, context);
+            if (is_in_double(target)) buffers.in_double |= row.bit;
+        },
+        resolved, elements, buffers);
+    return buffers;
+}
+
+}  // namespace clsdf::transform

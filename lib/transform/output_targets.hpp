@@ -1,0 +1,39 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
+
+#include "transform/finishing.hpp"
+#include "transform/slab_pipeline.hpp"
+
+namespace clsdf::transform {
+
+/// The outputs that have a target.
+Outputs outputs_of(const OutputTargets& targets);
+
+/// The caller's host memory for a grid. Throws Error(invalid_argument) if the distance has none, or if memory is too
+/// small, and Error(unsupported) for what cannot be written to yet.
+class HostTargets {
+public:
+    HostTargets(const OutputTargets& targets, const Grid& grid);
+
+    /// Whether the samples of every output are packed, so that they can be computed in place.
+    bool are_packed() const { return are_packed_; }
+    /// The packed arrays; of others only that they are asked for, and their elements.
+    const HostArrays& arrays() const { return arrays_; }
+
+    /// Copies the packed samples of a slab to where they belong, on all cores.
+    void store(const Grid& slab, const HostArrays& values) const;
+
+private:
+    OutputTargets targets_;  ///< with all strides set
+    Grid grid_;
+    HostArrays arrays_;
+    bool are_packed_ = true;
+};
+
+/// The caller's device memory for a grid; throws as HostTargets does. expected: those that a plan computes.
+OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
+                             const device::Context& context);
+
+}  // namespace clsdf::transform

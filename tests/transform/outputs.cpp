@@ -1,0 +1,277 @@
+#include "support/device_memory.hpp"
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+
+/// Four faces whose heights are a hundred-thousandth of their sides and less.
+Mesh sliver() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {5, 1e-6, 0}, {10, 0, 0}, {5, 3, 1}, {5, 1, -2}},
+                std::vector<Triangle>{{0, 1, 3}, {1, 2, 3}, {0, 4, 1}, {1, 4, 2}, {0, 3, 4}, {2, 4, 3}}, "sliver");
+}
+
+Mesh needle() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {10, 0.01, 0}, {10, 0, 0.013}, {10.02, -0.011, -0.009}},
+                std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}, "needle");
+}
+
+/// Fins at one edge, one of them twice, a face without area and one with a repeated vertex.
+Mesh fins() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}, {1, 0, 0.3}, {-0.5, 0.8, 0.4}, {-0.5, -0.9, 0.6}, {0, 0, 0.5}},
+                std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 5, 1}, {0, 0, 2}, {0, 1, 2}}, "fins");
+}
+
+std::vector<Mesh> meshes() {
+    return {cube(1), reversed(cube(1)),  without_triangle(cube(1), 3), sliver(), needle(),
+            fins(),  make_shape("knot"), tilted(make_shape("noisy"))};
+}
+
+/// Samples on the faces, edges and vertices of a cube of half side 1, and beside them.
+Grid through_the_surface() {
+    return grid_at({0, 0, 0}, 0.125, 11);
+}
+
+Vec3 vector_at(const auto& values, std::size_t sample) {
+    return {static_cast<double>(values[3 * sample]), static_cast<double>(values[3 * sample + 1]),
+            static_cast<double>(values[3 * sample + 2])};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_output_of_every_sample_keeps_its_contract) {
+    for (const Mesh& mesh : meshes()) {
+        const Grid around = grid_around(mesh, 26, 4);
+        for (const KernelBody body : both_bodies) {
+            check_exact(mesh, compute(mesh, around, Band::symmetric(3 * around.voxel()), body), guaranteed);
+            check_exact(mesh, compute(mesh, grid_around(mesh, 12, 2), Band::full(), body), guaranteed);
+        }
+    }
+}
+
+// The reference names the lowest triangle, and smaller sites before larger ones, as the contract asks for.
+BOOST_AUTO_TEST_CASE(on_a_cube_the_outputs_are_those_of_the_reference) {
+    for (const Mesh& mesh : {cube(1), reversed(cube(1)), unwelded(cube(1))}) {
+        const Grid grid = through_the_surface();
+        const Band band{0.4, 0.5};  // no sample is near a medial plane
+        const Field expected = reference::reference_field(mesh, grid, band);
+        for (const KernelBody body : both_bodies) {
+            const Field field = compute(mesh, grid, band, body);
+            std::size_t on_surface = 0;
+            for (std::size_t sample = 0; sample < field.distance.size(); ++sample) {
+                BOOST_REQUIRE(field.distance[sample] == expected.distance[sample]);
+                if (field.distance[sample] < 0) continue;  // there several faces may be as near
+                BOOST_REQUIRE(field.triangle[sample] == expected.triangle[sample]);
+                BOOST_REQUIRE(field.site[sample] == expected.site[sample]);
+                on_surface += field.distance[sample] == 0 ? 1U : 0U;
+                if (field.triangle[sample] == no_triangle) {
+                    BOOST_REQUIRE(std::isnan(field.closest[3 * sample]) && std::isnan(field.gradient[3 * sample + 2]));
+                    continue;
+                }
+                const auto is_near = [&](const Vec3& one, const Vec3& other, double tolerance) {
+                    return std::hypot(one[0] - other[0], one[1] - other[1], one[2] - other[2]) <= tolerance;
+                };
+                BOOST_REQUIRE(is_near(vector_at(field.closest, sample), vector_at(expected.closest, sample), 1e-12));
+                BOOST_REQUIRE(is_near(vector_at(field.gradient, sample), vector_at(expected.gradient, sample), 1e-6));
+            }
+            BOOST_TEST(on_surface == 17U * 17U * 17U - 15U * 15U * 15U);
+        }
+    }
+}
+
+// Turned inside out, a mesh has the same field, and so the same gradient, also on the surface.
+BOOST_AUTO_TEST_CASE(on_the_surface_the_gradient_points_outside_however_the_faces_look) {
+    const Grid grid = through_the_surface();
+    for (const KernelBody body : both_bodies) {
+        const Field field = compute(reversed(cube(1)), grid, Band::symmetric(0.3), body);
+        const std::size_t on_face = grid.offset(11 + 8, 11, 13), on_edge = grid.offset(11 + 8, 11 + 8, 13);
+        BOOST_TEST(field.distance[on_face] == 0);
+        BOOST_TEST(field.gradient[3 * on_face] == 1.0F);
+        BOOST_TEST(field.gradient[3 * on_edge] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
+        BOOST_TEST(field.gradient[3 * on_edge + 1] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(an_output_is_the_same_whatever_else_is_asked_for) {
+    const Mesh mesh = tilted(make_shape("noisy"));
+    const Grid grid = grid_around(mesh, 40, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    for (const KernelBody body : both_bodies) {
+        DistanceTransform transform(test_device(), mesh, {.body = body});
+        const Field all = transform(grid, band, all_outputs());
+        BOOST_TEST(same_bytes(all, transform(grid, band)));
+        visit_extras(
+            [&](const char* name, bool) {
+                Outputs one;
+                visit_extras([&](const char* other, bool& wanted) { wanted = std::strcmp(name, other) == 0; }, one);
+                const Field field = transform(grid, band, one);
+                BOOST_TEST(same_bytes(all, field), name);
+                visit_extras([&](const char* other,
+                                 const auto& values) { BOOST_TEST(values.empty() == (std::strcmp(name, other) != 0)); },
+                             field);
+            },
+            Outputs());
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_part_of_a_grid_has_the_outputs_of_the_whole) {
+    const Mesh mesh = tilted(make_shape("noisy"));
+    const Grid grid = grid_around(mesh, 40, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Index3 offset{5, 9, 13}, size{21, 17, 19};
+    for (const KernelBody body : both_bodies) {
+        const Field whole = compute(mesh, grid, band, body), part = compute(mesh, grid.part(offset, size), band, body);
+        visit_outputs(
+            [&](const char* name, const auto& of_whole, const auto& of_part) {
+                const std::size_t components = of_part.size() / part.distance.size();
+                bool is_same = true;
+                for (std::int64_t k = 0; k < size[2]; ++k)
+                    for (std::int64_t j = 0; j < size[1]; ++j)
+                        is_same =
+                            is_same &&
+                            std::memcmp(&of_part[components * part.grid.offset(0, j, k)],
+                                        &of_whole[components * grid.offset(offset[0], offset[1] + j, offset[2] + k)],
+                                        components * static_cast<std::size_t>(size[0]) * sizeof(of_part[0])) == 0;
+                BOOST_TEST(is_same, name);
+            },
+            whole, part);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
+    const Mesh mesh = make_shape("torus");
+    const Grid grid = grid_around(mesh, 20, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field expected = compute(mesh, grid, band);
+    // Two samples of halo on every side; vectors one component after the other.
+    const Index3 padded{grid.size[0] + 4, grid.size[1] + 4, grid.size[2] + 4};
+    const auto count = static_cast<std::size_t>(padded[0] * padded[1] * padded[2]);
+    const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+        return static_cast<std::size_t>(i + 2 + padded[0] * (j + 2 + padded[1] * (k + 2)));
+    };
+    constexpr float untouched = -77;
+    std::vector<float> distance(count, untouched), gradient(3 * count, untouched);
+    const auto into = [&](OutputTarget target) {
+        const auto row = static_cast<std::ptrdiff_t>(padded[0] * 4);
+        target.offset = at(0, 0, 0) * sizeof(float);
+        target.strides = {4, row, row * static_cast<std::ptrdiff_t>(padded[1])};
+        target.component_stride = static_cast<std::ptrdiff_t>(count * sizeof(float));
+        return target;
+    };
+    DistanceTransform transform(test_device(), mesh);
+    transform.compute(grid, band, {.distance = into(distance), .gradient = into(gradient)});
+    std::size_t written = 0;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i, ++written) {
+                const std::size_t sample = grid.offset(i, j, k);
+                BOOST_REQUIRE(distance[at(i, j, k)] == expected.distance[sample]);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    BOOST_REQUIRE(std::memcmp(&gradient[axis * count + at(i, j, k)],
+                                              &expected.gradient[3 * sample + axis], sizeof(float)) == 0);
+            }
+    BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), untouched)) == count - written);
+    BOOST_TEST(static_cast<std::size_t>(std::count(gradient.begin(), gradient.end(), untouched)) ==
+               3 * (count - written));
+}
+
+BOOST_AUTO_TEST_CASE(the_closest_point_in_floats_is_the_offset_from_the_sample) {
+    const Mesh mesh = shifted(make_shape("torus"), {1e6, -1e6, 1e6});
+    const Grid grid = grid_around(mesh, 20, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field field = compute(mesh, grid, band);
+    std::vector<float> distance(grid.sample_count()), offset(3 * grid.sample_count());
+    DistanceTransform transform(test_device(), mesh);
+    transform.compute(grid, band, {.distance = distance, .closest = offset});
+    std::size_t in_band = 0;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) {
+                const std::size_t sample = grid.offset(i, j, k);
+                if (field.triangle[sample] == no_triangle) {
+                    BOOST_REQUIRE(std::isnan(offset[3 * sample]));
+                    continue;
+                }
+                ++in_band;
+                const Vec3 position = grid.position(i, j, k);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    BOOST_REQUIRE(std::abs(position[axis] + static_cast<double>(offset[3 * sample + axis]) -
+                                           field.closest[3 * sample + axis]) <= 1e-6 * grid.voxel() + 1e-9);
+            }
+    BOOST_TEST(in_band > 100U);
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_writes_every_output_into_the_callers_buffers_from_an_offset_on) {
+    const Mesh mesh = make_shape("torus");
+    const Grid grid = grid_around(mesh, 20, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field expected = compute(mesh, grid, band);
+    const std::size_t count = grid.sample_count();
+    constexpr std::size_t offset = 4096;  // bytes
+    const cl::CommandQueue queue(cl::Context(test_device().context(), true), cl::Device(test_device().id(), true));
+    DistanceTransform transform(test_device(), mesh);
+    Plan plan = transform.plan(grid, band, {.triangle = true, .closest = true, .gradient = true});
+    const DeviceMemory distance(test_device().context(), count + offset / 4), triangle(test_device().context(), count),
+        closest(test_device().context(), 6 * count + offset / 4), gradient(test_device().context(), 3 * count);
+    OutputTargets targets{.distance = distance.handle(),
+                          .triangle = triangle.handle(),
+                          .closest = closest.handle(),
+                          .gradient = gradient.handle()};
+    targets.distance.offset = targets.closest.offset = offset;
+    cl::Event(plan.enqueue(queue(), targets)).wait();
+    const auto check = [&](const char* name, const DeviceMemory& memory, const auto& values, std::size_t begin) {
+        const std::vector<std::uint32_t> words = memory.read(queue);
+        BOOST_TEST(std::memcmp(words.data() + begin / 4, values.data(), values.size() * sizeof(values[0])) == 0, name);
+        BOOST_TEST(static_cast<std::size_t>(std::count(
+                       words.begin(), words.begin() + static_cast<std::ptrdiff_t>(begin / 4), untouched)) == begin / 4);
+    };
+    check("distance", distance, expected.distance, offset);
+    check("triangle", triangle, expected.triangle, 0);
+    check("closest", closest, expected.closest, offset);
+    check("gradient", gradient, expected.gradient, 0);
+}
+
+BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
+    const Mesh mesh = cube(1);
+    const Grid grid = grid_around(mesh, 8, 2);
+    const Band band = Band::full();
+    DistanceTransform transform(test_device(), mesh);
+    std::vector<float> distance(grid.sample_count());
+    std::vector<double> doubles(3 * grid.sample_count());
+    check_throws(ErrorCode::unsupported, {"output distance", "double", "float"},
+                 [&] { transform.compute(grid, band, {.distance = std::span(doubles).first(grid.sample_count())}); });
+    check_throws(ErrorCode::unsupported, {"output gradient", "double"},
+                 [&] { transform.compute(grid, band, {.distance = distance, .gradient = doubles}); });
+    check_throws(ErrorCode::unsupported, {"output site", "float", "uint8"},
+                 [&] { transform.compute(grid, band, {.distance = distance, .site = distance}); });
+    OutputTarget beyond = distance;
+    beyond.strides = {8, 8, 8};
+    beyond.offset = sizeof(float) * (grid.sample_count() - 1);
+    check_throws(ErrorCode::invalid_argument, {"output distance", "offset and strides"},
+                 [&] { transform.compute(grid, band, {.distance = beyond}); });
+    Plan plan = transform.plan(grid, band);
+    check_throws(ErrorCode::unsupported, {"output distance", "host", "compute"},
+                 [&] { plan.enqueue(nullptr, {.distance = distance}); });
+    const DeviceMemory memory(test_device().context(), grid.sample_count());
+    check_throws(ErrorCode::unsupported, {"output distance", "device", "plan"},
+                 [&] { transform.compute(grid, band, {.distance = memory.handle()}); });
+    OutputTarget strided = memory.handle();
+    strided.strides = {8, 64, 512};
+    check_throws(ErrorCode::unsupported, {"output distance", "strides"},
+                 [&] { plan.enqueue(nullptr, {.distance = strided}); });
+    OutputTarget uneven = memory.handle();
+    uneven.offset = 4;
+    check_throws(ErrorCode::invalid_argument, {"output distance", "from byte 4"},
+                 [&] { plan.enqueue(nullptr, {.distance = uneven}); });
+    DistanceTransform slices(test_device(), mesh, {.scan = Scan::slices});
+    check_throws(ErrorCode::unsupported, {"slices", "site"}, [&] { slices(grid, band, {.site = true}); });
+}
