@@ -54,6 +54,9 @@ typedef struct Nearest {
     uint normal;       // the pseudonormal's place; not of a face
     double sign;       // of the distance: 1 or -1
     double3 position;  // of the sample
+    __global const Polyhedron* polyhedron;
+    double2 foot;      // the closest point, in the frame's plane
+    bool is_reversed;  // of an edge: the named triangle's runs the other way
 } Nearest;
 
 // The nearest site of a triangle, and how far the sample lies from its closest point in the frame's plane. at: (X, Y,
@@ -110,6 +113,9 @@ static inline Nearest nearest_of(__private const Finishing* finishing, int3 samp
     nearest.sign = negative ? -1.0 : 1.0;
     nearest.position = (double3)(how.origin[0] + sample.x * how.spacing[0], how.origin[1] + sample.y * how.spacing[1],
                                  how.origin[2] + sample.z * how.spacing[2]);
+    nearest.polyhedron = p;
+    nearest.foot = at.xy - in_plane;
+    nearest.is_reversed = false;
     nearest.triangle = p->triangle;
     nearest.site = CLSDF_SITE_OF_FACE;
     nearest.normal = 0;
@@ -120,6 +126,7 @@ static inline Nearest nearest_of(__private const Finishing* finishing, int3 samp
         nearest.normal = 6u * p->triangle + own;
         nearest.triangle = sites->triangle[own];
         nearest.site = sites->site[own] & CLSDF_SITE_NUMBER;
+        nearest.is_reversed = (sites->site[own] & CLSDF_SITE_REVERSED) != 0;
     }
     return nearest;
 }
@@ -153,6 +160,38 @@ INLINE double3 finished_gradient(__private const Finishing* finishing, __private
     if (nearest->frame_site == CLSDF_SITE_OF_FACE)
         return outward * (double3)(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
     return outward * convert_double3(vload3(nearest->normal, finishing->normals));
+}
+
+// Weights of the named triangle's vertices 1 and 2 that make the closest point. Of an edge they come from the way along
+// it, of the face from the heights over the base: neither divides by the triangle's area.
+INLINE double2 finished_barycentric(__private const Finishing* finishing, __private const Nearest* nearest) {
+    __global const Polyhedron* p = nearest->polyhedron;
+    const double left = p->exact_base[CLSDF_HALF_LEFT], right = p->exact_base[CLSDF_HALF_RIGHT];
+    double weights[3] = {0.0, 0.0, 0.0};
+    if (nearest->site < 3u) {
+        weights[nearest->site] = 1.0;
+    } else if (nearest->site < CLSDF_SITE_OF_FACE) {
+        const bool is_base = nearest->frame_site == FRAME_BASE, is_right = nearest->frame_site == FRAME_RIGHT_EDGE;
+        const double base = is_right ? right : left, away = is_right ? nearest->foot.x : -nearest->foot.x;
+        const uint half_index = is_right ? CLSDF_HALF_RIGHT : CLSDF_HALF_LEFT;
+        const double along = p->exact_normal_along[half_index], across = p->exact_normal_across[half_index];
+        const double length = is_base ? left + right : base * across + p->exact_altitude * along;
+        // From the left end of the base, or from either end to the apex.
+        const double way = is_base ? nearest->foot.x + left : (base - away) * across + nearest->foot.y * along;
+        double second = length > 0.0 ? way / length : 0.0;
+        if (nearest->frame_site == FRAME_LEFT_EDGE) second = 1.0 - second;
+        if (nearest->is_reversed) second = 1.0 - second;
+        weights[nearest->site - 3u] = 1.0 - second;
+        weights[(nearest->site - 2u) % 3u] = second;
+    } else {
+        const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+        const double apex = nearest->foot.y / p->exact_altitude;
+        const double at_right = (nearest->foot.x + left * (1.0 - apex)) / (left + right);
+        weights[first] = 1.0 - apex - at_right;
+        weights[(first + 1u) % 3u] = at_right;
+        weights[(first + 2u) % 3u] = apex;
+    }
+    return clamp((double2)(weights[1], weights[2]), 0.0, 1.0);
 }
 
 // Where they go, by their elements. -----------------------------------------------------------------------------------

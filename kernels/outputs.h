@@ -11,7 +11,8 @@
     ROW(triangle, "nearest triangle", uint32, 1)          \
     ROW(site, "nearest site of the triangle", uint8, 1)   \
     ROW(closest, "closest point of the surface", real, 3) \
-    ROW(gradient, "gradient of the distance", real, 3)
+    ROW(gradient, "gradient of the distance", real, 3)    \
+    ROW(barycentric, "barycentric coordinates", real, 2)
 
 // Sites of a triangle: its vertices 0, 1, 2; its edges 3, 4, 5, of which edge 3 + k runs from vertex k to the next;
 // its face.

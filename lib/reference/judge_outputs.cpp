@@ -97,6 +97,7 @@ struct OutputsOfSample {
     std::string wrong_site() const;
     std::string wrong_closest() const;
     std::string wrong_gradient() const;
+    std::string wrong_barycentric() const;
 
 private:
     std::string wrong_gradient_on_surface(const Vec3& gradient) const;
@@ -211,6 +212,27 @@ std::string OutputsOfSample::wrong_gradient() const {
     return fmt::format("the gradient ({}, {}, {}) is off by {}", gradient[0], gradient[1], gradient[2], least);
 }
 
+std::string OutputsOfSample::wrong_barycentric() const {
+    const auto u = static_cast<double>(field.barycentric[2 * offset]),
+               v = static_cast<double>(field.barycentric[2 * offset + 1]);
+    constexpr double rounding = 2e-7;
+    if (!(u >= 0) || !(u <= 1) || !(v >= 0) || !(v <= 1) || !(u + v <= 1 + rounding))
+        return fmt::format("({}, {}) are no coordinates of a point of a triangle", u, v);
+    const std::optional<std::uint32_t> triangle = named_triangle();
+    if (!triangle) return {};
+    const Mesh& mesh = truths.tree().mesh();
+    const Triangle& corners = mesh.triangles()[*triangle];
+    const Eigen::Vector3d a = vector_of(mesh.vertices()[corners[0]]), b = vector_of(mesh.vertices()[corners[1]]) - a,
+                          c = vector_of(mesh.vertices()[corners[2]]) - a;
+    const Eigen::Vector3d point = a + u * b + v * c;
+    const ExactPosition position = truths.position(index);
+    const double distance = offset_of(position, {point[0], point[1], point[2]}).norm();
+    const double allowed = tolerance + closest_tolerance * voxel + rounding * (b.norm() + c.norm()) +
+                           rounding_of(position, {point[0], point[1], point[2]});
+    if (std::fabs(distance - truth.distance) <= allowed) return {};
+    return fmt::format("the point ({}, {}) of triangle {} is {} away", u, v, *triangle, distance);
+}
+
 }  // namespace
 
 void Judge::judge_outputs(const Case& sample) const {
@@ -233,6 +255,7 @@ void Judge::judge_outputs(const Case& sample) const {
     judge("site", field_.site, wrong.site, &OutputsOfSample::wrong_site);
     judge("closest", field_.closest, wrong.closest, &OutputsOfSample::wrong_closest);
     judge("gradient", field_.gradient, wrong.gradient, &OutputsOfSample::wrong_gradient);
+    judge("barycentric", field_.barycentric, wrong.barycentric, &OutputsOfSample::wrong_barycentric);
 }
 
 }  // namespace clsdf::reference

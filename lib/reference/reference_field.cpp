@@ -4,6 +4,7 @@
 #include <clsdf/reference.hpp>
 
 #include <oneapi/tbb/parallel_for.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,38 @@ std::optional<Vec3> gradient_at(const TrueSamples& truth, const MeshSites& sites
     return normal;
 }
 
+/// Of the closest point on its triangle, by the areas that it and two vertices span.
+std::array<double, 3> weights_of(const MeshSites& sites, const TrueSample& sample) {
+    const auto number = static_cast<std::size_t>(sample.site);
+    std::array<double, 3> weights{};
+    if (number < 3) {
+        weights[number] = 1;
+        return weights;
+    }
+    using Wide = Eigen::Matrix<long double, 3, 1>;
+    std::array<Wide, 3> to_corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 corner = sites.corners(sample.triangle, Site::face).positions[k];
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            to_corners[k][axis] = static_cast<long double>(corner[a]) - static_cast<long double>(sample.point[a]);
+        }
+    }
+    if (number < 6) {
+        const std::size_t from = number - 3, to = (number - 2) % 3;
+        const Wide along = to_corners[to] - to_corners[from];
+        const long double way = along.squaredNorm() > 0 ? -to_corners[from].dot(along) / along.squaredNorm() : 0;
+        weights[to] = static_cast<double>(way);
+        weights[from] = static_cast<double>(1 - way);
+        return weights;
+    }
+    const Wide normal = (to_corners[1] - to_corners[0]).cross(to_corners[2] - to_corners[0]);
+    for (std::size_t k = 0; k < 3; ++k)
+        weights[k] = static_cast<double>(to_corners[(k + 1) % 3].cross(to_corners[(k + 2) % 3]).dot(normal) /
+                                         normal.squaredNorm());
+    return weights;
+}
+
 }  // namespace
 
 Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
@@ -50,6 +83,7 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
     field.triangle.resize(count, no_triangle);
     field.site.resize(count, no_site);
     field.closest.resize(3 * count, std::numeric_limits<double>::quiet_NaN());
+    field.barycentric.resize(2 * count, std::numeric_limits<float>::quiet_NaN());
     field.gradient.resize(3 * count, std::numeric_limits<float>::quiet_NaN());
     oneapi::tbb::parallel_for(std::int64_t{0}, grid.size[2], [&](std::int64_t k) {
         std::vector<TrueSample> samples;
@@ -67,6 +101,8 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
                 if (!in_band) continue;
                 field.triangle[offset] = sample.triangle;
                 field.site[offset] = static_cast<std::uint8_t>(sample.site);
+                const std::array<double, 3> weights = weights_of(sites, sample);
+                std::copy(weights.begin() + 1, weights.end(), &field.barycentric[2 * offset]);
                 std::copy(sample.point.begin(), sample.point.end(), &field.closest[3 * offset]);
                 const std::optional<Vec3> gradient = gradient_at(truth, sites, sample, index);
                 for (std::size_t axis = 0; gradient && axis < 3; ++axis)

@@ -35,7 +35,7 @@ Grid around_cube(std::int64_t size, double h) {
 
 BOOST_AUTO_TEST_CASE(a_band_over_eight_coarse_bricks) {
     check_on_simulator(cube(1), around_cube(10, 0.3), Band::symmetric(0.4), {},
-                       {.triangle = true, .closest = true, .gradient = true});
+                       {.triangle = true, .closest = true, .gradient = true, .barycentric = true});
 }
 
 BOOST_AUTO_TEST_CASE(every_sample_with_bounds_from_the_surface) {

@@ -320,6 +320,8 @@ BOOST_AUTO_TEST_CASE(an_output_that_breaks_its_contract_is_found) {
          }},
         {"gradient", [&](Field& field) { field.gradient[3 * in_band + 2] += 1e-3F; }},
         {"gradient", [&](Field& field) { field.gradient[3 * in_band] = std::nanf(""); }},
+        {"barycentric", [&](Field& field) { field.barycentric[2 * in_band] += 0.01F; }},
+        {"barycentric", [&](Field& field) { field.barycentric[2 * in_band + 1] = 1.1F; }},
     };
     for (const Change& change : changes) BOOST_TEST_CONTEXT(change.output) {
             Field field = right;

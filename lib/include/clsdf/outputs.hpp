@@ -18,10 +18,11 @@ inline constexpr std::uint8_t no_site = 255;
 /// What a field is to hold beside the distance. All outputs of a sample belong to one nearest triangle and one of its
 /// sites; docs/library.md says what each of them is.
 struct Outputs {
-    bool triangle = false;  ///< the nearest triangle; of an edge or a vertex the lowest that shares it
-    bool site = false;      ///< where on it: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
-    bool closest = false;   ///< the closest point
-    bool gradient = false;  ///< of the signed distance: a unit vector
+    bool triangle = false;     ///< the nearest triangle; of an edge or a vertex the lowest that shares it
+    bool site = false;         ///< where on it: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
+    bool closest = false;      ///< the closest point
+    bool gradient = false;     ///< of the signed distance: a unit vector
+    bool barycentric = false;  ///< coordinates of the closest point on the triangle
 
     bool operator==(const Outputs&) const = default;
 };
@@ -33,8 +34,9 @@ struct PerOutput {
     Of<float> distance{};          ///< signed, in the mesh's units
     Of<std::uint32_t> triangle{};  ///< in the caller's order
     Of<std::uint8_t> site{};
-    Of<double> closest{};  ///< three coordinates, in the mesh's units
-    Of<float> gradient{};  ///< three components
+    Of<double> closest{};     ///< three coordinates, in the mesh's units
+    Of<float> gradient{};     ///< three components
+    Of<float> barycentric{};  ///< two: the weights of the triangle's vertices 1 and 2
 };
 
 namespace detail {
@@ -43,8 +45,9 @@ using CountOf = std::size_t;
 }
 
 /// Bytes of a sample in fields and in files.
-inline constexpr PerOutput<detail::CountOf> output_bytes{sizeof(float), sizeof(std::uint32_t), sizeof(std::uint8_t),
-                                                         3 * sizeof(double), 3 * sizeof(float)};
+inline constexpr PerOutput<detail::CountOf> output_bytes{sizeof(float),        sizeof(std::uint32_t),
+                                                         sizeof(std::uint8_t), 3 * sizeof(double),
+                                                         3 * sizeof(float),    2 * sizeof(float)};
 
 /// Calls visit(name, a.triangle, b.triangle, ...), and so on for each output but the distance.
 template <typename Visit, typename... Sets>
@@ -53,6 +56,7 @@ void visit_extras(const Visit& visit, Sets&&... sets) {
     visit("site", sets.site...);
     visit("closest", sets.closest...);
     visit("gradient", sets.gradient...);
+    visit("barycentric", sets.barycentric...);
 }
 
 /// The same for the distance, first, and the others.
