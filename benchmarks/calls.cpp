@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <span>
 
 namespace clsdf::bench {
 
@@ -150,9 +151,8 @@ CallCost measure_one_sample(const Job& job, Judge& judge) {
             for (const Index3& sample : samples) {
                 float distance = 0;
                 const Grid one = grid.part(sample, {1, 1, 1});
-                seconds.push_back(seconds_of([&] {
-                    transform.compute(one, Job::band(grid), {.distance = {&distance, 1}});
-                }));
+                seconds.push_back(seconds_of(
+                    [&] { transform.compute(one, Job::band(grid), {.distance = std::span(&distance, 1)}); }));
             }
             return spread_of(seconds).median;
         },

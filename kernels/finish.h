@@ -19,8 +19,9 @@
 #define SITE_TOLERANCE 1.0e-10
 // Relative to the coordinates that differences are taken of.
 #define SITE_ROUNDING 1.0e-13
-// In units, squared. Samples nearer than that to their closest point have no direction of their own.
-#define SQUARE_OF_NO_DISTANCE 1.0e-18
+// In units, squared. A sample nearer than that to its closest point takes the site's pseudonormal: its own direction is
+// within the rounding of frames of a mesh a billion voxels large, and nothing is promised of it.
+#define SQUARE_OF_NO_DISTANCE 2.5e-13
 
 // Sites as the frame numbers them: vertices left, right, apex; edges from each to the next; the face.
 #define FRAME_LEFT 0u
@@ -100,35 +101,34 @@ INLINE uint site_of_triangle(uint frame_site, uint first) {
     return frame_site / 3u * 3u + (number >= 3u ? number - 3u : number);
 }
 
-static inline Nearest nearest_of(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative) {
+static inline void find_nearest(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
+                                __private Nearest* nearest) {
     __global const Polyhedron* p = finishing->polyhedra + polyhedron;
     const Finish how = finishing->how;
     const double4 at = frame_at(p, sample.x, sample.y, sample.z);
-    Nearest nearest;
-    const double2 in_plane = from_site(p, at, &nearest.frame_site);
-    nearest.from = (double3)(in_plane, at.z);
-    nearest.axes[0] = vload3(0, p->exact_gradient_x) * how.per_spacing[0];
-    nearest.axes[1] = vload3(0, p->exact_gradient_y) * how.per_spacing[1];
-    nearest.axes[2] = vload3(0, p->exact_gradient_z) * how.per_spacing[2];
-    nearest.sign = negative ? -1.0 : 1.0;
-    nearest.position = (double3)(how.origin[0] + sample.x * how.spacing[0], how.origin[1] + sample.y * how.spacing[1],
-                                 how.origin[2] + sample.z * how.spacing[2]);
-    nearest.polyhedron = p;
-    nearest.foot = at.xy - in_plane;
-    nearest.is_reversed = false;
-    nearest.triangle = p->triangle;
-    nearest.site = CLSDF_SITE_OF_FACE;
-    nearest.normal = 0;
-    if (nearest.frame_site != CLSDF_SITE_OF_FACE) {
+    const double2 in_plane = from_site(p, at, &nearest->frame_site);
+    nearest->from = (double3)(in_plane, at.z);
+    nearest->axes[0] = vload3(0, p->exact_gradient_x) * how.per_spacing[0];
+    nearest->axes[1] = vload3(0, p->exact_gradient_y) * how.per_spacing[1];
+    nearest->axes[2] = vload3(0, p->exact_gradient_z) * how.per_spacing[2];
+    nearest->sign = negative ? -1.0 : 1.0;
+    nearest->position = (double3)(how.origin[0] + sample.x * how.spacing[0], how.origin[1] + sample.y * how.spacing[1],
+                                  how.origin[2] + sample.z * how.spacing[2]);
+    nearest->polyhedron = p;
+    nearest->foot = at.xy - in_plane;
+    nearest->is_reversed = false;
+    nearest->triangle = p->triangle;
+    nearest->site = CLSDF_SITE_OF_FACE;
+    nearest->normal = 0;
+    if (nearest->frame_site != CLSDF_SITE_OF_FACE) {
         const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
-        const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(nearest.frame_site, first);
+        const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(nearest->frame_site, first);
         __global const TriangleSites* sites = finishing->sites + p->triangle;
-        nearest.normal = 6u * p->triangle + own;
-        nearest.triangle = sites->triangle[own];
-        nearest.site = sites->site[own] & CLSDF_SITE_NUMBER;
-        nearest.is_reversed = (sites->site[own] & CLSDF_SITE_REVERSED) != 0;
+        nearest->normal = 6u * p->triangle + own;
+        nearest->triangle = sites->triangle[own];
+        nearest->site = sites->site[own] & CLSDF_SITE_NUMBER;
+        nearest->is_reversed = (sites->site[own] & CLSDF_SITE_REVERSED) != 0;
     }
-    return nearest;
 }
 
 // From the closest point to the sample, along the mesh's axes, in units.
@@ -216,7 +216,8 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
 // Stores what a sample of the band holds beside the distance. at: its place in the part, in samples.
 static inline void finish_sample(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
                                  size_t at) {
-    const Nearest nearest = nearest_of(finishing, sample, polyhedron, negative);
+    Nearest nearest;
+    find_nearest(finishing, sample, polyhedron, negative, &nearest);
 #define FINISH(name, content, element, components)                                                  \
     if (IS_WANTED(finishing, name)) {                                                               \
         STORE_##element(finished_##name(finishing, &nearest), components, at, finishing->of_##name, \

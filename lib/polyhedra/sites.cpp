@@ -17,7 +17,7 @@ namespace clsdf::polyhedra {
 namespace {
 
 /// A sum of unit vectors that is shorter than its rounding has no direction.
-constexpr float cancelled = 1e-6F;
+constexpr double cancelled = 1e-6;
 
 constexpr std::uint32_t next(std::uint32_t corner) {
     return corner == 2 ? 0 : corner + 1;
@@ -44,12 +44,10 @@ private:
     UninitializedVector<std::uint32_t> faces_;
 };
 
-using FloatVector = Eigen::Vector3f;
-
-/// A face's unit normal, or nothing but zeros, and its angles: floats are far more exact than what they are for.
+/// A face's unit normal, or nothing but zeros, and its angles. In double, for normals that nearly cancel each other.
 struct FaceShape {
-    FloatVector normal;
-    std::array<float, 3> angles;
+    Vector normal;
+    std::array<double, 3> angles;
 };
 
 FaceShape shape_of(const Mesh& mesh, const Triangle& triangle) {
@@ -59,7 +57,7 @@ FaceShape shape_of(const Mesh& mesh, const Triangle& triangle) {
         edges[k] = to_vector(mesh.vertices()[triangle[next(k)]]) - to_vector(mesh.vertices()[triangle[k]]);
         longest = std::max(longest, edges[k].cwiseAbs().maxCoeff());
     }
-    FaceShape shape{FloatVector::Zero(), {0, 0, 0}};
+    FaceShape shape{Vector::Zero(), {0, 0, 0}};
     if (!(longest > 0)) return shape;
     for (Vector& edge : edges) edge /= longest;  // their squares stay in a double's range
     // From the shortest two edges, whose product rounds least.
@@ -69,30 +67,29 @@ FaceShape shape_of(const Mesh& mesh, const Triangle& triangle) {
     const Vector cross = edges[next(base)].cross(edges[next(next(base))]);
     const double area = cross.norm();
     if (!(area > 0)) return shape;
-    shape.normal = (cross / area).cast<float>();
-    for (std::uint32_t k = 0; k < 3; ++k)
-        shape.angles[k] = std::atan2(static_cast<float>(area), static_cast<float>(-edges[k].dot(edges[next(next(k))])));
+    shape.normal = cross / area;
+    for (std::uint32_t k = 0; k < 3; ++k) shape.angles[k] = std::atan2(area, -edges[k].dot(edges[next(next(k))]));
     return shape;
 }
 
 /// A sum of normals, as a unit vector.
 struct NormalSum {
-    FloatVector sum = FloatVector::Zero();
-    FloatVector first = FloatVector::Zero();
-    float weights = 0;
+    Vector sum = Vector::Zero();
+    Vector first = Vector::Zero();
+    double weights = 0;
 
-    void add(const FloatVector& normal, float weight) {
+    void add(const Vector& normal, double weight) {
         if (normal.isZero(0)) return;
         if (weights == 0) first = normal;
         sum += weight * normal;
         weights += weight;
     }
     void store(float* to) const {
-        const float length = sum.norm();
-        const FloatVector unit = length > cancelled * weights ? FloatVector(sum / length)
-                                 : weights > 0                ? first
-                                               : FloatVector::Constant(std::numeric_limits<float>::quiet_NaN());
-        std::copy(unit.data(), unit.data() + 3, to);
+        const double length = sum.norm();
+        const Vector unit = length > cancelled * weights ? Vector(sum / length)
+                            : weights > 0                ? first
+                                                         : Vector::Constant(std::numeric_limits<double>::quiet_NaN());
+        for (Eigen::Index k = 0; k < 3; ++k) to[k] = static_cast<float>(unit[k]);
     }
 };
 

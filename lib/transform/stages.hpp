@@ -92,7 +92,7 @@ private:
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceSites> sites_;
-    std::list<Lattice> lattices_;                   // that was used last first
+    std::list<Lattice> lattices_;  // that was used last first
 };
 
 }  // namespace clsdf::transform

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/export.hpp>
+
 #include <array>
 #include <concepts>
 #include <cstddef>
