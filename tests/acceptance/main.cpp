@@ -27,6 +27,7 @@ struct Options {
     bool list = false;
     std::string meshes;
     std::string record;
+    std::string fields;
     std::string only;
     std::string commit;
     std::uint64_t seed = 1;
@@ -100,7 +101,8 @@ int run_all(const Options& options, std::string command) {
                                       [](const Result& result) { return !result.passed(); });
     print_line(fmt::format("\n{} of {} fields failed; {:.0f} s: {}", failed, record.results.size(), record.seconds,
                            record.passed() ? "passed" : "FAILED"));
-    if (!options.record.empty()) write(record, options.record);
+    if (!options.record.empty()) write_summary(record, options.record);
+    if (!options.fields.empty()) write_fields(record, options.fields);
     return record.passed() ? 0 : 1;
 }
 
@@ -121,7 +123,8 @@ int main(int argument_count, char** arguments) {
     app.add_option("--body", options.body, "The kernels' body: automatic, by_vector or by_group")
         ->transform(CLI::CheckedTransformer(bodies));
     app.add_option("--commit", options.commit, "For the record: the commit that was built");
-    app.add_option("--record", options.record, "Write the record to this Markdown file");
+    app.add_option("--record", options.record, "Write a summary to this Markdown file");
+    app.add_option("--fields", options.fields, "Write what was found field by field to this Markdown file");
     app.add_flag("--list", options.list, "Only list the fields");
     CLI11_PARSE(app, argument_count, arguments);
     if (!options.complete && !options.sampled) {

@@ -26,11 +26,18 @@ std::string size_of(const Index3& size) {
     return fmt::format("{}x{}x{}", size[0], size[1], size[2]);
 }
 
+/// Of all outputs beside the distance.
+std::size_t wrong_outputs_of(const reference::CheckReport& report) {
+    std::size_t sum = 0;
+    visit_extras([&](const char*, std::size_t wrong) { sum += wrong; }, report.wrong_outputs);
+    return sum;
+}
+
 /// What is summed up over the cases of a kind.
 struct Summary {
     std::string kind;
     std::size_t cases = 0, complete = 0, failed = 0, samples = 0, band_samples = 0, beyond_aim = 0;
-    std::size_t wrong_values = 0, wrong_signs = 0, missed = 0, leaked = 0, wrong_triangles = 0;
+    std::size_t wrong_values = 0, wrong_signs = 0, missed = 0, leaked = 0, wrong_outputs = 0;
     double max_error_voxels = 0, max_error_ulp = 0;
 
     void add(const Result& result) {
@@ -45,7 +52,7 @@ struct Summary {
         wrong_signs += report.wrong_signs;
         missed += report.missed;
         leaked += report.leaked;
-        wrong_triangles += report.wrong_outputs.triangle;
+        wrong_outputs += wrong_outputs_of(report);
         max_error_voxels = std::max(max_error_voxels, report.max_error_voxels);
         max_error_ulp = std::max(max_error_ulp, report.max_error_ulp);
     }
@@ -71,24 +78,28 @@ std::vector<Summary> sum_up(const std::vector<Result>& results) {
 
 std::string introduction(const Record& record) {
     const std::time_t now = std::time(nullptr);
+    const Summary total = sum_up(record.results).back();
     std::string text = fmt::format(
         "# Acceptance\n\n"
-        "Every field of the list was computed and held against the reference in double precision. An error is within\n"
-        "the judged bound up to the larger of {:g} voxel and 2 ulp of the value written, and within the aim up to the\n"
-        "larger of {:g} voxel and 2 ulp. Errors in ulp are of samples farther than one voxel from the surface. A row\n"
-        "whose samples are marked \"all\" was checked at every sample of its grid; else half of the samples checked "
-        "lie\n"
-        "near the band's limits, edges and vertices.\n\n",
-        judged_voxels, aim_voxels);
-    text += "| | |\n|-|-|\n";
-    text += fmt::format("| outcome | {} |\n", record.passed() ? "passed" : "**FAILED**");
+        "Fields of the list, computed and held against the reference in double precision, with all outputs.\n"
+        "`scripts/accept` makes this record, and the list field by field in build/acceptance.md.\n\n"
+        "| | |\n|-|-|\n"
+        "| outcome | {}: {} fields, {} failed |\n",
+        record.passed() ? "passed" : "**FAILED**", total.cases, total.failed);
+    text += fmt::format("| samples checked | {}, {} of them in the band; {} fields at every sample |\n", total.samples,
+                        total.band_samples, total.complete);
+    text += fmt::format("| wrong | {} values, {} signs, {} missed, {} leaked, {} outputs beside the distance |\n",
+                        total.wrong_values, total.wrong_signs, total.missed, total.leaked, total.wrong_outputs);
+    text += fmt::format(
+        "| largest error | {:.2g} voxel; {} samples beyond the aim of max({:g} voxel, 2 ulp), {} beyond "
+        "max({:g} voxel, 2 ulp) |\n",
+        total.max_error_voxels, total.beyond_aim, aim_voxels, total.wrong_values, judged_voxels);
     text += fmt::format("| version | {}{} |\n", version(),
                         record.commit.empty() ? "" : fmt::format(", commit {}", record.commit));
     text += fmt::format("| date | {:%Y-%m-%d %H:%M} UTC |\n", fmt::gmtime(now));
     text += fmt::format("| machine | {}, {} threads |\n", processor(), std::thread::hardware_concurrency());
     text += fmt::format("| device | {} |\n", record.device);
-    text += fmt::format("| command | `{}` |\n", record.command);
-    text += fmt::format("| time | {:.0f} s |\n", record.seconds);
+    text += fmt::format("| command | `{}`, {:.0f} s |\n", record.command, record.seconds);
     return text;
 }
 
@@ -107,13 +118,13 @@ std::string summary_table(const std::vector<Result>& results) {
     std::string text =
         "\n## By kind of mesh\n\n"
         "| kind | fields | of them complete | failed | samples | in the band | max error, voxel | max error, ulp | "
-        "beyond the aim | wrong values | wrong signs | missed | leaked | wrong triangles |\n"
+        "beyond the aim | wrong values | wrong signs | missed | leaked | wrong outputs |\n"
         "|-|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|\n";
     for (const Summary& s : sum_up(results))
         text +=
             fmt::format("| {} | {} | {} | {} | {} | {} | {:.2g} | {:.2f} | {} | {} | {} | {} | {} | {} |\n", s.kind,
                         s.cases, s.complete, s.failed, s.samples, s.band_samples, s.max_error_voxels, s.max_error_ulp,
-                        s.beyond_aim, s.wrong_values, s.wrong_signs, s.missed, s.leaked, s.wrong_triangles);
+                        s.beyond_aim, s.wrong_values, s.wrong_signs, s.missed, s.leaked, s.wrong_outputs);
     return text;
 }
 
@@ -121,7 +132,7 @@ std::string results_table(const std::vector<Result>& results) {
     std::string text =
         "\n## Every field\n\n"
         "| field | triangles | grid | half width, voxel | sign | samples | in the band | max error, voxel | max error, "
-        "ulp | beyond the aim | wrong values | wrong signs | missed | leaked | wrong triangles | computed, s | "
+        "ulp | beyond the aim | wrong values | wrong signs | missed | leaked | wrong outputs | computed, s | "
         "checked, "
         "s | |\n|-|-:|-|-:|-|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|-:|-|\n";
     for (const Result& r : results) {
@@ -136,7 +147,7 @@ std::string results_table(const std::vector<Result>& results) {
             r.name, r.triangles, size_of(r.size), r.half_width_voxels, name_of(r.sign),
             r.every_sample ? "all" : fmt::format("{}", r.judged.samples), r.judged.band_samples,
             r.judged.max_error_voxels, r.judged.max_error_ulp, r.beyond_aim, r.judged.wrong_values,
-            r.judged.wrong_signs, r.judged.missed, r.judged.leaked, r.judged.wrong_outputs.triangle, r.compute_seconds,
+            r.judged.wrong_signs, r.judged.missed, r.judged.leaked, wrong_outputs_of(r.judged), r.compute_seconds,
             r.check_seconds, r.passed() ? "" : "**FAILED**");
     }
     return text;
@@ -176,7 +187,7 @@ std::string row(const Result& r) {
         "{:>6.1f}s{}",
         r.name, r.triangles, size_of(r.size), r.half_width_voxels, r.judged.band_samples, r.every_sample ? '*' : ' ',
         r.judged.max_error_voxels, r.judged.max_error_ulp, r.beyond_aim, r.judged.wrong_values, r.judged.wrong_signs,
-        r.judged.missed, r.judged.leaked, r.judged.wrong_outputs.triangle, r.compute_seconds, r.check_seconds,
+        r.judged.missed, r.judged.leaked, wrong_outputs_of(r.judged), r.compute_seconds, r.check_seconds,
         r.passed() ? "" : "  FAILED");
 }
 
@@ -197,12 +208,25 @@ std::string explain(const Result& result) {
     return text;
 }
 
-void write(const Record& record, const std::string& path) {
+namespace {
+
+void write_text(const std::string& text, const std::string& path) {
     std::ofstream file(path);
-    file << introduction(record) << costs_table(record.costs) << summary_table(record.results)
-         << breaches(record.results) << results_table(record.results) << unreadable_files(record.unreadable);
+    file << text;
     file.close();
     if (!file) throw Error(ErrorCode::output_failure, fmt::format("the record could not be written to {}", path));
+}
+
+}  // namespace
+
+void write_summary(const Record& record, const std::string& path) {
+    write_text(introduction(record) + breaches(record.results), path);
+}
+
+void write_fields(const Record& record, const std::string& path) {
+    write_text(introduction(record) + costs_table(record.costs) + summary_table(record.results) +
+                   breaches(record.results) + results_table(record.results) + unreadable_files(record.unreadable),
+               path);
 }
 
 }  // namespace clsdf::acceptance

@@ -29,7 +29,10 @@ std::string row(const CostLimit& limit);
 /// What was found wrong, a line each; empty where nothing was.
 std::string explain(const Result& result);
 
-/// The record in Markdown, with the machine and the date. Throws Error(output_failure).
-void write(const Record& record, const std::string& path);
+/// What was found, in some ten lines of Markdown, with the machine and the date. Throws Error(output_failure).
+void write_summary(const Record& record, const std::string& path);
+
+/// The same, then kind by kind and field by field. Throws Error(output_failure).
+void write_fields(const Record& record, const std::string& path);
 
 }  // namespace clsdf::acceptance
