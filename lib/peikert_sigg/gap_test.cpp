@@ -107,7 +107,7 @@ bool is_cone_of_many(FanSigns& signs, PlaneKind kind, const Side& side) {
 }
 
 /// Fewer planes are compared with each other.
-constexpr std::size_t many_planes = 256;
+constexpr std::size_t many_planes = 64;
 
 template <typename Side>
 bool has_cone(FanSigns& signs, PlaneKind kind, const Side& side) {
@@ -127,18 +127,31 @@ Fan fan_at(const Surface& surface, std::size_t vertex, polyhedra::VertexFans& fa
     return fan;
 }
 
+namespace {
+
+/// About 0.618 of the count, and coprime with it: steps of that length visit everything, early ones all over it.
+std::size_t spreading_step(std::size_t count) {
+    std::size_t step = count * 618 / 1000 + 1;
+    while (std::gcd(step, count) != 1) ++step;
+    return step;
+}
+
+}  // namespace
+
 std::vector<FailingLine> failing_lines(FanSigns& signs) {
     const std::size_t count = signs.fan().size();
     std::vector<FailingLine> result;
     if (count < 4) return result;  // three planes have no others to be on one side of
-    std::size_t last = 0;          // most often the plane that lies across one line lies across the next one, too
+    // Planes on the same side of a line are often neighbours: the others are tried all over the fan, and first the one
+    // that lay across the line before.
+    const std::size_t step = spreading_step(count);
+    std::size_t last = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const std::size_t j = signs.fan().after(i);
         const int direction = signs.side(i, j, signs.fan().after(j));
-        const auto lies_across = [&](std::size_t k) { return k != i && k != j && signs.side(i, j, k) != direction; };
-        bool fails = direction != 0 && !lies_across(last);
-        for (std::size_t k = 0; k < count && fails; ++k)
-            if (lies_across(k)) {
+        bool fails = direction != 0;
+        for (std::size_t tried = 0, k = last; tried < count && fails; ++tried, k = (k + step) % count)
+            if (k != i && k != j && signs.side(i, j, k) != direction) {
                 fails = false;
                 last = k;
             }

@@ -63,6 +63,12 @@ Mesh saddle(std::uint32_t faces) {
     return ring(faces, [](double angle) { return 0.6 * std::cos(3 * angle); });
 }
 
+/// Every second edge is concave, and all bisector planes nearly meet in a line.
+Mesh zigzag(std::uint32_t faces) {
+    bool is_up = false;
+    return ring(faces, [&](double) { return (is_up = !is_up) ? 0.3 : -0.3; });
+}
+
 /// One triangle, over and over.
 Mesh pile(std::uint32_t faces) {
     return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, std::vector<Triangle>(faces, Triangle{0, 1, 2}), "pile"};
@@ -147,6 +153,7 @@ BOOST_AUTO_TEST_CASE(faces_at_a_regular_vertex) {
 
 BOOST_AUTO_TEST_CASE(faces_at_a_saddle_vertex) {
     check_mesh_growth("a saddle", saddle);
+    check_mesh_growth("a zigzag", zigzag);
 }
 
 BOOST_AUTO_TEST_CASE(corners_of_a_polygon) {
