@@ -164,9 +164,9 @@ CallCost measure_one_sample(const Job& job, Judge& judge) {
     return cost;
 }
 
-/// Boxes of 16 x 16 x 16 samples that hold a sample of the band, with two ghost samples a side.
-std::vector<Grid> patches_of(const Field& level) {
-    constexpr std::int64_t side = 16, ghosts = 2;
+/// Boxes of 16 x 16 x 16 samples that hold a sample of the band, with so many ghost samples a side.
+std::vector<Grid> patches_of(const Field& level, std::int64_t ghosts) {
+    constexpr std::int64_t side = 16;
     const Grid& grid = level.grid;
     std::vector<Grid> patches;
     for (std::int64_t z = 0; z + side <= grid.size[2]; z += side)
@@ -179,50 +179,99 @@ std::vector<Grid> patches_of(const Field& level) {
                     meets_band = std::abs(static_cast<double>(level.distance[offset])) < 0.999 * level.band.outside;
                 }
                 if (!meets_band) continue;
-                Grid patch = grid;
-                patch.first = {grid.first[0] + x - ghosts, grid.first[1] + y - ghosts, grid.first[2] + z - ghosts};
-                patch.size = {side + 2 * ghosts, side + 2 * ghosts, side + 2 * ghosts};
-                patches.push_back(patch);
+                patches.push_back(grid.part({x, y, z}, {side, side, side}).grown(ghosts));
             }
     return patches;
 }
 
-CallCost measure_patches(const Job& job, Judge& judge) {
-    CallCost cost{"patches", "512 boxes of 20^3 on levels of 128, 256 and 512, a call each / the levels whole"};
-    cost.limit = 10;
-    std::vector<Field> levels;
-    std::vector<Grid> patches;
-    for (const std::int64_t resolution : {128, 256, 512}) {
-        const Grid grid = job.grid(resolution);
-        levels.push_back(job.transform()(grid, Job::band(grid)));
-        const std::vector<Grid> of_level = patches_of(levels.back());
-        patches.insert(patches.end(), of_level.begin(), of_level.end());
+/// Boxes and memory for each of them.
+struct Patches {
+    std::vector<Grid> grids;
+    std::vector<FieldArray<float>> distances;
+
+    void take(std::vector<Grid> more) {
+        for (const Grid& grid : more) {
+            grids.push_back(grid);
+            distances.emplace_back().resize(grid.sample_count());
+        }
     }
-    std::shuffle(patches.begin(), patches.end(), std::mt19937_64(job.options.seed));
-    patches.resize(std::min<std::size_t>(patches.size(), 512));
+    void shuffle_and_keep(std::size_t count, std::uint64_t seed) {
+        std::shuffle(grids.begin(), grids.end(), std::mt19937_64(seed));
+        grids.resize(std::min(grids.size(), count));
+        distances.resize(grids.size());
+    }
+    std::vector<Request> requests() {
+        std::vector<Request> result;
+        for (std::size_t n = 0; n < grids.size(); ++n)
+            result.push_back({grids[n], Job::band(grids[n]), {.distance = distances[n]}});
+        return result;
+    }
+};
+
+/// Boxes, by a call each or in one call, beside levels that are computed whole, all with a transform that is new.
+CallCost measure_boxes(const Job& job, Judge& judge, CallCost cost, Patches& patches, std::vector<Field>& levels,
+                       bool in_one_call) {
     std::unique_ptr<DistanceTransform> transform;
-    Field box;
+    const auto renew = [&] { transform = std::make_unique<DistanceTransform>(job.device, job.mesh); };
     job.measure(
         cost,
         [&] {
-            transform = std::make_unique<DistanceTransform>(job.device, job.mesh);
+            renew();
+            const std::vector<Request> requests = patches.requests();
             return seconds_of([&] {
-                for (const Grid& patch : patches) {
-                    box.distance.resize(patch.sample_count());
-                    transform->compute(patch, Job::band(patch), {box.distance, {}});
+                if (in_one_call) {
+                    transform->compute(requests);
+                    return;
                 }
+                for (const Request& request : requests) transform->compute(request.grid, request.band, request.targets);
             });
         },
         [&] {
-            transform = std::make_unique<DistanceTransform>(job.device, job.mesh);
+            renew();
             return seconds_of([&] {
-                for (Field& level : levels) transform->compute(level.grid, level.band, {level.distance, {}});
+                for (Field& level : levels) transform->compute(level.grid, level.band, {.distance = level.distance});
             });
         });
-    for (const Grid& patch : patches)
-        judge.look_at((*transform)(patch, Job::band(patch)),
-                      std::max<std::size_t>(1, job.options.samples_judged / patches.size()), cost);
+    for (std::size_t n = 0; n < patches.grids.size(); ++n) {
+        Field field;
+        field.grid = patches.grids[n];
+        field.band = Job::band(field.grid);
+        field.distance = std::move(patches.distances[n]);
+        judge.look_at(field, std::max<std::size_t>(1, job.options.samples_judged / patches.grids.size()), cost);
+    }
     return cost;
+}
+
+CallCost measure_patches(const Job& job, Judge& judge, bool in_one_call) {
+    CallCost cost =
+        in_one_call
+            ? CallCost{"patches_at_once",
+                       "512 boxes of 20^3 on levels of 128, 256 and 512, in one call / the levels whole"}
+            : CallCost{"patches", "512 boxes of 20^3 on levels of 128, 256 and 512, a call each / the levels whole"};
+    cost.limit = in_one_call ? 3 : 10;
+    std::vector<Field> levels;
+    Patches patches;
+    for (const std::int64_t resolution : {128, 256, 512}) {
+        const Grid grid = job.grid(resolution);
+        levels.push_back(job.transform()(grid, Job::band(grid)));
+        patches.take(patches_of(levels.back(), 2));
+    }
+    patches.shuffle_and_keep(512, job.options.seed);
+    return measure_boxes(job, judge, cost, patches, levels, in_one_call);
+}
+
+CallCost measure_band_boxes(const Job& job, Judge& judge) {
+    CallCost cost{"band_boxes",
+                  "all boxes of 16^3 samples of 512 a side that meet the band, 4096 at most, in one call / "
+                  "the grid whole"};
+    cost.limit = 1.5;
+    const Grid grid = job.grid(512);
+    std::vector<Field> level;
+    level.push_back(job.transform()(grid, Job::band(grid)));
+    Patches patches;
+    patches.take(patches_of(level.front(), 0));
+    patches.shuffle_and_keep(4096, job.options.seed);
+    return measure_boxes(job, judge, cost, patches, level, true);
 }
 
 std::vector<Vec3> twisted(const Mesh& mesh) {
@@ -289,7 +338,8 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     Judge judge(mesh, options.seed);
-    return {measure_again(job, judge), measure_one_sample(job, judge), measure_patches(job, judge), measure_moved(job),
+    return {measure_again(job, judge),         measure_one_sample(job, judge), measure_patches(job, judge, false),
+            measure_patches(job, judge, true), measure_band_boxes(job, judge), measure_moved(job),
             measure_small_meshes(job)};
 }
 

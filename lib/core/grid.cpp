@@ -78,6 +78,60 @@ Grid Grid::part(const Index3& offset, const Index3& part_size) const {
     return result;
 }
 
+Grid Grid::block(const Index3& block_first, const Index3& block_size) const {
+    Grid result = *this;
+    result.first = block_first;
+    result.size = block_size;
+    return result;
+}
+
+Grid Grid::grown(std::int64_t samples) const {
+    Grid result = *this;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        result.first[axis] -= samples;
+        result.size[axis] += 2 * samples;
+        if (result.size[axis] < 1)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("grid: {} samples along {}, grown by {} on both sides, leave none", size[axis],
+                                    axis_names[axis], samples));
+    }
+    return result;
+}
+
+namespace {
+
+void check_ratio(std::int64_t ratio) {
+    if (ratio < 1)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("grid: it cannot be refined by a ratio of {}; give 1 or more", ratio));
+}
+
+}  // namespace
+
+Grid Grid::refined(std::int64_t ratio) const {
+    check_ratio(ratio);
+    Grid result = *this;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        result.spacing[axis] /= static_cast<double>(ratio);
+        result.first[axis] *= ratio;
+        result.size[axis] = (size[axis] - 1) * ratio + 1;
+    }
+    return result;
+}
+
+Grid Grid::refined_cells(std::int64_t ratio) const {
+    check_ratio(ratio);
+    Grid result = *this;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        result.spacing[axis] /= static_cast<double>(ratio);
+        // From the centre of the lattice's cell 0 to that of its first part.
+        result.origin[axis] = std::fma(-0.5, spacing[axis], std::fma(0.5, result.spacing[axis], origin[axis]));
+        result.first[axis] *= ratio;
+        result.size[axis] *= ratio;
+    }
+    return result;
+}
+
 Grid Grid::cell_centred() const {
     Grid result = *this;
     for (std::size_t axis = 0; axis < 3; ++axis) result.origin[axis] = std::fma(0.5, spacing[axis], origin[axis]);

@@ -2,6 +2,7 @@
 
 #include "core/keep.hpp"
 #include "core/moved_from.hpp"
+#include "core/parallel.hpp"
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/coarse_lists.hpp"
@@ -9,6 +10,7 @@
 #include "transform/output_targets.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
+#include "transform/requests.hpp"
 #include "transform/self_test.hpp"
 #include "transform/slab_pipeline.hpp"
 #include "transform/slabs.hpp"
@@ -52,6 +54,18 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.field_seconds += slab.field_seconds;
     total.bricks_seconds += slab.bricks_seconds;
     total.fill_seconds += slab.fill_seconds;
+}
+
+/// Of several calls, one after the other.
+void add_call(TransformStatistics& total, const TransformStatistics& call) {
+    const std::size_t slabs = total.slabs + call.slabs;
+    add(total, call);
+    total.slabs = slabs;
+    total.polyhedra_seconds += call.polyhedra_seconds;
+    total.compile_seconds += call.compile_seconds;
+    total.first_use |= call.first_use;
+    total.device_bytes = std::max(total.device_bytes, call.device_bytes);
+    total.host_bytes = std::max(total.host_bytes, call.host_bytes);
 }
 
 void throw_if_stopped(const CallOptions& call) {
@@ -296,6 +310,14 @@ struct DistanceTransform::State {
     void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
                  bool in_place, std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
 
+    /// Into packed arrays or, if some have strides, by way of slabs.
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostTargets& targets,
+                 const CallOptions& call);
+
+    /// The block of a batch, slab by slab, of which each request takes its own.
+    void compute(const transform::Batch& batch, std::span<const Request> requests,
+                 std::span<const transform::HostTargets> targets, const CallOptions& call);
+
     /// The samples of one slab. Its progress runs from `begin` to `end`.
     void compute(Plan::State& plan, const transform::SlabPipeline::Slot& slot, double begin, double end,
                  const CallOptions& call) const;
@@ -503,20 +525,63 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
     return plan;
 }
 
-void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
-                                const CallOptions& call) const {
-    State& state = this->state();
-    grid.validate();
-    const transform::HostTargets host(targets, grid);
-    const device::Context& context = state.device.internal();
-    const bool in_place = host.are_packed();
-    const auto store = [&](const Grid& part, const transform::HostArrays& values) { host.store(part, values); };
-    transform::SlabPipeline pipeline(context, state.pool,
-                                     in_place ? transform::ArraySink() : transform::ArraySink(store), true);
+void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
+                                       const transform::HostTargets& targets, const CallOptions& call) {
+    const device::Context& context = device.internal();
+    const bool in_place = targets.are_packed();
+    const auto store = [&](const Grid& part, const transform::HostArrays& values) { targets.store(part, values); };
+    transform::SlabPipeline pipeline(context, pool, in_place ? transform::ArraySink() : transform::ArraySink(store),
+                                     true);
     const transform::SlabLimits limits =
         in_place ? transform::limits_of(context.capabilities()) : transform::stream_limits_of(context.capabilities());
-    state.compute(grid, band, transform::outputs_of(targets), host.arrays(), in_place,
-                  transform::slabs_of(grid, limits), pipeline, call);
+    compute(grid, band, outputs, targets.arrays(), in_place, transform::slabs_of(grid, limits), pipeline, call);
+}
+
+void DistanceTransform::State::compute(const transform::Batch& batch, std::span<const Request> requests,
+                                       std::span<const transform::HostTargets> targets, const CallOptions& call) {
+    const std::size_t any = batch.requests.front();
+    const Request& request = requests[any];
+    const Outputs outputs = transform::outputs_of(request.targets);
+    if (batch.requests.size() == 1) {
+        compute(request.grid, request.band, outputs, targets[any], call);
+        return;
+    }
+    const device::Context& context = device.internal();
+    const auto store = [&](const Grid& part, const transform::HostArrays& values) {
+        constexpr std::size_t stretch = 8;
+        for_each_stretch(batch.requests.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) targets[batch.requests[n]].store(part, values);
+        });
+    };
+    transform::SlabPipeline pipeline(context, pool, store, true);
+    compute(batch.block, request.band, outputs, targets[any].arrays(), false,
+            transform::slabs_of(batch.block, transform::stream_limits_of(context.capabilities())), pipeline, call);
+}
+
+void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
+                                const CallOptions& call) const {
+    grid.validate();
+    state().compute(grid, band, transform::outputs_of(targets), transform::HostTargets(targets, grid), call);
+}
+
+void DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
+    State& state = this->state();
+    const std::vector<transform::HostTargets> targets = transform::targets_of(requests);
+    const std::vector<transform::Batch> batches = transform::batches_of(requests, targets, state.mesh().box());
+    double cost = 0, done = 0;
+    for (const transform::Batch& batch : batches) cost += batch.cost;
+    TransformStatistics total;
+    for (const transform::Batch& batch : batches) {
+        TransformStatistics statistics;
+        CallOptions of_batch = call;
+        of_batch.statistics = &statistics;
+        if (call.progress)
+            of_batch.progress = [&](double fraction) { call.progress((done + batch.cost * fraction) / cost); };
+        state.compute(batch, requests, targets, of_batch);
+        add_call(total, statistics);
+        done += batch.cost;
+    }
+    if (call.statistics != nullptr) *call.statistics = total;
 }
 
 void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,

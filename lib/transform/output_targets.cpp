@@ -151,8 +151,14 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid) : targe
 }
 
 void HostTargets::store(const Grid& slab, const HostArrays& values) const {
-    const auto first_slice = static_cast<std::ptrdiff_t>(slab.first[2] - grid_.first[2]);
-    const auto width = static_cast<std::size_t>(slab.size[0]), rows_of_slice = static_cast<std::size_t>(slab.size[1]);
+    // The samples that both have, by their numbers on the lattice.
+    Index3 begin{}, count{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        begin[axis] = std::max(slab.first[axis], grid_.first[axis]);
+        count[axis] = std::min(slab.first[axis] + slab.size[axis], grid_.first[axis] + grid_.size[axis]) - begin[axis];
+        if (count[axis] <= 0) return;
+    }
+    const auto width = static_cast<std::size_t>(count[0]), rows_of_slice = static_cast<std::size_t>(count[1]);
     for_each_output(
         [&](const OutputRow& row, const OutputTarget& target, const HostArray& array) {
             if (!target.is_given()) return;
@@ -161,11 +167,14 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
             const bool is_row_packed = target.strides[0] == static_cast<std::ptrdiff_t>(sample) &&
                                        (row.components == 1 || target.component_stride == width_of(target.element));
             std::byte* const first = static_cast<std::byte*>(target.host) + target.offset;
-            for_each_index(rows_of_slice * static_cast<std::size_t>(slab.size[2]), [&](std::size_t number) {
-                const auto y = static_cast<std::ptrdiff_t>(number % rows_of_slice);
-                const auto z = first_slice + static_cast<std::ptrdiff_t>(number / rows_of_slice);
-                const std::byte* from = array.data + number * width * sample;
-                std::byte* to = first + y * target.strides[1] + z * target.strides[2];
+            for_each_index(rows_of_slice * static_cast<std::size_t>(count[2]), [&](std::size_t number) {
+                const Index3 at{begin[0], begin[1] + static_cast<std::int64_t>(number % rows_of_slice),
+                                begin[2] + static_cast<std::int64_t>(number / rows_of_slice)};
+                const std::byte* from = array.data + sample * slab.offset(at[0] - slab.first[0], at[1] - slab.first[1],
+                                                                          at[2] - slab.first[2]);
+                std::byte* to = first;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    to += static_cast<std::ptrdiff_t>(at[axis] - grid_.first[axis]) * target.strides[axis];
                 if (is_row_packed) {
                     std::memcpy(to, from, width * sample);
                     return;

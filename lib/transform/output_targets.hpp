@@ -22,7 +22,8 @@ public:
     /// The packed arrays; of others only that they are asked for, and their elements.
     const HostArrays& arrays() const { return arrays_; }
 
-    /// Copies the packed samples of a slab to where they belong, on all cores.
+    /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are
+    /// many. The slab is of the same lattice.
     void store(const Grid& slab, const HostArrays& values) const;
 
 private:

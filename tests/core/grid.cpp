@@ -212,6 +212,39 @@ BOOST_AUTO_TEST_CASE(around_a_mesh_leaves_room_for_the_outside_of_the_band) {
 
 BOOST_AUTO_TEST_SUITE_END()
 
+BOOST_AUTO_TEST_SUITE(blocks_of_a_lattice)
+
+BOOST_AUTO_TEST_CASE(a_grown_block_has_samples_more_on_every_side) {
+    const Grid grid = Grid{{1, 2, 3}, {0.5, 0.25, 1}, {4, 5, 6}, {-2, 0, 7}}.grown(2);
+    BOOST_TEST(grid.first == (Index3{-4, -2, 5}), boost::test_tools::per_element());
+    BOOST_TEST(grid.size == (Index3{8, 9, 10}), boost::test_tools::per_element());
+    BOOST_CHECK(grid.grown(-2).grown(2) == grid);
+    BOOST_CHECK_EXCEPTION(grid.grown(-4), Error, is_invalid_argument);
+}
+
+BOOST_AUTO_TEST_CASE(a_refined_block_has_all_samples_of_the_coarse_one) {
+    const Grid coarse{{1, 2, 3}, {0.5, 0.25, 1}, {4, 5, 1}, {-2, 0, 7}};
+    const Grid fine = coarse.refined(4);
+    BOOST_TEST(fine.size == (Index3{13, 17, 1}), boost::test_tools::per_element());
+    for (std::int64_t i = 0; i < 4; ++i)
+        BOOST_TEST(fine.position(4 * i, 4, 0) == coarse.position(i, 1, 0), boost::test_tools::per_element());
+    BOOST_CHECK_EXCEPTION(coarse.refined(0), Error, is_invalid_argument);
+}
+
+BOOST_AUTO_TEST_CASE(refined_cells_fill_the_coarse_ones) {
+    const Grid coarse{{1, 2, 3}, {0.5, 0.25, 1}, {4, 5, 1}, {-2, 0, 7}};
+    const Grid fine = coarse.refined_cells(2);
+    BOOST_TEST(fine.size == (Index3{8, 10, 2}), boost::test_tools::per_element());
+    // The two parts of a cell lie a quarter of it on both sides of its centre.
+    for (std::int64_t i = 0; i < 4; ++i) {
+        BOOST_TEST(fine.position(2 * i, 0, 0)[0] == coarse.position(i, 0, 0)[0] - 0.125);
+        BOOST_TEST(fine.position(2 * i + 1, 1, 1)[0] == coarse.position(i, 0, 0)[0] + 0.125);
+    }
+    BOOST_CHECK_EXCEPTION(coarse.refined_cells(-1), Error, is_invalid_argument);
+}
+
+BOOST_AUTO_TEST_SUITE_END()
+
 BOOST_AUTO_TEST_SUITE(a_part_of_a_grid)
 
 BOOST_AUTO_TEST_CASE(has_its_samples_at_the_same_positions_bit_by_bit) {

@@ -6,7 +6,7 @@ endfunction()
 
 foreach(name counterexamples shapes bands grids accuracy topology ties extremes determinism plans calls outputs
              bodies slabs streams launches hostile_callers coarse_lists
-             slender_polyhedra self_test stages)
+             slender_polyhedra self_test stages requests)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
 # Kernels that are made wrong on purpose are compiled anew.

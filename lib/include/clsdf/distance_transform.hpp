@@ -100,6 +100,13 @@ struct CallOptions {
     TransformStatistics* statistics = nullptr;  ///< set at the end of a call that succeeds
 };
 
+/// One box of many: see DistanceTransform::compute().
+struct Request {
+    Grid grid;
+    Band band;
+    OutputTargets targets;
+};
+
 /// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
 /// are there until it returns. What it throws ends the computation.
 using SlabSink = std::function<void(const Grid& part, const FieldSlab& values)>;
@@ -193,6 +200,14 @@ public:
     /// undefined. Throws Error(invalid_argument) for memory that is missing or too small, Error(unsupported) for a kind
     /// of target that there is no way to yet.
     void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {}) const;
+
+    /// Many boxes in one call, in any order, of any lattices, bands and outputs: the patches of a refined mesh, with
+    /// their ghost samples. Each gets the bytes of a call of its own. Boxes of one lattice, one band and the same
+    /// outputs are computed together if that is cheaper, so that a sample which several of them share is computed once;
+    /// what is computed at once is no more than compute_slabs() has in memory. No two targets may overlap. Nothing is
+    /// computed if a request is refused; the message names its index. Throws what a call for each of them would throw.
+    /// In CallOptions, progress is that of all, and the statistics are sums, but for the memory, which is the most.
+    void compute(std::span<const Request> requests, const CallOptions& call = {}) const;
 
     /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the
     /// sink in the order of z; together they are the field, with the same bytes. Two slabs are in memory, one being

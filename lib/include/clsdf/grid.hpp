@@ -87,6 +87,22 @@ struct CLSDF_EXPORT Grid {
     /// inside.
     Grid part(const Index3& offset, const Index3& part_size) const;
 
+    /// Any block of this grid's lattice: `block_size` samples from the lattice's sample `block_first` on, within this
+    /// grid or beyond it.
+    Grid block(const Index3& block_first, const Index3& block_size) const;
+
+    /// The block with so many samples more on every side, e.g. ghost samples; fewer if negative. Throws
+    /// Error(invalid_argument) if none would be left.
+    Grid grown(std::int64_t samples) const;
+
+    /// A lattice `ratio` times as fine that has all samples of this one, and the block of it from this grid's first
+    /// sample to its last: for samples at nodes. Throws Error(invalid_argument) for a ratio below 1.
+    Grid refined(std::int64_t ratio) const;
+
+    /// The same for samples at the centres of cells: each cell becomes ratio^3 cells with a sample at the centre of
+    /// each.
+    Grid refined_cells(std::int64_t ratio) const;
+
     /// The same block shifted by half a voxel on every axis.
     Grid cell_centred() const;
 

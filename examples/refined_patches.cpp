@@ -1,0 +1,116 @@
+// Patches of three levels of refinement, each with ghost samples, in one call: the start of a level set, or the walls of
+// an adaptive mesh (AMR). The field decides where the next level is needed: at cells that the surface may cross.
+
+#include <clsdf/clsdf.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <set>
+#include <vector>
+
+namespace {
+
+constexpr std::int64_t side = 16, ghosts = 2, ratio = 2;
+
+/// A patch of samples at the centres of cells, with the memory that the simulation has for it.
+struct Patch {
+    clsdf::Index3 place{};  ///< in patches of its level
+    clsdf::Grid grid;       ///< with its ghost samples
+    std::vector<float> distance, gradient;
+};
+
+std::vector<Patch> make_patches(const clsdf::Grid& level, const std::set<clsdf::Index3>& places) {
+    std::vector<Patch> patches;
+    for (const clsdf::Index3& place : places) {
+        Patch& patch = patches.emplace_back();
+        patch.place = place;
+        patch.grid = level.block({place[0] * side, place[1] * side, place[2] * side}, {side, side, side}).grown(ghosts);
+        patch.distance.resize(patch.grid.sample_count());
+        patch.gradient.resize(3 * patch.grid.sample_count());
+    }
+    return patches;
+}
+
+/// Computes all patches of a level.
+void compute(const clsdf::DistanceTransform& transform, const clsdf::Band& band, std::vector<Patch>& patches) {
+    std::vector<clsdf::Request> requests;
+    for (Patch& patch : patches)
+        requests.push_back({patch.grid, band, {.distance = patch.distance, .gradient = patch.gradient}});
+    transform.compute(requests);
+}
+
+/// The patches of the next level that the surface may cross: those with a cell no farther from it than half its
+/// diagonal.
+std::set<clsdf::Index3> next_places(const std::vector<Patch>& patches) {
+    std::set<clsdf::Index3> places;
+    for (const Patch& patch : patches) {
+        const double reach = std::sqrt(0.75) * patch.grid.voxel();
+        for (std::int64_t k = 0; k < side; ++k)
+            for (std::int64_t j = 0; j < side; ++j)
+                for (std::int64_t i = 0; i < side; ++i) {
+                    const float distance = patch.distance[patch.grid.offset(i + ghosts, j + ghosts, k + ghosts)];
+                    if (std::abs(static_cast<double>(distance)) > reach) continue;
+                    const auto finer = [&](std::size_t axis, std::int64_t cell) {
+                        return ratio * patch.place[axis] + ratio * cell / side;
+                    };
+                    places.insert({finer(0, i), finer(1, j), finer(2, k)});
+                }
+    }
+    return places;
+}
+
+/// Samples of neighbouring patches that are one sample of the lattice, and are not one value.
+std::size_t differences(const std::vector<Patch>& patches) {
+    std::size_t count = 0;
+    for (const Patch& patch : patches)
+        for (const Patch& other : patches) {
+            clsdf::Index3 begin{}, end{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                begin[axis] = std::max(patch.grid.first[axis], other.grid.first[axis]);
+                end[axis] = std::min(patch.grid.first[axis], other.grid.first[axis]) + side + 2 * ghosts;
+            }
+            const auto value = [&](const Patch& of, std::int64_t i, std::int64_t j, std::int64_t k) {
+                const clsdf::Index3& first = of.grid.first;
+                return of.distance[of.grid.offset(i - first[0], j - first[1], k - first[2])];
+            };
+            for (std::int64_t k = begin[2]; k < end[2]; ++k)
+                for (std::int64_t j = begin[1]; j < end[1]; ++j)
+                    for (std::int64_t i = begin[0]; i < end[0]; ++i)
+                        if (value(patch, i, j, k) != value(other, i, j, k)) ++count;
+        }
+    return count;
+}
+
+}  // namespace
+
+int main() {
+    try {
+        const clsdf::Mesh mesh = clsdf::make_shape("knot");
+        const clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
+
+        // The coarsest level covers the mesh.
+        clsdf::Grid level = clsdf::Grid::around(mesh, 48, clsdf::Band::full()).cell_centred();
+        std::set<clsdf::Index3> places;
+        for (std::int64_t z = 0; z * side < level.size[2]; ++z)
+            for (std::int64_t y = 0; y * side < level.size[1]; ++y)
+                for (std::int64_t x = 0; x * side < level.size[0]; ++x) places.insert({x, y, z});
+
+        std::size_t different = 0;
+        for (int number = 0; number < 3; ++number) {
+            std::vector<Patch> patches = make_patches(level, places);
+            compute(transform, clsdf::Band::symmetric(4 * level.voxel()), patches);
+            const std::size_t of_level = differences(patches);
+            std::printf("level %d: %zu patches of %lld^3 samples, ghost samples included; %zu of their shared samples differ\n",
+                        number, patches.size(), static_cast<long long>(side + 2 * ghosts), of_level);
+            different += of_level;
+            places = next_places(patches);
+            level = level.refined_cells(ratio);
+        }
+        return different == 0 ? 0 : 1;
+    } catch (const clsdf::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,136 @@
+#include "transform/requests.hpp"
+
+#include "core/per_output.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+namespace clsdf::transform {
+
+namespace {
+
+// Nanoseconds on two cores. A call has launches and waits; a sample beyond the band is filled; a sample of the band
+// takes what its polyhedra do.
+constexpr double cost_of_call = 1e6;
+constexpr double cost_of_sample = 0.7;
+constexpr double cost_of_band_sample = 5;
+
+double samples_of(const Grid& grid) {
+    return static_cast<double>(grid.size[0]) * static_cast<double>(grid.size[1]) * static_cast<double>(grid.size[2]);
+}
+
+/// The smallest block of the lattice that holds all of them.
+Grid block_around(std::span<const Request> requests, std::span<const std::size_t> chosen) {
+    Grid block = requests[chosen.front()].grid;
+    for (const std::size_t n : chosen) {
+        const Grid& grid = requests[n].grid;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int64_t begin = std::min(block.first[axis], grid.first[axis]);
+            const std::int64_t end = std::max(block.first[axis] + block.size[axis], grid.first[axis] + grid.size[axis]);
+            block.first[axis] = begin;
+            block.size[axis] = end - begin;
+        }
+    }
+    return block;
+}
+
+/// Divides requests of one lattice, band and set of outputs.
+class Division {
+public:
+    Division(std::span<const Request> requests, const Box& box) : requests_(requests) {
+        const Vec3 sides = box.extent();
+        area_ = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
+    }
+
+    /// The cheaper of one block and the best of two halves, which lie on both sides of the median along the block's
+    /// longest axis. Changes their order.
+    std::vector<Batch> divide(std::span<std::size_t> chosen) const {
+        Batch whole;
+        whole.block = block_around(requests_, chosen);
+        whole.cost = cost(whole.block, chosen);
+        std::vector<Batch> batches;
+        if (chosen.size() > 1) {
+            const Index3& size = whole.block.size;
+            const auto axis = static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
+            const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
+            std::nth_element(chosen.begin(), middle, chosen.end(),
+                             [&](std::size_t a, std::size_t b) { return place(a, axis) < place(b, axis); });
+            batches = divide({chosen.begin(), middle});
+            std::vector<Batch> upper = divide({middle, chosen.end()});
+            std::move(upper.begin(), upper.end(), std::back_inserter(batches));
+        }
+        const double cost_of_parts = std::accumulate(batches.begin(), batches.end(), 0.0,
+                                                     [](double sum, const Batch& batch) { return sum + batch.cost; });
+        if (!batches.empty() && cost_of_parts < whole.cost) return batches;
+        whole.requests.assign(chosen.begin(), chosen.end());
+        return {std::move(whole)};
+    }
+
+private:
+    /// Ties are broken by the index, so that the division depends on the requests alone.
+    std::pair<std::int64_t, std::size_t> place(std::size_t n, std::size_t axis) const {
+        const Grid& grid = requests_[n].grid;
+        return {2 * grid.first[axis] + grid.size[axis], n};
+    }
+
+    double cost(const Grid& block, std::span<const std::size_t> chosen) const {
+        const double all = samples_of(block);
+        double asked = 0;
+        for (const std::size_t n : chosen) asked += samples_of(requests_[n].grid);
+        const Band& band = requests_[chosen.front()].band;
+        const double of_mesh =
+            area_ * (band.inside + band.outside) / (block.spacing[0] * block.spacing[1] * block.spacing[2]);
+        const double in_vain = std::max(0.0, 1 - asked / all);
+        return cost_of_call + cost_of_sample * all + cost_of_band_sample * std::min(all, of_mesh) * in_vain;
+    }
+
+    std::span<const Request> requests_;
+    double area_ = 0;
+};
+
+/// What the requests of a batch have in common.
+auto kind_of(const Request& request, const HostTargets& targets) {
+    std::uint32_t in_double = 0;
+    for_each_extra([&](const OutputRow& row, const HostArray& array) { in_double |= array.in_double ? row.bit : 0; },
+                   targets.arrays());
+    return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
+                      bits_of(outputs_of(request.targets)), in_double);
+}
+
+}  // namespace
+
+std::vector<HostTargets> targets_of(std::span<const Request> requests) {
+    std::vector<HostTargets> targets;
+    targets.reserve(requests.size());
+    for (std::size_t n = 0; n < requests.size(); ++n) {
+        try {
+            requests[n].grid.validate();
+            requests[n].band.validate();
+            targets.emplace_back(requests[n].targets, requests[n].grid);
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()));
+        }
+    }
+    return targets;
+}
+
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostTargets> targets, const Box& box) {
+    std::map<decltype(kind_of(requests.front(), targets.front())), std::vector<std::size_t>> kinds;
+    for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], targets[n])].push_back(n);
+    std::vector<Batch> batches;
+    for (auto& [kind, chosen] : kinds) {
+        std::vector<Batch> of_kind = Division(requests, box).divide(chosen);
+        std::move(of_kind.begin(), of_kind.end(), std::back_inserter(batches));
+    }
+    return batches;
+}
+
+}  // namespace clsdf::transform

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "transform/output_targets.hpp"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
+struct Batch {
+    Grid block;
+    std::vector<std::size_t> requests;  ///< their indices
+    double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
+};
+
+/// Where the outputs of each request go. Throws what a call for it alone would throw, with its index in the message.
+std::vector<HostTargets> targets_of(std::span<const Request> requests);
+
+/// Each request in one batch. A block has samples that no request asks for, and a call for each request has a cost of
+/// its own: requests of a lattice are divided where that is estimated to be cheaper. What is computed together changes
+/// no byte. box: the mesh's.
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostTargets> targets, const Box& box);
+
+}  // namespace clsdf::transform
