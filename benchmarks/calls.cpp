@@ -24,7 +24,7 @@ double seconds_of(const std::function<void()>& calls) {
     return watch.cost().wall;
 }
 
-/// Holds random samples of fields against the reference.
+/// Compares random samples of fields with the reference.
 class Judge {
 public:
     Judge(const Mesh& mesh, std::uint64_t seed) : oracle_(mesh), random_(seed) {}
@@ -136,7 +136,7 @@ CallCost measure_one_sample(const Job& job, Judge& judge) {
     cost.limit = 1.0 / 50;
     const Grid grid = job.grid(256);
     const DistanceTransform transform = job.transform();
-    // Others each time: a sample of an earlier call is kept.
+    // Other samples each time, because the plans of earlier calls are kept.
     const Field field = transform(grid, Job::band(grid));
     std::uint64_t seed = job.options.seed;
     std::vector<Index3> samples;

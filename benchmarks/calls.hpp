@@ -12,15 +12,15 @@
 
 namespace clsdf::bench {
 
-/// What calls of one kind cost beside calls of another, in one run.
+/// The cost of calls of one kind divided by that of another kind, in one run.
 struct CallCost {
     std::string name;
     std::string what;
     Spread seconds{};               ///< of the calls
-    Spread base_seconds{};          ///< of those that they are divided by
+    Spread base_seconds{};          ///< of the calls that they are divided by
     double ratio = 0;               ///< of the medians
-    std::optional<double> limit{};  ///< that the ratio is to keep
-    std::size_t judged = 0;         ///< samples held against the reference, all of the calls' own fields
+    std::optional<double> limit{};  ///< the largest accepted ratio
+    std::size_t judged = 0;         ///< samples compared with the reference, all from the fields of the calls
     std::size_t wrong = 0;          ///< off by more than 1e-5 voxel and 2 ulp, or with a wrong sign
     double max_error_voxels = 0;    ///< of the band's samples
 };

@@ -11,7 +11,7 @@ struct Cost {
     double processor = 0;
 };
 
-/// What has been spent since it was made.
+/// The cost since its construction.
 class CostWatch {
 public:
     Cost cost() const {

@@ -12,7 +12,7 @@ namespace clsdf::bench {
 namespace {
 
 constexpr int runs = 7;
-// Beyond every cache that we know of.
+// Larger than every known cache.
 constexpr std::size_t store_bytes = std::size_t{256} << 20;
 
 /// Launches of the floors' kernels in the shape that suits the device.

@@ -4,10 +4,10 @@
 
 namespace clsdf::bench {
 
-/// What the device cannot be faster than, by small kernels of ours; each the best of several runs.
+/// Lower bounds of the device's time, measured by small kernels; each the best of several runs.
 struct Floors {
     double store_bytes_per_second = 0;
-    double store_past_caches_bytes_per_second = 0;  ///< 0 where the compiler has no such store
+    double store_past_caches_bytes_per_second = 0;  ///< 0 if the compiler has no such store
     double fma_per_second = 0;         ///< floating-point operations: a fused multiply and add counts as two
     double launch_seconds = 0;         ///< an empty launch, waited for
     double launch_in_row_seconds = 0;  ///< one of many, waited for at the end
@@ -24,7 +24,7 @@ Floors measure_floors(const Device& device);
 /// multiply and add is two.
 inline constexpr double operations_of_a_distance = 34;
 
-/// The same device with a queue that times what it does: TransformStatistics then has the kernels' own times.
+/// The same device with a profiling queue: TransformStatistics then has the kernels' own times.
 Device with_profiling(const Device& device);
 
 }  // namespace clsdf::bench

@@ -14,7 +14,7 @@ namespace clsdf::bench {
 
 namespace {
 
-/// What follows `key` and the separator on the first such line.
+/// The text after `key` and the separator on the first such line.
 std::string value_in(const char* file_name, const std::string& key, char separator) {
     std::ifstream file(file_name);
     for (std::string line; std::getline(file, line);)

@@ -5,19 +5,19 @@
 
 namespace clsdf::bench {
 
-/// What a record of a measurement says of where it was made.
+/// The machine of a measurement.
 struct Machine {
     std::string processor;
-    std::size_t threads = 0;       ///< that the measurement used
-    std::size_t memory_bytes = 0;  ///< 0 where the system does not tell
+    std::size_t threads = 0;       ///< used by the measurement
+    std::size_t memory_bytes = 0;  ///< 0 if unknown
     std::string system;            ///< "Debian GNU/Linux 12 (bookworm)"
 };
 
-/// `threads` 0: all there are.
+/// `threads` 0: all.
 Machine this_machine(std::size_t threads);
 
-/// Threads of the library's host loops, of the peers, and of an OpenCL device on the processor (PoCL) from here on. To
-/// be called before anything touches OpenCL.
+/// Sets the threads of the library's host loops, of the peers, and of an OpenCL device on the processor (PoCL). Call it
+/// before the first use of OpenCL.
 class ThreadLimit {
 public:
     explicit ThreadLimit(std::size_t threads);

@@ -22,8 +22,8 @@ void forget(std::span<float> distance) {
                       });
 }
 
-/// The largest whose bricks have at least half of their share of the samples: of a small job, bricks with hardly any
-/// would stand for all.
+/// The largest stride whose bricks have at least half of their share of the samples. In a small job, bricks with few
+/// samples would stand for all.
 std::size_t largest_fair_stride(const SampleList& list) {
     std::size_t stride = largest_stride;
     while (stride > 1 && 2 * stride * list.count(stride) < list.samples.size()) stride /= 2;
@@ -69,7 +69,7 @@ public:
     const Measurement& result() const { return result_; }
 
 private:
-    /// What the whole job costs, by the bricks of the stride.
+    /// The cost of the whole job, from the bricks of the stride.
     Cost call(std::size_t stride) {
         forget(distance_);
         const CostWatch watch;
@@ -104,8 +104,8 @@ Spread spread_of(std::vector<double> values) {
 std::vector<Measurement> measure_in_turns(const Workload& workload, const std::vector<Method*>& methods,
                                           const MeasureOptions& options) {
     const Truth truth(workload, options.samples_judged, options.seed);
-    FieldArray<float> distance(workload.grid.sample_count());  // as the library gives its own
-    forget(distance);  // touched here, so that no method's first call pays for its page faults
+    FieldArray<float> distance(workload.grid.sample_count());  // like the library's own arrays
+    forget(distance);  // filled here, so that no method's first call pays for its page faults
     const auto announce = [&](const Course& course) {
         if (options.progress) options.progress(course.name());
     };

@@ -21,7 +21,7 @@ std::optional<std::size_t> status_bytes(const std::string& key) {
 }  // namespace
 
 PeakMemory::PeakMemory() {
-    malloc_trim(0);  // free memory that is kept would hide what a method takes
+    malloc_trim(0);  // freed memory that malloc keeps would hide a method's memory
     std::ofstream clear("/proc/self/clear_refs");
     clear << "5" << std::flush;
     if (clear) before_ = status_bytes("VmRSS:");

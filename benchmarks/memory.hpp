@@ -5,14 +5,13 @@
 
 namespace clsdf::bench {
 
-/// How far this process' resident memory has grown at most since this object was made. Linux: the kernel's own
-/// high-water mark is set back, so that nothing between two looks escapes; memory that the process already held does
-/// not count.
+/// The largest growth of this process' resident memory since the object was made. On Linux the kernel's own high-water
+/// mark is reset, so short peaks count, too. Memory that the process already held does not count.
 class PeakMemory {
 public:
     PeakMemory();
 
-    /// Bytes; nothing where the system does not tell.
+    /// Bytes; nothing if unknown.
     std::optional<std::size_t> growth() const;
 
 private:

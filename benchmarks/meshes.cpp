@@ -126,7 +126,7 @@ Mesh noisy_sphere(std::uint32_t frequency, double noise, std::uint64_t seed) {
                 if (j + 1 < frequency - i) triangles.push_back({point(i, j + 1), point(i + 1, j), point(i + 1, j + 1)});
             }
     }
-    // Of 3 T / 2 edges, each a side of two triangles of the sphere's area in the mean.
+    // The mean length of 3 T / 2 edges: T equilateral triangles have the sphere's area.
     const double edge =
         std::sqrt(4 * 3.14159265358979323846 / static_cast<double>(triangles.size()) * 4 / std::sqrt(3.0));
     std::mt19937_64 random(seed);

@@ -8,15 +8,14 @@
 
 namespace clsdf::bench {
 
-/// What every benchmark runs over: meshes of CGAL's data, the paper's sphere, and a
-/// noisy sphere.
+/// The meshes of every benchmark: meshes of CGAL's data, the paper's sphere, and a noisy sphere.
 const std::vector<std::string>& standard_meshes();
 
-/// Every name that load_mesh() knows: those, then the other ones of make_shape().
+/// Every name that load_mesh() accepts: these, then the other ones of make_shape().
 std::vector<std::string> mesh_names();
 
-/// A mesh by one of those names or by its file. Meshes of CGAL's data are read from
-/// `folder`; where one is not there, Error(unreadable_input) says how to get it. `seed` is that of the noisy sphere.
+/// A mesh by one of those names or by its file. Meshes of CGAL's data are read from `folder`; if one is missing,
+/// Error(unreadable_input) says how to get it. `seed` is that of the noisy sphere.
 Mesh load_mesh(const std::string& name_or_file, const std::string& folder, std::uint64_t seed);
 
 /// "bunny00" for "meshes/bunny00.off".
@@ -26,7 +25,7 @@ std::string short_name(const std::string& name_or_file);
 /// radius by up to `noise` mean edge lengths, inwards or outwards. It never cuts itself.
 Mesh noisy_sphere(std::uint32_t frequency, double noise, std::uint64_t seed);
 
-/// Each triangle in four, by the midpoints of its edges: the same surface.
+/// Splits each triangle into four at the midpoints of its edges: the same surface.
 Mesh split_triangles(const Mesh& mesh);
 
 }  // namespace clsdf::bench

@@ -11,8 +11,7 @@
 
 namespace clsdf::bench {
 
-/// A way to compute a workload's field. Whatever it does in compute() is timed; what it keeps between calls it says in
-/// its note.
+/// A method that computes a workload's field. All of compute() is timed; the note states what is kept between calls.
 class Method {
 public:
     Method() = default;
@@ -21,16 +20,16 @@ public:
     virtual ~Method() = default;
 
     virtual std::string name() const = 0;
-    /// What it is given, and what is not in its time.
+    /// Its input, and the parts that its time does not include.
     virtual std::string note() const = 0;
 
-    /// True: it computes the samples of the workload's list, and leaves the others alone. False: the whole grid.
+    /// True: it computes only the samples of the workload's list. False: the whole grid.
     virtual bool takes_list() const { return false; }
 
-    /// True: it is called as often as was asked for, however long that takes (MeasureOptions::seconds_per_method).
+    /// True: it gets all repetitions, also if they take longer than MeasureOptions::seconds_per_method.
     virtual bool gets_every_call() const { return false; }
 
-    /// What a program does once in its life, such as compiling kernels. Not timed.
+    /// Work that a program does once, such as compiling kernels. Not timed.
     virtual void prepare(const Workload&) {}
 
     /// The whole job, from the mesh in memory to signed distances in the mesh's units in `distance`, which has
@@ -43,8 +42,8 @@ public:
 struct Entry {
     std::string name;
     std::string version;             ///< of the peer; empty for our own
-    std::string remedy;              ///< how to get it; empty where it is there
-    std::unique_ptr<Method> method;  ///< null where it is not there
+    std::string remedy;              ///< how to get it; empty if it is built in
+    std::unique_ptr<Method> method;  ///< null if it is not built in
 
     Entry(std::string name_in, std::string version_in, std::string remedy_in, std::unique_ptr<Method> method_in)
         : name(std::move(name_in)),
@@ -53,16 +52,17 @@ struct Entry {
           method(std::move(method_in)) {}
 };
 
-/// Ours on a device, the transform kept between calls as a simulation code keeps it, and everything anew for each call.
+/// clsdf on a device: with a transform that is kept between calls, as in a simulation code, and with a new one for each
+/// call.
 std::unique_ptr<Method> make_kept_transform(const Device& device);
 std::unique_ptr<Method> make_transform_anew(const Device& device);
 
-// The peers, each in a file of its own.
+// The peers, one file each.
 Entry embree_entry();
 Entry openvdb_entry();
 Entry cgal_entry();
 
-/// Ours, then every peer, those that are not there too.
+/// clsdf, then every peer, also those that are not built in.
 std::vector<Entry> all_methods(const Device& device);
 
 }  // namespace clsdf::bench

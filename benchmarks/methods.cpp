@@ -50,7 +50,7 @@ private:
 };
 
 #if !CLSDF_PEER_EMBREE || !CLSDF_PEER_OPENVDB
-/// `missing` is empty where the package was not looked for.
+/// `missing` is empty if the package was not looked for.
 [[maybe_unused]] Entry absent(const char* name, const std::string& missing) {
     return {name, "",
             missing.empty() ? "not in this build: configure with -DCLSDF_BUILD_BENCHMARKS=ON"

@@ -8,13 +8,13 @@
 
 namespace clsdf::bench {
 
-/// What a method does on a workload, beside taking time.
+/// The counts of a method on a workload.
 struct Work {
     std::size_t polyhedra = 0;
-    std::size_t distances = 0;  ///< of samples in polyhedra: of the vectors' lanes those that count
+    std::size_t distances = 0;  ///< of samples in polyhedra; lanes outside do not count
 };
 
-/// A method of the papers, or ours by one of their scans.
+/// A method of the papers, or clsdf's polyhedra by one of their scans.
 class PapersMethod : public Method {
 public:
     /// Not timed.
@@ -24,20 +24,20 @@ public:
 /// Scan conversion of Mauch's polyhedra in software (software_scan.hpp). `threads` 0: all.
 std::unique_ptr<PapersMethod> make_software_mauch(std::size_t threads);
 
-/// Polyhedra of a kind by a scan, on the device; the transform is kept between calls, its polyhedra are not.
+/// Polyhedra of a kind by a scan, on the device. The transform is kept between calls, its polyhedra are not.
 std::unique_ptr<PapersMethod> make_scanned(const Device& device, const std::string& name, Polyhedra polyhedra,
                                            Scan scan);
 
-/// What the papers compare, and ours: Mauch's polyhedra in software on one thread and on all, and on the device;
-/// Peikert & Sigg's on the device; ours on the device by slices and by bricks.
+/// The methods of the papers, and clsdf: Mauch's polyhedra in software on one thread and on all, and on the device;
+/// Peikert & Sigg's on the device; clsdf's on the device by slices and by bricks.
 std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device);
 
-/// A mesh on a grid that the papers give a figure for, or one of a series about it.
+/// A mesh on a grid for which the papers state a figure, or one of a series.
 struct PapersCase {
     std::string mesh;
     std::int64_t resolution = 0;
-    int percent = 0;     ///< of the longest side: the band's half width
-    std::string remark;  ///< what the paper found; may be empty
+    int percent = 0;     ///< half width of the band, of the longest side
+    std::string remark;  ///< the paper's finding; may be empty
 
     /// By the name of its resolution and width.
     Layout layout() const;

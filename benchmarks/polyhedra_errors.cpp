@@ -1,5 +1,5 @@
-// What Peikert & Sigg's polyhedra miss, measured on the device: fields of each mesh at three half widths, held against
-// the tree at random samples of the band. Rows of docs/peikert-sigg.md.
+// The errors of Peikert & Sigg's polyhedra, measured on the device: fields of each mesh at three half widths, compared
+// with the tree at random samples of the band. Prints the rows of docs/peikert-sigg.md.
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -31,7 +31,7 @@ struct Sample {
 
 struct Errors {
     std::size_t wrong = 0;          ///< by more than a millionth of the mesh's longest side
-    std::size_t without_value = 0;  ///< no polyhedron holds them, or none of a triangle within the band
+    std::size_t without_value = 0;  ///< in no polyhedron of a triangle within the band
     double greatest = 0;            ///< of those with a value
 };
 
@@ -39,7 +39,7 @@ clsdf::Mesh mesh_of(const std::string& name) {
     return std::filesystem::exists(name) ? clsdf::read_mesh(name) : clsdf::make_shape(name);
 }
 
-/// Random samples that the default field has in the band, or all of them, where the tree agrees that they are.
+/// Random samples that are in the band by the default field and by the tree, or all of them.
 std::vector<Sample> choose_samples(const clsdf::Mesh& mesh, const Field& field, std::size_t count, std::uint64_t seed) {
     std::vector<Sample> samples;
     for (std::size_t at = 0; at < field.distance.size(); ++at)

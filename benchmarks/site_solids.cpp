@@ -41,7 +41,7 @@ Vector any_perpendicular(const Vector& v) {
     return v.cross(std::abs(v.x()) < 0.6 * v.norm() ? Vector::UnitX() : Vector::UnitY()).normalized();
 }
 
-/// What n . (x, y) <= limit leaves of a convex polygon.
+/// The part of a convex polygon with n . (x, y) <= limit.
 void cut(std::vector<Vector2>& polygon, const Vector2& n, double limit, std::vector<Vector2>& result) {
     result.clear();
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -131,7 +131,7 @@ private:
         }
     }
 
-    /// Between the two faces' normals on the side where the edge is convex.
+    /// Between the two faces' normals on the convex side of the edge.
     void make_wedge(const FaceEdge& one, const FaceEdge& other, SiteSolid& solid) const {
         if (one.vertices != other.vertices) return;
         const Triangle& triangle = mesh_.triangles()[one.face];
@@ -139,7 +139,7 @@ private:
         const Vector& b = positions_[triangle[(one.corner + 1) % 3]];
         const Vector along = (b - a).normalized();
         const Vector inward = normals_[one.face].cross(along);
-        const double height = normals_[other.face].dot(inward);  // positive where the edge is concave
+        const double height = normals_[other.face].dot(inward);  // positive if the edge is concave
         constexpr double flat = 1e-9;
         if (!(std::abs(height) > flat)) return;
         solid.sign = height < 0 ? 1.0F : -1.0F;
@@ -173,13 +173,13 @@ private:
     }
 
     /// The extreme rays of {u : u . n <= 0 for the directions n to all neighbours}: a polygon in the plane u . axis = 1
-    /// for an axis that no direction of the cone turns its back on.
+    /// for an axis with a positive product with every direction of the cone.
     std::vector<Vector> rays_at(std::size_t vertex) const {
         std::vector<Vector> neighbours;
         Vector axis = Vector::Zero();
         for (std::size_t i = starts_[vertex]; i < starts_[vertex + 1]; ++i) {
             const Triangle& triangle = mesh_.triangles()[corners_[i] / 3];
-            // Of a closed manifold, each neighbour follows the vertex in one face.
+            // In a closed manifold, each neighbour follows the vertex in one face.
             const Vector& to = positions_[triangle[(corners_[i] + 1 - corners_[i] / 3 * 3) % 3]];
             neighbours.push_back((to - positions_[vertex]).normalized());
             axis -= neighbours.back();

@@ -28,7 +28,8 @@ struct SiteSolid {
     std::size_t corner_count() const { return shape == Shape::prism ? 2U * sides : 1U + sides; }
 };
 
-/// Of every face, edge and vertex of a closed manifold mesh, seen from the grid's first sample; some have none.
+/// The polyhedra of the faces, edges and vertices of a closed manifold mesh, relative to the grid's first sample; some
+/// sites have none.
 std::vector<SiteSolid> site_solids(const Mesh& mesh, const Grid& grid, double half_width);
 
 }  // namespace clsdf::bench

@@ -14,7 +14,7 @@
 #include <limits>
 #include <vector>
 
-// The vectors of the processor at hand, as a program that is compiled for it has.
+// Uses the vectors of the processor, like a program that is compiled for it.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define CLSDF_FOR_THIS_PROCESSOR __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
@@ -70,7 +70,7 @@ public:
           field_(field),
           rows_(static_cast<std::size_t>(grid.size[1])) {}
 
-    /// The slices of the grid that a solid cuts: [begin, end).
+    /// The slices of the grid that cut a solid: [begin, end).
     std::pair<std::int32_t, std::int32_t> slices_of(const SiteSolid& solid) const {
         const auto [low, high] = heights_of(solid);
         const auto begin = static_cast<std::int32_t>(std::ceil(low - slack_)) + solid.origin[2];
@@ -229,7 +229,7 @@ private:
 
     std::array<std::int32_t, 3> size_;
     float half_width_;
-    float slack_;  ///< voxels by which polygons are larger, so that none of two neighbours loses a sample
+    float slack_;  ///< voxels by which polygons are enlarged, so that no sample between two neighbours is lost
     std::span<float> field_;
     std::vector<Row> rows_;
     std::vector<std::array<Point, 2>> segments_;
@@ -239,7 +239,7 @@ private:
     float most_y_ = 0;
 };
 
-/// Which solids cut which slab.
+/// The solids of each slab.
 struct SlabLists {
     std::vector<std::size_t> starts;
     std::vector<std::uint32_t> solids;
@@ -271,7 +271,7 @@ SlabLists lists_of(const std::vector<SiteSolid>& solids, const Converter& conver
 void finish(const Grid& grid, float half_width, std::span<float> field) {
     const auto length = static_cast<std::size_t>(grid.size[0]);
     const std::size_t rows = field.size() / length;
-    std::vector<float> signs(rows);  // of each row's first sample; 0 where none of the row has a distance
+    std::vector<float> signs(rows);  // sign of each row's first sample; 0 if no sample of the row has a distance
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 256), [&](const auto& range) {
         for (std::size_t row = range.begin(); row != range.end(); ++row) {
             const std::span<const float> values = field.subspan(row * length, length);

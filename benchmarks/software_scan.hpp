@@ -8,7 +8,7 @@
 
 namespace clsdf::bench {
 
-/// What a scan was made of.
+/// The counts of a scan.
 struct SoftwareScanCounts {
     std::size_t polyhedra = 0;      ///< towers, wedges and cones
     std::size_t intersections = 0;  ///< polygons in which a slice cuts a polyhedron
@@ -18,12 +18,12 @@ struct SoftwareScanCounts {
 /// The literature's method on a processor: scan conversion of Mauch's polyhedra (S. Mauch, A Fast Algorithm for
 /// Computing the Closest Point and Distance Transform, 2000; his program cpt), in float.
 ///
-/// A tower on both sides of each face, a wedge at each edge on the side where it is convex, and at each vertex the cone
-/// of directions away from all its faces, also at saddle vertices, are built as solids with corners and faces. Slice by
-/// slice, each is cut into a convex polygon, this into rows, and at each sample of a row the signed distance to the one
-/// site replaces what is there if it is less. Slabs of slices are computed independently, each with the list of
-/// polyhedra that cut it, so that no two threads write to the same sample. What no polyhedron holds has the half width
-/// and the sign of the sample before it in its row, or of the row before.
+/// The polyhedra are solids with corners and faces: a tower on both sides of each face, a wedge on the convex side of
+/// each edge, and at each vertex, also at saddle vertices, the cone of directions away from all its faces. Each slice
+/// cuts a solid into a convex polygon, which is cut into rows. At each sample of a row the signed distance to the site
+/// replaces the value if it is less. Slabs of slices are computed independently, each with its list of polyhedra, so no
+/// two threads write to the same sample. A sample in no polyhedron has the half width and the sign of the sample before
+/// it in its row, or of the row before.
 ///
 /// The mesh must be closed and manifold, its faces counter-clockwise from outside; the grid's spacing equal on all axes
 /// (else Error(unsupported)). `half_width` in the mesh's units, two voxels at least for signs to be

@@ -5,17 +5,16 @@
 
 namespace clsdf::bench {
 
-/// Where our time goes on a workload: medians over the calls, in seconds, and the counts of one call.
+/// The times of clsdf's stages on a workload: medians over the calls, in seconds, and the counts of one call.
 struct Stages {
     Spread whole;
     double polyhedra = 0;
     double lists = 0;  ///< of the coarse bricks, the sign left out
     double sign = 0;
-    double bricks = 0;  ///< the kernels' own time, by the device
-    double fill = 0;    ///< the same
-    double transfer =
-        0;  ///< of the field's stage, what is neither: queueing, and copies where the device has its own memory
-    double rest = 0;  ///< buffers, and what the stages leave between them
+    double bricks = 0;    ///< the kernels' own time, by the device
+    double fill = 0;      ///< the same
+    double transfer = 0;  ///< rest of the field's stage: queueing, and copies if the device has its own memory
+    double rest = 0;      ///< buffers, and gaps between the stages
     TransformStatistics counts;
     Judgement judgement;
 

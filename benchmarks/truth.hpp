@@ -9,11 +9,11 @@
 
 namespace clsdf::bench {
 
-/// What was found wrong with a method's values.
+/// The faults of a method's values.
 struct Judgement {
     std::size_t samples = 0;       ///< looked at
     std::size_t wrong_signs = 0;   ///< farther than 1e-6 voxel from the surface
-    std::size_t missed = 0;        ///< in the band, but not computed or with the value of what is beyond it
+    std::size_t missed = 0;        ///< in the band, but not computed or with the value of samples beyond it
     std::size_t leaked = 0;        ///< beyond the band, but with a value within it
     std::size_t wrong_values = 0;  ///< in the band, off by more than 1e-5 voxel and 2 ulp
     double max_error_voxels = 0;   ///< of the magnitudes, over the samples of the band that are not missed
@@ -33,7 +33,7 @@ public:
     /// `samples` 0: every sample of the grid. The choice is random; `seed` decides it.
     Truth(const Workload& workload, std::size_t samples, std::uint64_t seed);
 
-    /// Holds values against the truth. A method that takes the list is judged by the samples that it was to compute.
+    /// Compares values with the truth. A method that takes the list is judged by the samples that it had to compute.
     Judgement judge(std::span<const float> distance, bool takes_list, std::size_t stride) const;
 
 private:

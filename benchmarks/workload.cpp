@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t brick_side = 8;
 
-/// The offsets of a brick's samples that have their distance, on a way on which each is next to the one before.
+/// The offsets of a brick's samples that have their distance, ordered so that each is next to the one before.
 void append_brick(const Field& field, const Index3& brick, std::vector<std::uint32_t>& samples) {
     const auto limit = static_cast<float>(field.band.outside);
     Index3 first{}, last{};

@@ -20,7 +20,7 @@ struct SampleList {
     std::size_t count(std::size_t stride) const;
 };
 
-/// What every method is given: a job of the same samples.
+/// A job, the same for every method.
 struct Workload {
     std::string name;       ///< "W1"
     std::string mesh_name;  ///< "bunny00"
@@ -42,7 +42,7 @@ struct Layout {
 /// W1: 256 samples on a side, a band of 10%; W2: 512, 3 voxels; W3: 256, every sample; W4: 128, every sample.
 const std::vector<Layout>& standard_layouts();
 
-/// The workload with its list, which is taken from a field that `transform` computes. Throws Error(unsupported) where
+/// The workload with its list, which is taken from a field that `transform` computes. Throws Error(unsupported) if
 /// the grid has more samples than 32 bits count.
 Workload make_workload(const Layout& layout, const std::string& mesh_name, const Mesh& mesh, const Device& device);
 

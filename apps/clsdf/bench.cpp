@@ -28,7 +28,7 @@ struct Benchmark {
     std::string name;
     const char* what;
     nlohmann::ordered_json (*run)(const BenchOptions&);
-    std::vector<std::string> takes;  ///< of the options that not every benchmark takes
+    std::vector<std::string> takes;  ///< the options that this benchmark takes, but not every one
 };
 
 const std::vector<Benchmark> benchmarks{
@@ -55,7 +55,7 @@ void check_options(const Benchmark& chosen, const CLI::App& parser) {
                                                chosen.takes.empty() ? "only" : " and"));
 }
 
-/// --quick keeps what was stated on the command line.
+/// --quick does not override options of the command line.
 void make_quick(const CLI::App& parser, BenchOptions& options) {
     if (!options.quick) return;
     if (parser.count("--repetitions") == 0) options.measure.repetitions = 2;

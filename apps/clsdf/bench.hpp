@@ -18,7 +18,7 @@ struct NamedMesh {
     clsdf::Mesh mesh;
 };
 
-/// What the subcommands of "clsdf bench" have in common.
+/// The options that the benchmarks share.
 struct BenchOptions {
     std::string benchmark;
     std::vector<std::string> meshes;  ///< empty: those of the subcommand's own list
@@ -27,7 +27,7 @@ struct BenchOptions {
     std::vector<std::string> methods;
     std::vector<std::string> series;
     clsdf::bench::MeasureOptions measure;
-    std::size_t threads = 0;  ///< 0: all there are
+    std::size_t threads = 0;  ///< 0: all
     std::string device;
     std::string commit;
     bool quick = false;
@@ -35,11 +35,11 @@ struct BenchOptions {
 
     clsdf::Device open_device() const;
 
-    /// The meshes that were named, or those of the subcommand's own list; of these, one that is not there is left out
-    /// with a message of what is missing. All at once, so that nothing is measured in vain.
+    /// The meshes that were named, or those of the subcommand's own list. A missing mesh of the list is skipped with a
+    /// message. All are loaded before the first measurement, so that an error costs no time.
     std::vector<NamedMesh> load_meshes(const std::vector<std::string>& own_list) const;
 
-    /// The methods that were named, or all that are there. Throws Error(unsupported) where one that was named is not.
+    /// The methods that were named, or all that are built in. Throws Error(unsupported) if a named one is not built in.
     std::vector<clsdf::bench::Method*> choose(const std::vector<clsdf::bench::Entry>& entries) const;
 
     /// With --quick, an eighth of the samples on a side.
@@ -51,7 +51,7 @@ struct BenchOptions {
 
 bool contains(const std::vector<std::string>& words, const std::string& word);
 
-// The standard jobs of standard meshes, of peers and floors.
+// The standard jobs of the standard meshes, for peers and floors.
 std::vector<NamedMesh> load_standard_meshes(const BenchOptions& options);
 void for_each_workload(const BenchOptions& options, const std::vector<NamedMesh>& meshes, const clsdf::Device& device,
                        const std::function<void(const clsdf::bench::Workload&)>& measure);
@@ -67,7 +67,7 @@ private:
     std::vector<std::vector<std::string>> rows_;
 };
 
-/// What every result says of the run: what was measured, with what, where and when.
+/// The description of a run that every result has: benchmark, version, machine, device and date.
 nlohmann::ordered_json describe_run(const char* benchmark, const BenchOptions& options, const clsdf::Device& device);
 nlohmann::ordered_json describe(const clsdf::bench::Workload& workload);
 nlohmann::ordered_json describe(const clsdf::bench::Judgement& judgement);
@@ -75,7 +75,7 @@ nlohmann::ordered_json describe(const clsdf::bench::Measurement& measurement);
 
 /// "12.3", in milliseconds, with three digits at least.
 std::string milliseconds(double seconds);
-/// What a judgement comes to in a table: the error, then wrong values, signs, missed and leaked.
+/// The cells of a judgement: the error, then the counts of wrong values, wrong signs, missed and leaked samples.
 std::vector<std::string> cells_of(const clsdf::bench::Judgement& judgement);
 std::string title_of(const clsdf::bench::Workload& workload);
 

@@ -15,7 +15,8 @@ using clsdf::bench::Entry;
 
 namespace {
 
-/// A word that is no file may be a mistyped name; one with an ending or a folder is left to the reader, who says more.
+/// A word that is no file may be a mistyped name. A word with an ending or a folder goes to the reader, whose message
+/// says more.
 void check_name(const std::string& word) {
     const std::vector<std::string> known = clsdf::bench::mesh_names();
     if (contains(known, word) || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word)) return;

@@ -30,7 +30,7 @@ constexpr std::array<PapersRow, 5> table_1{{{"sphere6", 16386, 0, 0},
                                             {"seashell", 915, 843, 148},
                                             {"bunny00", 34834, 30561, 516}}};
 
-/// Nothing where it was not asked for or is not there.
+/// Nothing if the mesh was not named or is missing.
 const clsdf::Mesh* find_mesh(const std::vector<NamedMesh>& meshes, const std::string& name) {
     const auto found = std::find_if(meshes.begin(), meshes.end(), [&](const auto& mesh) { return mesh.name == name; });
     return found == meshes.end() ? nullptr : &found->mesh;
@@ -65,7 +65,7 @@ double median_wall(const Measurement& measurement) {
     return clsdf::bench::spread_of(measurement.wall).median;
 }
 
-/// Samples of the band with another value than they should have, and with none, of those looked at.
+/// The share of judged samples of the band whose value is wrong or missing.
 double wrong_percent(const clsdf::bench::Judgement& judgement) {
     return 100.0 * static_cast<double>(judgement.wrong_values + judgement.missed) /
            static_cast<double>(std::max<std::size_t>(judgement.samples, 1));
@@ -114,7 +114,7 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
     return rows;
 }
 
-/// The papers' comparisons are of their own meshes.
+/// The papers compare their own meshes.
 std::vector<NamedMesh> load_papers_meshes(const BenchOptions& options) {
     std::vector<std::string> known;
     known.reserve(table_1.size());
@@ -142,7 +142,7 @@ ordered_json run_bench_papers(const BenchOptions& options) {
         const clsdf::Mesh* const mesh = find_mesh(meshes, c.mesh);
         if (mesh == nullptr) continue;
         c.resolution = options.scaled(c.resolution);
-        // What the paper found is about its own grid.
+        // The paper's figures are for its own grid.
         if (options.quick) c.remark.clear();
         const Workload workload = make_workload(c.layout(), c.mesh, *mesh, device);
         for (ordered_json& row : measure_case(c, workload, methods, options)) result["rows"].push_back(std::move(row));

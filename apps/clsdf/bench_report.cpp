@@ -17,7 +17,7 @@ std::string BenchTable::text() const {
     std::vector<std::size_t> widths(columns, 3);
     for (const auto& row : rows_)
         for (std::size_t c = 0; c < columns; ++c) widths[c] = std::max(widths[c], row[c].size());
-    // A column is of numbers where its cells start with a digit.
+    // A column is numeric if its cells start with a digit.
     const auto is_number = [&](std::size_t c) {
         return rows_.size() > 1 && std::all_of(rows_.begin() + 1, rows_.end(), [&](const auto& row) {
                    return row[c].empty() || row[c] == "-" || (row[c][0] >= '0' && row[c][0] <= '9');

@@ -30,7 +30,7 @@ struct Point {
     Layout layout;
 };
 
-/// The one that all series but that of the triangles are about; nothing where it is the usual one and not there.
+/// The mesh of all series but that over triangles; nothing if it is the default mesh and missing.
 std::optional<NamedMesh> load_mesh(const BenchOptions& options) {
     if (options.meshes.size() > 1)
         throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
@@ -64,7 +64,7 @@ std::vector<Point> points_of(const std::string& series, const std::optional<Name
     return points;
 }
 
-/// What a run of this very program prints on standard output.
+/// The standard output of a run of this program.
 std::string output_of(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "clsdf");
     std::vector<char*> words;
@@ -94,7 +94,8 @@ std::string output_of(std::vector<std::string> arguments) {
     return text;
 }
 
-/// OpenCL and the host's loops take their number of threads once in a process: each number has a process of its own.
+/// OpenCL and the host's loops set their number of threads once in a process, so each number is measured in a new
+/// process.
 ordered_json rows_of_threads(const BenchOptions& options) {
     std::vector<std::size_t> counts;
     const std::size_t all = std::max(1U, std::thread::hardware_concurrency());

@@ -53,7 +53,7 @@ ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid)
             {"findings", findings}};
 }
 
-// What a field that passes needs no note on: the same mesh may have many names.
+// No note for a field that passes: the same mesh may have many names.
 std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field) {
     const std::string name = std::filesystem::path(field.mesh_name).filename().string();
     if (name.empty() || name == std::filesystem::path(mesh).filename().string()) return {};

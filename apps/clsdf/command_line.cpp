@@ -19,7 +19,7 @@ Command add_generate(CLI::App& program);
 
 namespace {
 
-// "--resolution N [256]": what an option takes and its default, without what excludes what.
+// "--resolution N [256]": an option's type and its default, without the list of options that it excludes.
 class HelpFormatter : public CLI::Formatter {
 public:
     HelpFormatter() { column_width(28); }
@@ -52,7 +52,7 @@ std::vector<std::string> known_words(const CLI::App& parser) {
     return words;
 }
 
-// The first word that no option and no subcommand took, and what was probably meant by it.
+// The first word that no option and no subcommand took, and the probable meaning.
 std::string explain_unknown_word(const CLI::App& program) {
     const auto chosen = program.get_subcommands();
     const CLI::App& parser = chosen.empty() ? program : *chosen.front();
@@ -136,7 +136,7 @@ ExitStatus CommandLine::run(int argument_count, char** arguments) {
         print_result(std::string(request.what()) + '\n');
         return ExitStatus::done;
     } catch (const CLI::CallForHelp&) {
-        print_result(program_.help());  // of the subcommand, where one was chosen
+        print_result(program_.help());  // the subcommand's page, if there is one
         return ExitStatus::done;
     } catch (const CLI::ParseError& error) {
         throw usage_error(program_, error);

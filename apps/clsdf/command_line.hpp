@@ -6,14 +6,14 @@
 
 #include <vector>
 
-/// All subcommands, and what is common to them.
+/// All subcommands, and the parts that they share.
 class CommandLine {
 public:
     explicit CommandLine(Report& report);
     CommandLine(const CommandLine&) = delete;
     CommandLine& operator=(const CommandLine&) = delete;
 
-    /// Throws clsdf::Error, of invalid_argument where the words make no sense; the message has the nearest one.
+    /// Throws clsdf::Error; invalid_argument if a word is not valid, with the nearest valid one in the message.
     ExitStatus run(int argument_count, char** arguments);
 
 private:

@@ -46,7 +46,7 @@ std::string joined_names(const std::vector<OptionDescription>& options, const ch
     return text;
 }
 
-// What completes the value; ":" where only the user knows it.
+// The command that completes the value; ":" if there are no candidates.
 std::string completer(const OptionDescription& option) {
     if (!option.words.empty()) return fmt::format("_clsdf_words '{}'", fmt::join(option.words, " "));
     if (option.is_file) return fmt::format("_clsdf_files {}", fmt::join(option.endings, " "));

@@ -16,7 +16,7 @@ std::string quoted(const std::string& text) {
     return result + '\'';
 }
 
-// What completes the value, as options of fish's `complete`.
+// Options of fish's `complete` that complete the value.
 std::string value(const OptionDescription& option) {
     if (!option.words.empty()) return fmt::format(" -x -a '{}'", fmt::join(option.words, " "));
     if (!option.is_file) return " -x";

@@ -39,7 +39,7 @@ clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
     field.grid = layout.grid;
     field.band = layout.band;
     field.sign = layout.sign;
-    // Where the file lay concerns nobody else who gets the field.
+    // The field carries the name of the mesh file without its folder, which is private.
     field.mesh_name = std::filesystem::path(layout.mesh_file).filename().string();
     return field;
 }
@@ -53,7 +53,7 @@ void check_size(const clsdf::Grid& grid) {
     }
 }
 
-/// The device that is named, or nothing where none is: it is looked for before a mesh is read in vain.
+/// The named device, or nothing if none is named. It is opened before the mesh is read, so that an error costs no time.
 std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
     if (options.device.empty() && clsdf::Device::environment_choice().empty()) return std::nullopt;
     return open_device(options.device);
@@ -89,7 +89,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     const double setup_seconds = setup.seconds();
     progress.restart();
 
-    // Slab by slab, the next one being computed while one is written: no field is too large for the memory.
+    // Slab by slab: the next one is computed while one is written, so the memory does not limit the field.
     const Stopwatch compute;
     call.statistics = &result.statistics;
     const clsdf::FieldDescription field = describe_field(layout);
@@ -108,8 +108,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     return result;
 }
 
-// The device ends in order. Its compiler may listen to the same signals and fail; the user's wish is the reason all the
-// same.
+// The device ends in order. Its compiler may react to the same signals and fail; the reason is still the user's wish.
 Computation compute_unless_interrupted(const ComputeRequest& request, const ComputeLayout& layout,
                                        const std::optional<clsdf::Device>& named, clsdf::FieldWriter& writer,
                                        Report& report) {
@@ -159,7 +158,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         return ExitStatus::done;
     }
 
-    // Opening and finishing may wait, for the reader of a pipe or for a disk: Ctrl-C ends the program at once there.
+    // Opening and finishing may wait for the reader of a pipe or for a disk, so Ctrl-C ends the program at once there.
     clsdf::FieldWriter writer(options.output, describe_field(layout), layout.outputs);
     Computation computation = compute_unless_interrupted(request, layout, device, writer, report);
     const Stopwatch finish;

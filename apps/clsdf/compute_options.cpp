@@ -19,7 +19,7 @@ using clsdf::Vec3;
 
 namespace {
 
-// "1,2,3" -> three numbers; nothing where it is anything else.
+// "1,2,3" -> three numbers; nothing for any other text.
 template <class Number>
 std::optional<std::vector<Number>> parse_list(const std::string& text) {
     std::vector<Number> numbers;

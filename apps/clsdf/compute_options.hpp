@@ -33,7 +33,7 @@ struct ComputeOptions {
 
 void add_options(CLI::App& parser, ComputeOptions& options);
 
-/// What they ask for, before the mesh is known.
+/// The request of the options, before the mesh is known.
 struct ComputeRequest {
     clsdf::GridOptions grid;
     /// A grid stated in full, instead of one around the mesh.

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of all outputs of a sample.
+/// Bytes of all outputs of a sample.
 std::uint64_t sample_bytes(const ComputeLayout& layout) {
     std::uint64_t all = clsdf::output_bytes.distance;
     clsdf::visit_extras([&](const char*, bool wanted, std::size_t bytes) { all += wanted ? bytes : 0; }, layout.outputs,
@@ -30,7 +30,7 @@ std::uint64_t field_bytes(const ComputeLayout& layout) {
     return layout.grid.sample_count() * sample_bytes(layout);
 }
 
-/// What is in memory of the field at once.
+/// Bytes of the field that are in memory at once.
 struct SlabMemory {
     std::size_t slabs;
     std::uint64_t bytes;
@@ -43,7 +43,7 @@ SlabMemory slab_memory(const ComputeLayout& layout) {
     return {slabs.size(), largest * sample_bytes(layout) * std::min<std::size_t>(slabs.size(), 2)};
 }
 
-// About what a computation uses beside the field: polyhedra, for slices also their pieces, lists and the program's
+// An estimate of a computation's memory beside the field: polyhedra, for slices also their pieces, lists, and the
 // compiler.
 std::uint64_t working_bytes(const ComputeLayout& layout) {
     const std::uint64_t bytes_per_triangle = layout.scan == clsdf::Scan::slices ? 2048 : 1024;
@@ -120,8 +120,8 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
     const auto inside = field.sign == clsdf::SignRule::none ? -infinity : -static_cast<float>(field.band.inside);
     std::size_t count = 0;
     for (std::span<const float> rest = slab.distance; !rest.empty();) {
-        // Without branches, in counters as wide as the distances, of blocks that do not overflow them: compilers make
-        // vectors of it. (Measured: 56 ms for 100 million samples, a memory's worth; with branches 104.)
+        // Without branches, with counters as wide as the distances, and in blocks that do not overflow them, so that
+        // compilers vectorise the loop.
         const auto some = rest.first(std::min(rest.size(), std::size_t{1} << 20));
         std::uint32_t of_some = 0;
         for (const float distance : some)

@@ -6,7 +6,7 @@
 
 #include <string>
 
-/// What "clsdf compute" is to compute.
+/// The request of "clsdf compute".
 struct ComputeLayout {
     const clsdf::Mesh& mesh;
     std::string mesh_file;
@@ -20,7 +20,7 @@ struct ComputeLayout {
     clsdf::Scan scan;
 };
 
-/// What it did.
+/// The result of "clsdf compute".
 struct Computation {
     std::string device_name;
     std::string device_platform;
@@ -28,26 +28,26 @@ struct Computation {
     std::size_t band_samples = 0;
     double read_seconds = 0;
     double setup_seconds = 0;    ///< the device and its context, without its programs
-    bool keeps_records = true;   ///< of the programs' tests: they are tested once, not in every process
+    bool keeps_records = true;   ///< records of program tests are kept: programs are not tested in every process
     double compute_seconds = 0;  ///< until the last slab was computed
-    double write_seconds = 0;    ///< what the file took, beside the computation but for the last slab
+    double write_seconds = 0;    ///< for the file; overlaps with computing, but for the last slab
     double field_seconds = 0;    ///< both, from the polyhedra to the complete file
     std::string output;
 };
 
-/// Samples strictly within the band's limits: those that differ from what is beyond them.
+/// Samples strictly within the band's limits: their values differ from those beyond.
 std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf::FieldSlab& slab);
 
-/// What the user should be told; empty where nothing.
+/// A warning for the user; empty if there is none.
 std::string warning_of_polyhedra(const ComputeLayout& layout);
 std::string warning_of_memory(const ComputeLayout& layout);
-/// Where the output's format cannot carry the band.
+/// A warning if the output's format cannot store the band.
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output);
 std::string warning_of_empty_band(const ComputeLayout& layout, const Computation& computation);
-/// Triangles of an earlier field, which now lie beside this one.
+/// A warning if outputs of an earlier field lie beside this one.
 std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computation& computation);
 
-/// To standard error.
+/// Prints the report on standard error.
 void print_layout(const ComputeLayout& layout);
 void print_memory(const ComputeLayout& layout);
 void print_outcome(const ComputeLayout& layout, const Computation& computation);

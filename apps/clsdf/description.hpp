@@ -5,20 +5,20 @@
 #include <string>
 #include <vector>
 
-/// An option or an argument as its definition says it, for manual page, completions and tables.
+/// An option or an argument by its definition, for manual page, completions and tables.
 struct OptionDescription {
     std::vector<std::string> names;  ///< "-o", "--output"; empty for an argument
     std::string takes;               ///< "FILE", "x|y|z"; empty for a flag
     std::string text;                ///< one line, without a full stop
-    std::string default_text;        ///< empty where there is none
+    std::string default_text;        ///< empty if there is none
     bool required = false;
 
-    std::vector<std::string> words;    ///< what may stand there, where that is known
+    std::vector<std::string> words;    ///< the possible values, if they are known
     bool is_file = false;              ///< otherwise
-    std::vector<std::string> endings;  ///< of the file, with the dot; empty where any will do
+    std::vector<std::string> endings;  ///< of the file, with the dot; empty if any will do
 
     bool is_flag() const { return takes.empty(); }
-    /// The longest name, or for an argument what it takes.
+    /// The longest name, or for an argument its type.
     const std::string& name() const { return names.empty() ? takes : names.back(); }
 };
 
@@ -28,14 +28,14 @@ struct OptionGroup {
 };
 
 struct SubcommandDescription {
-    std::string name;  ///< of the program itself where it is that
+    std::string name;  ///< "clsdf" for the program itself
     std::string text;
     std::vector<OptionDescription> arguments;
     std::vector<OptionGroup> groups;       ///< of options
     std::vector<std::string> explanation;  ///< paragraphs
     std::vector<std::string> examples;     ///< lines for a shell
 
-    /// Of all groups.
+    /// The options of all groups.
     std::vector<OptionDescription> options() const;
 };
 

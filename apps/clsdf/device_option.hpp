@@ -6,9 +6,9 @@
 
 #include <string>
 
-/// --device, into `choice`; `does` says what the device does: "what computes".
+/// Adds --device, which sets `choice`; `does` describes the device's task: "what computes".
 void add_device_option(CLI::App& parser, std::string& choice, const std::string& does);
 
-/// The device that --device names, else Device::preferred(). Throws Error(no_device), which names the option where it
+/// The device that --device names, else Device::preferred(). Throws Error(no_device), which names the option if it
 /// was given.
 clsdf::Device open_device(const std::string& choice);

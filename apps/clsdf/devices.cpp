@@ -93,7 +93,7 @@ struct DevicesOptions {
     bool again = false;
 };
 
-/// Those that are to be prepared: the one that is named, else all that can be used.
+/// The devices to prepare: the named one, else all usable ones.
 std::vector<DeviceInfo> chosen(const std::string& name) {
     std::vector<DeviceInfo> infos = clsdf::Device::all();
     std::optional<clsdf::Device> named;

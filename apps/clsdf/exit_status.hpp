@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-/// What the command tells the shell.
+/// The exit statuses of the command.
 enum class ExitStatus {
     done = 0,
     check_failed = 1,

@@ -18,8 +18,8 @@
 
 namespace {
 
-// The end of the pipe that the handler writes to. Neither a stop source nor a mutex may be touched by a signal handler;
-// a pipe may.
+// The end of the pipe that the handler writes to. A signal handler may use a pipe, but neither a stop source nor a
+// mutex.
 std::atomic<int> signal_pipe = -1;
 std::atomic<int> signals = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -28,7 +28,7 @@ std::atomic<bool> is_written = false;
 std::mutex mutex;
 std::stop_source* active = nullptr;
 
-// More than these, and something is stuck that even the end waits for.
+// After this many signals the orderly end itself is stuck.
 constexpr int most_signals = 3;
 
 extern "C" void handle_signal(int) {
@@ -59,7 +59,7 @@ void handle_signals_by(void (*handler)(int)) {
         if (::sigismember(&ending_signals, signal) == 1) ::sigaction(signal, &action, nullptr);
 }
 
-// Whether something runs that ends in order, and had not been told to already.
+// Whether an Interruption is alive and has not been stopped yet.
 bool stop_what_runs() {
     const std::lock_guard lock(mutex);
     return active != nullptr && active->request_stop();
@@ -113,7 +113,7 @@ void end_when_interrupted(bool json) {
     if (::pipe2(ends, O_CLOEXEC) != 0)
         throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "no pipe can be opened to listen for Ctrl-C");
     signal_pipe = ends[1];
-    // Blocked while the thread starts, so that it inherits that: the signals are for the main thread.
+    // Blocked while the thread starts, so that it inherits the mask: the main thread gets the signals.
     choose_signals();
     sigset_t before;
     ::pthread_sigmask(SIG_BLOCK, &ending_signals, &before);
@@ -143,5 +143,5 @@ Interruption::Interruption() {
 Interruption::~Interruption() {
     const std::lock_guard lock(mutex);
     active = nullptr;
-    handle_signals_by(handle_signal);  // the compilers of some devices have put theirs before these
+    handle_signals_by(handle_signal);  // the compilers of some devices have set their own handlers
 }

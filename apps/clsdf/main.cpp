@@ -14,7 +14,7 @@ using clsdf::ErrorCode;
 
 namespace {
 
-// Before anything is parsed: an error of the command line is to be JSON, too.
+// Found before the command line is parsed, because its errors are JSON, too.
 bool asks_for_json(int argument_count, char** arguments) {
     char** const end = std::find(arguments, arguments + argument_count, std::string_view("--"));
     return std::find(arguments, end, std::string_view("--json")) != end;
@@ -35,7 +35,7 @@ int main(int argument_count, char** arguments) {
         report.finish();
     } catch (const clsdf::Error& error) {
         if (interrupted() && error.code() != ErrorCode::cancelled) {
-            // The process is about to be ended, and the signal is why the call failed.
+            // A signal is ending the process and made the call fail.
             std::this_thread::sleep_for(std::chrono::seconds(1));
             status = report.fail(ErrorCode::cancelled, "cancelled; nothing was written");
         } else {

@@ -54,7 +54,7 @@ std::string bold(const std::string& text) {
     return "\\fB" + escaped(text) + "\\fR";
 }
 
-// What is typed as it is is bold, what stands for something else italic.
+// Literal text is bold, placeholders are italic.
 std::string value(const OptionDescription& option) {
     if (!option.words.empty() && option.takes.find('|') != std::string::npos) return bold(option.takes);
     return "\\fI" + escaped(option.takes) + "\\fR";

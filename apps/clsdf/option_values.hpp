@@ -9,22 +9,22 @@
 #include <string>
 #include <vector>
 
-// What an option takes is its type name, or for an argument its name. Small letters are typed as they are, "x|y|z";
-// capitals stand for something else. MESH, FIELD, PICTURE and FILE are files, and their endings are those that the
-// description names: "the mesh: .off, .obj, .stl or .ply". SHAPE is a name of "clsdf shape --list".
+// An option's type name, or an argument's name, states its values. Small letters are literal, "x|y|z"; capitals are
+// placeholders. MESH, FIELD, PICTURE and FILE are files with the endings that the description names: "the mesh: .off,
+// .obj, .stl or .ply". SHAPE is a name of "clsdf shape --list".
 
-/// The value is one of the words, which become the type name. Another one is answered with the nearest.
+/// The value must be one of the words, which become the type name. The error for another one names the nearest.
 void takes_one_of(CLI::Option* option, const std::vector<std::string>& words);
 /// The same for an option that takes several, separated by commas.
 void takes_some_of(CLI::Option* option, const std::vector<std::string>& words);
 
-/// What the text of an option's value must be. Held against the text before it is converted, so that the message names
-/// what was typed, and neither "1e3" nor "-1" becomes another number.
+/// Conditions on the text of an option's value. They are checked before the conversion, so that the message quotes the
+/// text, and neither "1e3" nor "-1" becomes another number.
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
 CLI::Validator finite_number_of_0_or_more();
-/// An empty text would pass for an option that is not there.
+/// An empty text would count as an absent option.
 CLI::Validator not_empty();
-/// Not empty, and not "-": a file's ending chooses its format, and no half file may appear.
+/// Not empty, and not "-": a file's ending chooses its format, and no incomplete file may appear.
 CLI::Validator file_name();
 
 /// The value whose name_of() is the text. The words that the option takes are their names.
@@ -38,5 +38,5 @@ Value value_named(const std::string& text, std::initializer_list<Value> values) 
 /// "10%", "3v", "0.05" or "full". Throws Error(invalid_argument) that names the option and quotes the text.
 clsdf::Length parse_length(const std::string& option, const std::string& text);
 
-/// Beyond what any grid has along an axis.
+/// More than the samples of any grid along an axis.
 inline constexpr std::uint64_t most_samples_on_a_side = std::uint64_t{1} << 30;

@@ -38,7 +38,7 @@ ordered_json describe(const Grid& grid) {
 }
 
 ordered_json describe(const Band& band) {
-    // Infinity, which JSON does not have, becomes null.
+    // JSON has no infinity: it becomes null.
     return {{"inside", band.inside}, {"outside", band.outside}};
 }
 

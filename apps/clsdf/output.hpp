@@ -6,12 +6,12 @@
 
 #include <string>
 
-/// Results asked for, on standard output. Throws clsdf::Error(output_failure).
+/// Prints a result on standard output. Throws clsdf::Error(output_failure).
 void print_result(const nlohmann::ordered_json& result);
 void print_result(const std::string& text);
 
 nlohmann::ordered_json describe(const clsdf::Grid& grid);
-/// A half width is null where it is infinite.
+/// A half width is null if it is infinite.
 nlohmann::ordered_json describe(const clsdf::Band& band);
 
 /// "51.5 MB".

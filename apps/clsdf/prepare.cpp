@@ -16,7 +16,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// What a call of "clsdf compute" needs of the kernels.
+/// The kernels that a call of "clsdf compute" needs.
 struct Call {
     const char* name;
     bool triangle;
@@ -27,11 +27,11 @@ constexpr std::array<Call, 4> calls{Call{"compute", false, false}, Call{"compute
                                     Call{"compute --with triangle", true, false},
                                     Call{"compute --with triangle --json", true, true}};
 
-/// What one call took.
+/// The time of one call.
 struct Step {
     std::string name;
     double seconds = 0;
-    bool is_tested = false;  ///< now; else it has been before, or has no test
+    bool is_tested = false;  ///< tested now; false if it was tested before or has no test
 };
 
 class Preparation {
@@ -64,7 +64,7 @@ public:
         return step;
     }
 
-    /// Traces a small picture, which is what compiles some drivers' kernels.
+    /// Traces a small picture, because some drivers compile a kernel at its first launch.
     Step render() {
         const Stopwatch watch;
         const clsdf::Band band = clsdf::Band::full();
@@ -113,7 +113,7 @@ void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool
         try {
             report.result["prepared"].push_back(prepare(report, info, again, interruption.token()));
         } catch (const clsdf::Error& error) {
-            // The compilers of some devices listen to the same signals and fail then; the user's wish is the reason.
+            // The compilers of some devices react to the same signals and fail; the reason is the user's wish.
             if (interruption.token().stop_requested())
                 throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; what was compiled before is kept");
             if (failure) report.warn(failure->what());

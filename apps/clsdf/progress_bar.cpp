@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int width = 40;
 constexpr std::chrono::milliseconds interval{100};
-// Before that much time and that much work, an estimate is a guess.
+// Time and work before which no estimate is shown.
 constexpr double least_seconds = 1;
 constexpr double least_fraction = 0.02;
 
@@ -33,7 +33,7 @@ std::string human_duration(double seconds) {
     return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
-// What is done before the first interval ends needs no bar.
+// Work that ends within the first interval shows no bar.
 ProgressBar::ProgressBar(bool wanted)
     : enabled_(wanted && ::isatty(STDERR_FILENO) != 0), begin_(Clock::now()), next_(begin_ + interval) {}
 

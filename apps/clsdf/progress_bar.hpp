@@ -6,7 +6,7 @@
 /// "4 s", "2 min 10 s", "3 h 5 min".
 std::string human_duration(double seconds);
 
-/// A bar with an estimate of the time that is left, on standard error where that is a terminal; nothing elsewhere.
+/// A bar with an estimate of the time that is left, on standard error if that is a terminal; else nothing.
 class ProgressBar {
 public:
     explicit ProgressBar(bool wanted);
@@ -17,7 +17,7 @@ public:
     void show(double fraction);
     /// A line of text in its place.
     void show(const std::string& text);
-    /// What follows is new work: the estimate of the time left begins anew.
+    /// Begins new work: the estimate of the time left begins anew.
     void restart();
 
     /// Takes the bar away, so that a line can be printed in its place.

@@ -86,7 +86,7 @@ Cut parse_cut(const std::string& text) {
     return cut;
 }
 
-// What does not need the field, so that a slip is answered at once.
+// The checks that do not need the field come first, so that a mistake is reported at once.
 std::optional<double> read_options(RenderOptions& options) {
     set_direction(options.picture.view, options.view);
     set_up(options.picture.view, options.up);
@@ -120,7 +120,7 @@ ExitStatus run(RenderOptions options, Report& report) {
         device_name = device.name();  // it may fail, and then no picture is there
         pictures.write(options.picture, options.output);
     } catch (const Error&) {
-        // The compilers of some devices listen to the same signals and fail then; the user's wish is the reason.
+        // The compilers of some devices react to the same signals and fail; the reason is the user's wish.
         if (interruption.token().stop_requested())
             throw Error(ErrorCode::cancelled, "cancelled; no picture was written");
         throw;

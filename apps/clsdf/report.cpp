@@ -16,7 +16,7 @@ ExitStatus Report::fail(ErrorCode code, const std::string& message) {
     try {
         finish();
     } catch (const clsdf::Error&) {
-        // Where standard output is what failed, standard error has the message.
+        // If standard output failed, standard error has the message.
     }
     return status;
 }

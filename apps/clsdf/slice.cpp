@@ -32,7 +32,7 @@ struct SliceOptions {
     clsdf::picture::Options picture;
 };
 
-// "slice_007.png" for the slice 7 of some hundred.
+// "slice_007.png" for slice 7 if there are hundreds.
 std::string numbered(const std::string& path, std::int64_t index, std::int64_t count) {
     const fs::path file(path);
     const std::size_t digits = fmt::format("{}", count - 1).size();

@@ -17,12 +17,12 @@ void let_writes_fail();
 /// status.
 void write_to_standard_error(std::string_view text) noexcept;
 
-/// The same, formatted: how everything is printed that is not a result.
+/// The same, formatted. All output but results is printed by it.
 template <class... Values>
 void print_text(fmt::format_string<const Values&...> format, const Values&... values) noexcept {
     try {
         write_to_standard_error(fmt::format(format, values...));
     } catch (const std::exception&) {
-        // No memory to say it with.
+        // Out of memory: the text is dropped.
     }
 }

@@ -6,7 +6,7 @@
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known) {
     std::string nearest;
-    // Beyond a third of its letters, a word is another one and not a mistyped one.
+    // If more than a third of the letters differ, it is another word, not a mistyped one.
     std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
     for (const std::string& candidate : known) {
         const bool is_beginning = word.size() > 3 && candidate.starts_with(word);

@@ -2,5 +2,5 @@
 
 #include <string>
 
-/// "clsdf 0.1.0", with the commit where the sources were under version control, and what the program was built with.
+/// "clsdf 0.1.0", with the commit if the sources were under version control, and the libraries of the build.
 std::string version_text();

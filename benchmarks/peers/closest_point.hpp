@@ -4,7 +4,8 @@
 
 namespace clsdf::bench {
 
-/// Where on a triangle the closest point lies: vertex 0 to 2, edge 0 to 2 (from vertex k to vertex k + 1), or the face.
+/// The part of a triangle that has the closest point: vertex 0 to 2, edge 0 to 2 (from vertex k to vertex k + 1), or
+/// the face.
 enum class TriangleSite { vertex0, vertex1, vertex2, edge0, edge1, edge2, face };
 
 template <typename Real>
@@ -13,8 +14,7 @@ struct ClosestPoint {
     TriangleSite site;
 };
 
-/// The usual decision by regions (Ericson, Real-Time Collision Detection, 5.1.5), as most programs have it; what a
-/// peer's users would write.
+/// The usual decision by regions (Ericson, Real-Time Collision Detection, 5.1.5), which users of the peers would write.
 template <typename Real>
 inline ClosestPoint<Real> closest_point(const Eigen::Matrix<Real, 3, 1>& query, const Eigen::Matrix<Real, 3, 1>& a,
                                         const Eigen::Matrix<Real, 3, 1>& b, const Eigen::Matrix<Real, 3, 1>& c) {

@@ -1,6 +1,6 @@
-// Embree: a closest-point query for each sample, the search limited by what the sample before found. The sign and the
-// final distance are formed in double precision; vertices are given relative to the grid's middle, in voxels, so that
-// Embree's float has its digits where they are needed.
+// Embree: a closest-point query for each sample, limited by the distance of the sample before. The sign and the final
+// distance are formed in double precision. Vertices are relative to the grid's centre, in voxels, so that Embree's
+// floats round little.
 
 #include "benchmarks/peers/for_each_listed.hpp"
 #include "benchmarks/peers/pseudonormals.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-// A library's header in a program whose warnings are errors.
+// OpenVDB's headers have warnings, which are errors here.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wall"
 #pragma GCC diagnostic ignored "-Wextra"
@@ -22,7 +22,7 @@ namespace clsdf::bench {
 
 namespace {
 
-/// The mesh in the grid's index space, formed once: meshToVolume asks for each point again and again.
+/// The mesh in the grid's index space, formed once, because meshToVolume reads each point many times.
 struct IndexSpaceMesh {
     std::vector<openvdb::Vec3d> points;
     std::vector<openvdb::Vec3I> triangles;
@@ -52,7 +52,7 @@ public:
         const Grid& grid = workload.grid;
         const double voxel = grid.voxel();
         const bool whole = std::isinf(workload.band.outside);
-        // Of a field without a band, the distance of its farthest sample, and the interior filled.
+        // Without a band, the widths are the distance of the farthest sample, and the interior is filled.
         const auto outside =
             static_cast<float>(whole ? workload.largest_distance / voxel + 1 : workload.band.outside / voxel);
         const float inside =

@@ -19,7 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The process's own stream where the path is one: opening it again would restart a redirected file at its beginning.
+/// A path that names a standard stream stands for the process's own stream: opening it again would restart a redirected
+/// file at its beginning.
 int standard_stream(const std::string& path) {
     if (path == "/dev/stdout") return STDOUT_FILENO;
     if (path == "/dev/stderr") return STDERR_FILENO;
@@ -99,7 +100,7 @@ void AtomicFile::write(std::string_view text) {
 
 void AtomicFile::seek(std::uint64_t position) {
     if (position == position_) return;
-    // Relative: a redirected stream may have begun anywhere.
+    // The seek is relative, because a redirected stream may have begun anywhere.
     const auto step = static_cast<off_t>(position) - static_cast<off_t>(position_);
     if (::fseeko(file_.get(), step, SEEK_CUR) != 0) fail(errno);
     position_ = position;

@@ -10,9 +10,9 @@
 
 namespace clsdf {
 
-/// A file that appears under its final name complete, or not at all: what is written goes to a temporary file in the
-/// same folder, and commit() gives it its name. Without commit() nothing is left behind, and a file that had the name
-/// before is untouched. What is no regular file (/dev/null, /dev/stdout, a named pipe) is written directly.
+/// A file that appears under its final name complete, or not at all. Bytes go to a temporary file in the same folder,
+/// and commit() gives it its name. Without commit() no file stays, and an earlier file of that name is unchanged. A
+/// target that is no regular file (/dev/null, /dev/stdout, a named pipe) is written directly.
 ///
 /// A process that is killed leaves its temporary file; a later one that writes into the folder removes it, see
 /// unfinished_files.hpp.
@@ -28,12 +28,12 @@ public:
     void write(std::span<const std::byte> bytes);
     void write(std::string_view text);
 
-    /// Where the next bytes go, counted from the first one written; what is skipped is filled later, or with zeros.
-    /// Throws where the file is a pipe, unless it is there already.
+    /// Sets the position of the next bytes, counted from the first byte written. A gap may be filled later; else it has
+    /// zeros. Throws if the file is a pipe and the position changes.
     void seek(std::uint64_t position);
 
-    /// The name of the file as long as it has none, for libraries that want to open it themselves. What was written to
-    /// it must not be overwritten by what they write. Throws where the target is no regular file.
+    /// The temporary name of the file, for libraries that open it themselves. They must not overwrite bytes that were
+    /// written before. Throws if the target is no regular file.
     const std::string& temporary() const;
 
     /// Closes the file and gives it its final name. Nothing may be written afterwards.
@@ -50,8 +50,8 @@ private:
     [[noreturn]] void fail(int error) const;
 
     std::string path_;       // as the caller named it, for messages
-    std::string target_;     // where the file goes: path_ with its symbolic links followed
-    std::string temporary_;  // empty where the target is written directly
+    std::string target_;     // path_ with its symbolic links followed
+    std::string temporary_;  // empty if the target is written directly
     std::unique_ptr<std::FILE, Close> file_;
     std::uint64_t position_ = 0;
 };

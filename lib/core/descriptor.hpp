@@ -4,7 +4,7 @@
 
 namespace clsdf {
 
-/// A file descriptor that is closed at the end of its scope; negative where there is none.
+/// A file descriptor that is closed at the end of its scope; negative if there is none.
 class Descriptor {
 public:
     explicit Descriptor(int number) : number_(number) {}

@@ -9,7 +9,7 @@
 namespace clsdf {
 
 /// The fewest insertions, deletions and replacements of one character that turn one word into the other (Levenshtein).
-/// Defined here, so that the command can use it too.
+/// Defined in the header, because the command cannot link hidden functions of the library.
 inline std::size_t edit_distance(std::string_view from, std::string_view to) {
     std::vector<std::size_t> row(to.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});

@@ -8,7 +8,7 @@
 
 namespace clsdf {
 
-/// Keeps a value, which is moved, until the process ends: memory that a device may still use.
+/// Moves a value into storage that lives until the process ends: for memory that a device may still use.
 template <class Value>
 void keep_for_good(Value& value) noexcept {
     static auto* const kept = new std::vector<std::shared_ptr<Value>>;
@@ -17,7 +17,7 @@ void keep_for_good(Value& value) noexcept {
         const std::scoped_lock lock(*mutex);
         kept->push_back(std::make_shared<Value>(std::move(value)));
     } catch (const std::exception&) {
-        // Without memory there is no way to keep it.
+        // Out of memory: the value cannot be kept.
     }
 }
 

@@ -29,7 +29,7 @@ void* allocate_large_memory(std::size_t bytes) {
 void advise_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) noexcept {
 #ifdef __linux__
     if (std::align(huge_page, huge_page, memory, bytes) == nullptr) return;
-    madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);  // nothing is lost where it is not taken
+    madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);  // a failure does no harm
 #endif
 }
 

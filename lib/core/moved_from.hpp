@@ -6,7 +6,8 @@
 
 namespace clsdf {
 
-/// What an object holds by a pointer, which is null after the object was moved from. `type`: the object's name.
+/// The value behind an object's pointer. The pointer is null after the object was moved from; then this throws
+/// Error(invalid_argument). `type`: the object's name.
 template <typename Pointer>
 auto& held_by(const Pointer& pointer, const char* type) {
     if (!pointer)

@@ -10,11 +10,11 @@
 
 namespace clsdf {
 
-/// Calls f(begin, end) for ranges that cover [0, count), on all cores. f writes only what belongs to its indices, so
-/// results are the same for any number of threads.
+/// Calls f(begin, end) for ranges that cover [0, count), on all cores. f must write only elements of its own indices;
+/// then results are the same for any number of threads.
 template <typename Function>
 void for_each_range(std::size_t count, const Function& f) {
-    constexpr std::size_t grain = 512;  // some ten microseconds of work
+    constexpr std::size_t grain = 512;  // about ten microseconds of work
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                       [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });
 }
@@ -31,7 +31,8 @@ inline std::size_t stretch_count(std::size_t count, std::size_t size) {
     return (count + size - 1) / size;
 }
 
-/// A multiple of `unit`, so that stretches of this size give each core a few; with one core there is one stretch.
+/// The size of a sub-range, a multiple of `unit`: each core gets a few sub-ranges. With one core there is one
+/// sub-range.
 inline std::size_t stretch_for_all_cores(std::size_t count, std::size_t unit) {
     const auto cores = std::min(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
                                 tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
@@ -39,8 +40,8 @@ inline std::size_t stretch_for_all_cores(std::size_t count, std::size_t unit) {
     return unit * std::max<std::size_t>(1, cores == 1 ? units : stretch_count(units, 4 * cores));
 }
 
-/// Calls f(stretch, begin, end) for stretches of one size, but for the last, that cover [0, count), on all cores: the
-/// same ones on any number of them.
+/// Calls f(number, begin, end) for sub-ranges that cover [0, count), on all cores. All have the same size but the last
+/// one; they do not depend on the number of cores.
 template <typename Function>
 void for_each_stretch(std::size_t count, std::size_t size, const Function& f) {
     tbb::parallel_for(std::size_t{0}, stretch_count(count, size),

@@ -8,14 +8,14 @@
 
 namespace clsdf {
 
-/// What became of a read: how many bytes were there, in all, and the system's error number, 0 where it had none.
+/// The result of a read: the number of bytes read, and the system's error number, or 0.
 struct ReadResult {
     std::size_t bytes = 0;
     int error = 0;
 };
 
-/// Fills `room` with the bytes of a file from `offset` on, on all cores. Where the file ends before, or cannot be read,
-/// fewer are counted.
+/// Fills `room` with the bytes of a file from `offset` on, on all cores. Reads fewer bytes if the file ends before or
+/// cannot be read.
 ReadResult read_in_parallel(const Descriptor& file, std::uint64_t offset, std::span<std::byte> room);
 
 }  // namespace clsdf

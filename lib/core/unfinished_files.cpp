@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view beginning = ".clsdf-";
 constexpr std::string_view ending = ".part";
 
-/// statfs(2): ext2 to ext4, XFS, Btrfs, F2FS, ZFS, bcachefs, tmpfs and overlays of such. On a file
-/// system that several machines share, a lock may tell of this machine's processes only, and wait for a server.
+/// Magic numbers of statfs(2): ext2 to ext4, XFS, Btrfs, F2FS, ZFS, bcachefs, tmpfs and overlays. On a file system that
+/// several machines share, a lock may cover this machine's processes only, and may wait for a server.
 constexpr std::array<std::uint32_t, 8> file_systems_of_one_machine{0xEF53,     0x58465342, 0x9123683E, 0xF2F52010,
                                                                    0x2FC12FC1, 0xCA451A4E, 0x01021994, 0x794C7630};
 
@@ -50,7 +50,7 @@ bool is_removed(int descriptor) {
     return ::fstat(descriptor, &status) == 0 && status.st_nlink == 0;
 }
 
-/// Whether the path still names the file that is open. Only who has locked a file removes or renames it.
+/// Whether the path still names the open file. Only the holder of its lock removes or renames a file.
 bool is_named(int descriptor, const std::string& path) {
     struct stat opened {};
     struct stat named {};
@@ -96,7 +96,7 @@ int create_unfinished_file(const fs::path& folder, std::string& name) {
         const int descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (descriptor < 0 && errno == EEXIST) continue;
         if (descriptor < 0) return descriptor;
-        // Before it was locked, another process may have taken it for a stale one.
+        // Another process may have removed it as stale before it was locked.
         if (is_of_one_machine(descriptor) && (!try_to_lock(descriptor) || is_removed(descriptor))) {
             ::close(descriptor);
             continue;
@@ -119,7 +119,7 @@ void remove_stale_files(const fs::path& folder) noexcept {
                 ::unlink(path.c_str());
         }
     } catch (const std::exception&) {
-        // They are in nobody's way.
+        // A file that cannot be removed does no harm.
     }
 }
 

@@ -9,13 +9,13 @@
 
 namespace clsdf {
 
-/// The temporary names of the files that this process is writing. Whoever creates, renames or removes one holds the
-/// mutex meanwhile.
+/// The temporary names of the files that this process is writing. A thread holds the mutex while it creates, renames or
+/// removes one.
 ///
-/// A writer locks its file (flock) until the file has its final name or is removed; the system drops the lock when the
-/// process ends in whatever way. So an unfinished file that can be locked has no writer any more.
+/// A writer locks its file (flock) until the file has its final name or is removed. The system releases the lock when
+/// the process ends for any reason. So an unfinished file that can be locked has no writer any more.
 ///
-/// The shared library shows this to the libraries beside it: there is one list in a process.
+/// The shared library exports this to clsdf's other libraries, so a process has one list.
 struct CLSDF_EXPORT UnfinishedFiles {
     std::mutex mutex;
     std::set<std::string> names;
@@ -27,14 +27,15 @@ struct CLSDF_EXPORT UnfinishedFiles {
     void abandon() noexcept;
 };
 
-/// A new, locked file ".clsdf-PID-N.part" in the folder, listed in UnfinishedFiles: its descriptor, and `name` becomes
-/// its path. Negative, with errno, where it cannot be created. It is not locked on a file system that machines share.
+/// Creates and locks a file ".clsdf-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its descriptor
+/// and sets `name` to its path; returns a negative number, with errno, if it cannot be created. The file is not locked
+/// on a file system that machines share.
 ///
 /// The process's first file in a folder also removes the stale ones there.
 CLSDF_EXPORT int create_unfinished_file(const std::filesystem::path& folder, std::string& name);
 
-/// Removes the unfinished files of this user in the folder whose writers are gone. Removes none on NFS and other file
-/// systems that machines share, nor on any that is not known to belong to one machine and to keep locks.
+/// Removes the unfinished files of this user in the folder whose writers have ended. Removes none on NFS, or on any
+/// other file system that is not known to belong to one machine and to support locks.
 CLSDF_EXPORT void remove_stale_files(const std::filesystem::path& folder) noexcept;
 
 }  // namespace clsdf

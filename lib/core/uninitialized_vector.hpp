@@ -31,8 +31,8 @@ struct DefaultInitializingAllocator : detail::DefaultInitialization {
     }
 };
 
-/// A vector whose new elements of plain types are left unset: those who fill large arrays on all cores do not wait for
-/// one core to clear them, nor for its page faults; large ones lie on huge pages.
+/// A vector whose new elements of plain types are uninitialised: code that fills a large array on all cores need not
+/// wait for one core to clear it. Large ones lie on huge pages.
 template <typename T>
 using UninitializedVector = std::vector<T, DefaultInitializingAllocator<T>>;
 

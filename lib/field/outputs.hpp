@@ -18,8 +18,8 @@ constexpr bool is_whole(ValueType type) {
 /// Bytes of a value.
 std::size_t width_of(ValueType type);
 
-/// One of the arrays of a field, and all that the formats need to know about it: a row of the table in
-/// kernels/outputs.h with its members.
+/// One array of a field with the properties that formats need: a row of the table in kernels/outputs.h with its
+/// members.
 struct OutputKind {
     const char* name;         ///< in files, and in the names of files
     const char* content;      ///< in words
@@ -27,23 +27,23 @@ struct OutputKind {
     std::int64_t components;  ///< values of one sample, which lie side by side
     bool (*wanted)(const Outputs& outputs);
     std::span<const std::byte> (*bytes)(const FieldSlab& slab);
-    /// Makes room for so many values.
+    /// Resizes the array to this number of values.
     std::span<std::byte> (*allocate)(Field& field, std::size_t values);
 
     std::size_t sample_bytes() const { return width_of(type) * static_cast<std::size_t>(components); }
 };
 
 const OutputKind& distance_kind();
-/// What a field may hold beside the distance.
+/// The outputs beside the distance.
 std::span<const OutputKind> extra_kinds();
 /// The distance first, then the others asked for.
 std::vector<OutputKind> kinds_of(const Outputs& outputs);
 
-/// Makes room for the samples of the field's grid.
+/// Resizes the arrays to the samples of the field's grid.
 std::span<std::byte> allocate_output(const OutputKind& kind, Field& field);
 
 FieldSlab slab_of(const Field& field);
-/// What the field holds.
+/// The outputs that the field has.
 Outputs outputs_of(const Field& field);
 
 }  // namespace clsdf

@@ -113,7 +113,7 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
 
 std::string description_text(const FieldDescription& field, const std::map<std::string, std::string>& files) {
     const Grid& grid = field.grid;
-    // Infinity, which JSON does not have, becomes null.
+    // JSON has no infinity: it becomes null.
     ordered_json object{
         {"program", "clsdf " + version()},
         {"mesh", field.mesh_name},

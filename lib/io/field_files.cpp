@@ -114,7 +114,7 @@ Field read_field(const std::string& path) {
     try {
         return format.read(path);
     } catch (const Error& error) {
-        // A grid, band or sign rule of the file that makes no sense is the file's fault, not the caller's.
+        // An invalid grid, band or sign rule of the file is an error of the file, not of the caller.
         if (error.code() != ErrorCode::invalid_argument) throw;
         throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", path, error.what()));
     } catch (const std::bad_alloc&) {
@@ -128,7 +128,7 @@ Error misuse(const std::string& what) {
     return {ErrorCode::invalid_argument, "field writer: " + what};
 }
 
-// The slices of a slab, the same number of each output that was announced and none of the others.
+// The number of slices in a slab. Every announced output must have the same number, and no other output any.
 std::int64_t slices_in(const FieldSlab& slab, const Grid& grid, const Outputs& outputs) {
     const auto slice = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
     const std::size_t samples = slab.distance.size();
@@ -160,7 +160,7 @@ FieldWriter& FieldWriter::operator=(FieldWriter&&) noexcept = default;
 FieldWriter::~FieldWriter() = default;
 
 void FieldWriter::append(const FieldSlab& slab) {
-    // Gone if anything is thrown: what was half written must not be finished.
+    // Taken out first: if an error is thrown, this writer cannot finish the incomplete files.
     std::unique_ptr<FormatWriter> format = std::exchange(format_, nullptr);
     if (!format) throw misuse("nothing can be appended after a failure or after finish()");
     const std::int64_t slices = slices_in(slab, field_.grid, outputs_);

@@ -11,8 +11,8 @@
 
 namespace clsdf {
 
-/// A field on its way into files. Everything is written under temporary names, and the files get their own names in
-/// finish(), the distances' last; without it the destructor removes them.
+/// Writes a field into files under temporary names. finish() gives them their final names, that of the distances last.
+/// Without finish() the destructor removes them.
 class FormatWriter {
 public:
     FormatWriter() = default;
@@ -27,21 +27,21 @@ public:
 
 struct Format {
     const char* ending = nullptr;  ///< with its dot, in lower case
-    /// Throws Error(unsupported) for what the format has no place for. The grid and the band are valid.
+    /// Throws Error(unsupported) for a field that the format cannot store. The grid and the band are valid.
     std::unique_ptr<FormatWriter> (*writer)(const std::string& path, const FieldDescription& field,
                                             const Outputs& outputs) = nullptr;
-    /// Throws Error(unreadable_input), or Error(invalid_argument) where a value makes no sense.
+    /// Throws Error(unreadable_input), or Error(invalid_argument) if a value makes no sense.
     Field (*read)(const std::string& path) = nullptr;
-    /// Whether it has a place for other outputs than the distance.
+    /// Whether the format stores other outputs than the distance.
     bool has_extras = true;
-    /// Throws Error(unsupported) where this build lacks the format.
+    /// Throws Error(unsupported) if this build lacks the format.
     void (*check_build)(const std::string& path) = nullptr;
 };
 
-/// By the file's ending, in any case of letters. Throws Error(code) that names the endings there are.
+/// By the file's ending, in upper or lower case. Throws Error(code) that lists the endings.
 const Format& format_of(const std::string& path, ErrorCode code);
 
-/// Throws Error(unsupported) where this build lacks the format, or the format a place for one of the outputs.
+/// Throws Error(unsupported) if this build lacks the format, or if the format cannot store one of the outputs.
 void check_place_for(const Outputs& outputs, const std::string& path, const Format& format);
 
 std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
@@ -59,7 +59,7 @@ Field read_vti(const std::string& path);
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, const Outputs& outputs);
 Field read_h5(const std::string& path);
 
-/// Of vdb_write.cpp and vdb_read.cpp, or of vdb_absent.cpp in a build without OpenVDB.
+/// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
 Field read_vdb(const std::string& path);
@@ -69,9 +69,9 @@ std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDes
                                          const Outputs& outputs);
 Field read_sdf(const std::string& path);
 
-/// The grid that a file states by its first sample, as the part of the lattice that the file says it is. Programs that
-/// crop a field may keep what they do not understand but move the first sample, so the lattice counts only where it has
-/// that very sample.
+/// The grid of a file, as a part of the lattice that the file states. A program that crops a field may move the first
+/// sample and keep metadata that it does not understand. So the lattice counts only if it contains exactly this first
+/// sample.
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first);
 
 /// The file of another output beside a field: "bunny.nrrd" has "bunny_triangle.nrrd".
@@ -80,7 +80,8 @@ std::string extra_path(const std::string& path, const OutputKind& kind);
 /// The last part of a path.
 std::string file_name(const std::string& path);
 
-/// A file that another one in the same folder names. Throws Error(unreadable_input) where `name` is not a plain name.
+/// The path of a file in the folder of another file that names it. Throws Error(unreadable_input) if `name` is not a
+/// plain name.
 std::string path_beside(const std::string& path, const std::string& name);
 
 }  // namespace clsdf

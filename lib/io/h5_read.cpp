@@ -18,7 +18,7 @@ using hdf5::StoredArray;
 constexpr std::size_t largest_description = std::size_t{1} << 20;
 constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
 
-/// HDF5 says where the values lie, in files whose structure has checksums: without them it trusts what it reads.
+/// Reads the offsets of the values by HDF5, from files whose structure has checksums. HDF5 does not check other files.
 class WithChecksums : public hdf5::Source {
 public:
     explicit WithChecksums(InputFile& file) : file_(file), root_(open(file)) {}

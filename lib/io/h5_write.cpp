@@ -24,17 +24,17 @@
 namespace clsdf::hdf5 {
 namespace {
 
-/// What HDF5 writes of a file when the values of its arrays are left out, in memory. A file of 4 GiB takes some
-/// kilobytes here; and where a disk is full, HDF5 1.10 would crash when the program ends.
+/// The bytes that HDF5 writes without the values of the arrays, in memory. A file of 4 GiB takes a few kilobytes here.
+/// If HDF5 1.10 wrote to a full disk itself, it would crash at the end of the program.
 class Layout {
 public:
-    /// For H5Pset_driver: files that are created with this list are this layout, which must live as long as they do.
-    /// Holds the driver of HDF5's virtual file layer as long as it lives itself.
+    /// For H5Pset_driver: files that are created with this property list are written into this layout, which must
+    /// outlive them. The list owns the driver of HDF5's virtual file layer.
     Layout();
     void use(const Handle& access);
     bool is_valid() const { return driver_.is_valid(); }
 
-    /// Zeros stand for what is left out. The values have to be written afterwards.
+    /// The file with zeros for the values, which have to be written afterwards.
     void write_to(AtomicFile& file) const;
 
     void write(std::uint64_t begin, const std::byte* bytes, std::size_t count);
@@ -202,13 +202,13 @@ std::vector<hsize_t> shape_of(const Grid& grid, const OutputKind& kind) {
     return shape;
 }
 
-/// HDF5 lays out the file and writes everything but the values: contiguous arrays, whose places it then tells, with
-/// checksums over all else (its file format of 1.8), and no times, so that the same field has the same bytes.
+/// HDF5 lays out the file and writes everything but the values: contiguous arrays, whose offsets it returns. The
+/// structure has checksums (file format 1.8) and no times, so the same field has the same bytes.
 class H5Layout {
 public:
     explicit H5Layout(std::string path) : path_(std::move(path)) {}
 
-    /// Writes all but the values and returns the offset of each output's.
+    /// Writes all but the values and returns the offset of each output's values.
     std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
                                      const std::vector<OutputKind>& kinds) const {
         const hdf5::Session session;
@@ -308,7 +308,7 @@ std::string escaped_for_xml(std::string_view text) {
     return result;
 }
 
-// What tells ParaView and VisIt where the samples lie. XDMF orders everything as HDF5 does: z, y, x.
+// The XDMF text, which gives ParaView and VisIt the positions of the samples. XDMF has the order of HDF5: z, y, x.
 std::string xdmf_text(const std::string& path, const Grid& grid, const std::vector<OutputKind>& kinds) {
     const Vec3 origin = grid.position(0, 0, 0);
     const auto triple = [](const auto& values) { return fmt::format("{} {} {}", values[2], values[1], values[0]); };

@@ -8,11 +8,11 @@ std::mutex& one_at_a_time() {
     return mutex;
 }
 
-/// HDF5 1.10 forgets the header of an object that it finds damaged. Closed at the process' end, it then waits for it in
-/// vain and prints that, unless it is to print nothing.
+/// HDF5 1.10 does not free the header of an object that it finds damaged. At the end of the process it waits for the
+/// header in vain and prints a message, unless printing is off.
 class QuietEnd {
 public:
-    QuietEnd() { H5open(); }  // what begins later ends earlier
+    QuietEnd() { H5open(); }  // destructors run in reverse order
     ~QuietEnd() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
     QuietEnd(const QuietEnd&) = delete;
     QuietEnd& operator=(const QuietEnd&) = delete;

@@ -17,7 +17,7 @@
 
 namespace clsdf::hdf5 {
 
-/// One thread at a time in the library, which need not be built for more, and nothing printed by it.
+/// While it lives, no other thread is in HDF5, which need not be thread-safe, and HDF5 prints nothing.
 class Session {
 public:
     Session();
@@ -25,12 +25,12 @@ public:
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
 
-    /// What the call that failed last says about it.
+    /// HDF5's message of the call that failed last.
     static std::string reason();
 
 private:
     std::lock_guard<std::mutex> lock_;
-    H5E_auto2_t print_ = nullptr;  // what the program around us wants
+    H5E_auto2_t print_ = nullptr;  // the setting of the calling program
     void* print_data_ = nullptr;
 };
 
@@ -53,11 +53,11 @@ private:
     herr_t (*close_)(hid_t);
 };
 
-/// How files are opened: without locks, which some file systems do not have.
+/// The property list for opening files: without locks, which some file systems do not support.
 Handle access();
 
-/// An array of an HDF5 file: how its values are stored, and where. A contiguous one has no chunks, and its values lie
-/// in a row; one in chunks has each of them once.
+/// The type and the offsets of an array in an HDF5 file. A contiguous array has no chunks, and its values lie in a row.
+/// A chunked array has each chunk once.
 struct StoredArray {
     struct Chunk {
         std::array<std::uint64_t, 4> first{};  ///< in order of the shape; of three dimensions the last is 0
@@ -70,7 +70,7 @@ struct StoredArray {
     std::array<std::uint64_t, 4> chunk_shape{};  ///< of three dimensions the last is 1
 };
 
-/// What the reader of a field asks an HDF5 file. Everything throws Error(unreadable_input).
+/// The parts of an HDF5 file that a field needs. Every function throws Error(unreadable_input).
 class Source {
 public:
     Source() = default;
@@ -79,7 +79,7 @@ public:
     virtual ~Source() = default;
 
     virtual bool has(const OutputKind& kind) const = 0;
-    /// Its number of dimensions and the type of its values are those of the kind.
+    /// The array must have the kind's number of dimensions and type of values.
     virtual StoredArray array(const OutputKind& kind) const = 0;
     /// Three numbers along x, y, z: an attribute of an array.
     virtual Vec3 triple(const OutputKind& kind, const std::string& name) const = 0;
@@ -87,8 +87,8 @@ public:
     virtual std::optional<std::string> text(const std::string& name) const = 0;
 };
 
-/// A file in the format before HDF5 1.8, which HDF5 writes unless told otherwise (superblock of version 0 or 1).
-/// Nothing in it has a checksum, and HDF5 itself may crash if it is damaged; so this is read by a reader of its own,
-/// which knows as much of the format as fields need and trusts no byte. The file must outlive the source.
+/// Opens a file in the format before HDF5 1.8, HDF5's default (superblock of version 0 or 1). It has no checksums, and
+/// HDF5 itself may crash if it is damaged. So clsdf has its own reader, which knows the part of the format that fields
+/// need and checks every number. The file must outlive the source.
 std::unique_ptr<Source> open_without_checksums(InputFile& file);
 }  // namespace clsdf::hdf5

@@ -17,14 +17,13 @@
 namespace clsdf::hdf5 {
 namespace {
 
-/// The address of what is not there.
+/// The address of an absent object.
 constexpr std::uint64_t nowhere = ~std::uint64_t{0};
 
-/// Bytes of an HDF5 file's structure, taken one after the other. Taking more than there are throws
-/// Error(unreadable_input).
+/// Reads bytes of an HDF5 file's structure, one after the other. Throws Error(unreadable_input) at their end.
 class Bytes {
 public:
-    /// From an address of the file on. `what` they are is for the message.
+    /// From an address of the file on. `what` describes the bytes in messages.
     Bytes(InputFile& file, std::uint64_t address, std::uint64_t size, const char* what);
     /// Bytes that have been read already, which must outlive this.
     Bytes(InputFile& file, std::string_view bytes, const char* what) : file_(file), rest_(bytes), what_(what) {}
@@ -49,7 +48,7 @@ private:
     const char* what_;
 };
 
-// No part of the structure that a field needs is as large.
+// The parts of the structure that a field needs are smaller.
 constexpr std::uint64_t largest_part = std::uint64_t{1} << 22;
 
 Bytes::Bytes(InputFile& file, std::uint64_t address, std::uint64_t size, const char* what) : file_(file), what_(what) {
@@ -90,7 +89,7 @@ void Bytes::fail(const std::string& reason) const {
     file_.fail(fmt::format("HDF5: {}: {}", what_, reason));
 }
 
-// A damaged file may lead in circles.
+// A damaged file may contain cycles.
 constexpr std::size_t most_nodes = 10000;
 constexpr std::uint64_t most_members = 100000;
 constexpr std::uint64_t largest_header = std::uint64_t{1} << 22;
@@ -119,7 +118,7 @@ struct NumberType {
     std::endian order;
 };
 
-/// Absent where it is no number of a machine.
+/// Absent if the type is no machine number.
 std::optional<NumberType> number_type(Bytes message) {
     const std::uint64_t type_class = message.number(1) & 15U;
     const std::uint64_t bits = message.number(3);
@@ -131,7 +130,7 @@ std::optional<NumberType> number_type(Bytes message) {
         if ((bits & ~std::uint64_t{9}) != 0) return std::nullopt;
         return NumberType{false, (bits & 8U) != 0, width, order};
     }
-    // IEEE 754: a leading one that is implied, the sign, then exponent and mantissa (place and size), the bias.
+    // IEEE 754: an implied leading one, the sign, then position and size of exponent and mantissa, the bias.
     const bool wide = width == 8;
     if (width < 4 || (bits & ~std::uint64_t{1}) != (wide ? 0x3F20U : 0x1F20U) ||
         message.number(1) != (wide ? 52 : 23) || message.number(1) != (wide ? 11 : 8) || message.number(1) != 0 ||
@@ -391,7 +390,7 @@ private:
         for (std::size_t i = 0; i < dimensions; ++i) {
             const std::uint64_t edge = array.chunk_shape[i] = message.number(4);
             const auto size = static_cast<std::uint64_t>(array.shape[i]);
-            // Whatever is allocated later is no larger than the file.
+            // Later allocations are no larger than the file.
             if (edge == 0 || array.shape[i] < 1 || chunk_bytes > file_.size() / edge ||
                 expected > file_.size() / ((size - 1) / edge + 1))
                 fail(kind, "its chunks do not fit the file, which is truncated or damaged");
@@ -469,7 +468,7 @@ private:
     std::uint64_t count_of(const Attribute& attribute) const {
         std::uint64_t count = 1;
         for (const std::uint64_t size : dataspace_shape({file_, attribute.shape, "shape of an attribute"}))
-            count = size > 3 || count > 3 ? 4 : count * size;  // more than three are as good as four
+            count = size > 3 || count > 3 ? 4 : count * size;  // more than three count as four
         return count;
     }
 

@@ -41,8 +41,8 @@ FileContent::FileContent(std::string path) : path_(std::move(path)) {
     if (S_ISDIR(status.st_mode)) fail(path_, EISDIR);
     if (!S_ISREG(status.st_mode)) fail(path_, "it is a device or a pipe, not a file");
 
-    // Read, not mapped: a mapped file that another process cuts short ends the program with a signal. On all cores,
-    // into memory on huge pages: most of the time goes into fresh memory and into copying.
+    // The file is read, not mapped: a mapped file that another process truncates ends the program with a signal. All
+    // cores read, into memory on huge pages, because fresh memory and copying take most of the time.
     bytes_.resize(static_cast<std::size_t>(status.st_size));
     const ReadResult result =
         read_in_parallel(file, 0, std::as_writable_bytes(std::span(bytes_.data(), bytes_.size())));

@@ -15,10 +15,10 @@
 
 namespace clsdf {
 
-/// A regular file, whole in memory.
+/// The content of a regular file, in memory.
 class FileContent {
 public:
-    /// Throws Error(unreadable_input) where the file cannot be read or is a folder, a pipe or a device.
+    /// Throws Error(unreadable_input) if the file cannot be read or is a folder, a pipe or a device.
     explicit FileContent(std::string path);
 
     const std::string& path() const { return path_; }
@@ -31,7 +31,7 @@ private:
     UninitializedVector<char> bytes_;
 };
 
-/// The number that the bytes at this address mean in the given byte order.
+/// Reads a number at this address in the given byte order.
 template <typename Number>
 Number load(const std::byte* address, std::endian order) {
     static_assert(std::is_arithmetic_v<Number>);
@@ -56,14 +56,14 @@ enum class MeshFormat { off, obj, stl, ply };
 /// endings there are.
 MeshFormat format_of_ending(const std::string& path);
 
-/// One reader per format. Each throws Error(unreadable_input) where the file is truncated or malformed, with the line
-/// or the element and what was found there, and Error(invalid_mesh) where an index is out of range. Counts in a header
-/// are held against the file's size before anything is allocated by them.
+/// One reader per format. Each throws Error(unreadable_input) if the file is truncated or malformed, with the line or
+/// the element and what was found there, and Error(invalid_mesh) if an index is out of range. Counts in a header are
+/// compared with the file's size before memory is allocated.
 MeshArrays read_off(const FileContent& file);
 MeshArrays read_obj(const FileContent& file);
 MeshArrays read_ply(const FileContent& file);
 
-/// Three vertices of its own for every triangle.
+/// Adds a triangle with three vertices of its own.
 MeshArrays read_stl(const FileContent& file);
 
 }  // namespace clsdf

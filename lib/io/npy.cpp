@@ -96,7 +96,7 @@ struct Dictionary {
     std::optional<std::vector<std::int64_t>> shape;
 };
 
-// Absent where the text is anything else than such a dictionary; members may be absent.
+// Absent if the text is no such dictionary; members may be absent.
 std::optional<Dictionary> parse_dictionary(std::string_view text) {
     DictionaryReader reader(text);
     Dictionary result;
@@ -168,7 +168,7 @@ NpyHeader read_npy_header(InputFile& file) {
 std::string npy_header(const std::string& type, const std::vector<std::int64_t>& shape) {
     std::string dictionary =
         fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
-    // The format asks for values aligned to 64 bytes, and for a line end before them.
+    // The format requires that values are aligned to 64 bytes and follow a line end.
     constexpr std::size_t prefix = 10;
     const std::size_t padding = 63 - (prefix + dictionary.size()) % 64;
     dictionary.append(padding, ' ');

@@ -25,12 +25,12 @@ namespace {
 /// The text before the values of an NRRD file (teem.sourceforge.net/nrrd/format.html).
 class NrrdHeader {
 public:
-    /// Throws Error(unreadable_input) where the header is not one, or has no end.
+    /// Throws Error(unreadable_input) if the header is not one, or has no end.
     explicit NrrdHeader(InputFile& file);
 
-    /// A field's text, or null. Names are compared without case and blanks, as "space origin" or "spaceorigin".
+    /// The text of a header field, or null. Case and blanks in names do not count: "space origin" equals "spaceorigin".
     const std::string* find(const std::string& field) const;
-    /// Throws where the field is missing; `remedy` says what to do.
+    /// Throws if the field is missing; `remedy` says what to do.
     const std::string& require(const std::string& field, const std::string& remedy) const;
     /// The text of a "key:=value" pair, or null.
     const std::string* find_pair(const std::string& key) const;
@@ -335,8 +335,8 @@ const char* name_of(ValueType type) {
     }
 }
 
-// What every reader of NRRD needs; fmt writes the shortest text that reads back as the same double. The components of a
-// sample are an axis of their own, the fastest.
+// The header fields that every reader of NRRD needs. fmt writes the shortest text that reads back as the same double.
+// The components of a sample are the first, fastest axis.
 std::string basic_header(const Grid& grid, const OutputKind& kind) {
     const Vec3 origin = grid.position(0, 0, 0);
     const bool is_vector = kind.components > 1;

@@ -23,7 +23,7 @@ public:
     const std::string& path() const { return path_; }
     std::uint64_t size() const { return size_; }
 
-    /// Throws where the file ends before. Much is read on all cores.
+    /// Throws if the file ends before. Much is read on all cores.
     void read(std::uint64_t offset, std::span<std::byte> bytes);
 
     /// The first bytes, at most `limit`.
@@ -37,7 +37,7 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// Where the values of an array lie in a file, and how they are stored.
+/// The offset, number and type of an array's values in a file.
 struct RawValues {
     ValueType type = ValueType::float32;
     std::endian order = std::endian::little;
@@ -48,16 +48,16 @@ struct RawValues {
 /// From `offset` to the end of the file.
 RawValues values_to_the_end(const InputFile& file, ValueType type, std::endian order, std::uint64_t offset);
 
-/// The number of values of an array of these sizes. Throws where `values` are not just as many, or do not lie in the
-/// file; nothing is allocated before.
+/// The number of values of an array of these sizes. Throws if `values` has another number, or if they exceed the file.
+/// Allocates nothing.
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes);
 
 /// Whether values of one type are read as values of another: doubles are rounded to float, everything else stays.
 bool reads_as(ValueType stored, ValueType wanted);
 
-/// As many values of type `wanted` as there is room for, in this machine's order.
+/// Reads values of type `wanted` until `room` is full, in this machine's byte order.
 void read_values(InputFile& file, const RawValues& values, ValueType wanted, std::span<std::byte> room);
-/// The same of values in memory, which are lost.
+/// The same from values in memory, which are overwritten.
 void convert_values(std::span<std::byte> bytes, const RawValues& values, ValueType wanted, std::span<std::byte> room);
 
 /// Reads one output of the field, whose grid is known; the values have been counted, and their type fits.
@@ -66,7 +66,7 @@ void read_output(InputFile& file, const RawValues& values, const OutputKind& kin
 /// Values of `width` bytes each.
 void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width);
 
-/// Numbers between blanks. Returns false where one is malformed or the count differs.
+/// Numbers between blanks. Returns false if one is malformed or the count differs.
 bool parse_numbers(std::string_view text, std::span<double> numbers);
 bool parse_numbers(std::string_view text, std::span<std::int64_t> numbers);
 

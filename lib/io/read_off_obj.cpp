@@ -17,7 +17,7 @@ struct Counts {
     std::size_t faces;
 };
 
-/// "OFF", or with the letters of what follows each vertex's coordinates: "STOFF", "COFF", "NOFF", "CNOFF" ...
+/// "OFF", or with letters for the values after each vertex's coordinates: "STOFF", "COFF", "NOFF", "CNOFF" ... ...
 void check_keyword(const TextScanner& scanner, std::string_view keyword) {
     std::string_view prefix = keyword.substr(0, keyword.size() - 3);
     if (prefix.starts_with("ST")) prefix.remove_prefix(2);
@@ -36,7 +36,7 @@ std::size_t read_count(TextScanner& scanner, const char* what) {
     return static_cast<std::size_t>(count);
 }
 
-/// The number of edges, which nobody uses, may stand on a line of its own where the other counts do.
+/// The number of edges, which is not used. It may be on a line of its own if the other counts are.
 void skip_edge_count(TextScanner& scanner, bool counts_on_own_lines) {
     if (!counts_on_own_lines || !scanner.at_end_of_line()) return;
     TextScanner ahead = scanner;
@@ -121,8 +121,8 @@ MeshArrays read_off(const FileContent& file) {
 
 namespace {
 
-/// Reads the corners of faces. A face may come before its vertices, so that the upper limit of the indices is known
-/// only at the end of the file; the greatest index and its line are kept until then.
+/// Reads the corners of faces. A face may come before its vertices, so the upper limit of indices is known only at the
+/// end of the file. The greatest index and its line are kept until then.
 class ObjFaces {
 public:
     /// The vertex index of "v", "v/vt", "v//vn" or "v/vt/vn", counted from 0.

@@ -31,7 +31,7 @@ struct PlyElement {
     std::size_t count = 0;
     std::vector<PlyProperty> properties;
 
-    /// The property's place among the others, where there is one.
+    /// The property's index, if the element has it.
     std::optional<std::size_t> find(const std::string& property) const;
 };
 
@@ -137,7 +137,7 @@ std::size_t size_of(PlyType type) {
 std::size_t least_row_bytes(const PlyElement& element, PlyFormat format) {
     std::size_t bytes = 0;
     for (const PlyProperty& property : element.properties)
-        // A digit and what separates it from the next one.
+        // A digit and a separator.
         bytes += format == PlyFormat::ascii ? 2 : size_of(property.count_type.value_or(property.type));
     return bytes;
 }
@@ -168,7 +168,7 @@ const PlyElement* PlyHeader::find(const std::string& element) const {
     return found == elements.end() ? nullptr : &*found;
 }
 
-/// Throws Error(unreadable_input) with the line, also where the elements could not fit into the file.
+/// Throws Error(unreadable_input) with the line, also if the elements could not fit into the file.
 PlyHeader read_ply_header(const FileContent& file) {
     TextScanner scanner(file.text(), file.path(), {});
     if (!scanner.next_line()) scanner.fail("the file is empty");

@@ -106,7 +106,7 @@ bool read_solids(TextScanner& scanner, bool in_solid, std::optional<std::size_t>
     return false;
 }
 
-/// Where parts of a text begin that can be read side by side: behind a facet, or so it seems.
+/// The offsets of parts of a text that can be read in parallel. A part begins after what looks like the end of a facet.
 std::vector<std::size_t> begins_of_parts(std::string_view text) {
     constexpr std::size_t part_bytes = std::size_t{1} << 20;
     constexpr std::string_view end_of_facet = "endfacet";
@@ -119,7 +119,7 @@ std::vector<std::size_t> begins_of_parts(std::string_view text) {
     return begins;
 }
 
-/// Of an empty vector.
+/// Resizes an empty vector, on huge pages if it is large.
 template <class Value>
 void resize_on_huge_pages(std::vector<Value>& values, std::size_t size) {
     values.reserve(size);
@@ -147,7 +147,7 @@ MeshArrays joined(std::span<const MeshArrays> parts) {
     return mesh;
 }
 
-/// Reads the parts of a text on all cores. Nothing where one of them has an error, or does not end where the next one
+/// Reads the parts of a text on all cores. Nothing if one of them has an error, or does not end where the next one
 /// begins, in a solid and between facets: if all do, this is what reading them one after the other gives.
 std::optional<MeshArrays> read_parts(const FileContent& file) {
     const std::vector<std::size_t> begins = begins_of_parts(file.text());

@@ -18,14 +18,14 @@ namespace clsdf {
 namespace {
 
 constexpr std::size_t longest_word = 4096;
-constexpr std::size_t read_chunk = std::size_t{1} << 18;  // so that it ends in a word, or the file is none of ours
+constexpr std::size_t read_chunk = std::size_t{1} << 18;  // longer than any word of a valid file
 constexpr std::string_view blanks = " \t\r\n";
 
 bool is_blank(char letter) {
     return letter == ' ' || letter == '\t' || letter == '\r' || letter == '\n';
 }
 
-/// The number that a text begins with, and where the text goes on; null where it begins with none.
+/// Reads the number at the begin of a text. Returns the position after it; null if there is no number.
 template <class Number>
 const char* parse_number(const char* begin, const char* end, Number& value) {
     auto [stop, error] = std::from_chars(begin, end, value);
@@ -48,7 +48,7 @@ class WordPieces {
 public:
     explicit WordPieces(InputFile& file) : file_(file) {}
 
-    /// The next piece, which ends behind a blank, or with the file. Empty at the end of the file.
+    /// The next piece, which ends after a blank or at the end of the file. Empty at the end of the file.
     void next(std::string& text) {
         text.swap(rest_);
         rest_.clear();
@@ -64,7 +64,7 @@ public:
         text.resize(end);
     }
 
-    /// Puts back what follows in the piece that was given last.
+    /// Puts back the unread rest of the last piece.
     void put_back(std::string_view text) { rest_.insert(0, text); }
 
 private:
@@ -111,7 +111,7 @@ private:
     std::string_view rest_;
 };
 
-/// A piece of the file and what it says.
+/// A piece of the file and its values.
 struct Piece {
     std::string text;
     std::vector<float> values;
@@ -145,7 +145,7 @@ struct Piece {
     }
 };
 
-/// Pieces become values on all cores. As many are on their way as there is room for, and they end in their order.
+/// All cores parse pieces. The number of pieces in work is limited, and they end in order.
 void read_values(InputFile& file, WordPieces& pieces, std::span<float> room) {
     std::array<Piece, 16> slots;
     std::size_t turn = 0;
@@ -222,7 +222,8 @@ public:
             if (i == 0 || std::bit_cast<std::uint32_t>(values[i]) != std::bit_cast<std::uint32_t>(values[i - 1]))
                 length =
                     static_cast<std::size_t>(fmt::format_to(line.data(), FMT_COMPILE("{}\n"), values[i]) - line.data());
-            std::memcpy(end, line.data(), longest_line);  // of constant size, which is cheaper; the next one covers it
+            std::memcpy(end, line.data(),
+                        longest_line);  // a constant size is cheaper; the next line overwrites the rest
             end += length;
         }
         length_ = static_cast<std::size_t>(end - letters_.data());
@@ -235,8 +236,8 @@ private:
     std::size_t length_ = 0;
 };
 
-/// SDFGen's text (github.com/christopherbatty/SDFGen): the samples along x, y and z, the position of the first one, the
-/// one spacing, and the values, one on a line, x fastest.
+/// SDFGen's text (github.com/christopherbatty/SDFGen): the numbers of samples along x, y and z, the position of the
+/// first sample, the spacing, and the values, one per line, x fastest.
 class SdfWriter : public FormatWriter {
 public:
     SdfWriter(const std::string& path, const FieldDescription& field) : file_(path) {
@@ -245,8 +246,8 @@ public:
                                 grid.spacing[0]));
     }
 
-    /// Chunks become text on all cores while those before are written. As many are on their way as there are texts,
-    /// and they end in their order: when one begins, the chunk that had its text before has been written.
+    /// All cores format chunks while earlier chunks are written. There are as many chunks in work as text buffers, and
+    /// they end in order: when a chunk begins, the previous text of its buffer has been written.
     void append(const FieldSlab& slab, std::int64_t) override {
         std::size_t begin = 0, turn = 0;
         const auto next = [&](tbb::flow_control& flow) {

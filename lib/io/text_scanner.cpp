@@ -20,8 +20,8 @@ bool is_line_end(char c) {
     return c == '\n' || c == '\r';
 }
 
-/// from_chars leaves the value alone where it is out of range. The smallest numbers round to zero, the largest to
-/// infinity.
+/// from_chars does not set a value that is out of range. Here numbers that are too small round to zero, and numbers
+/// that are too large to infinity.
 double out_of_range_value(std::string_view word) {
     const bool negative = word.front() == '-';
     const std::size_t exponent = word.find_first_of("eE");

@@ -9,7 +9,7 @@
 
 namespace clsdf {
 
-/// Walks through a text in memory, word by word, and knows the line it is on. Lines end with LF, CR LF or CR.
+/// Reads a text in memory word by word, and counts lines. Lines end with LF, CR LF or CR.
 class TextScanner {
 public:
     struct Syntax {
@@ -20,7 +20,7 @@ public:
     /// Neither the text nor the path is copied.
     TextScanner(std::string_view text, const std::string& path, Syntax syntax, std::size_t first_line = 1);
 
-    /// Skips the rest of this line and any empty ones; false where no line is left. Before the first call the scanner
+    /// Skips the rest of this line and any empty ones; false if no line is left. Before the first call the scanner
     /// stands before the first line.
     bool next_line();
 
@@ -30,14 +30,14 @@ public:
     /// The next word of the text, on this line or a later one; empty at the end of the text.
     std::string_view word_of_text();
 
-    /// The next word of this line as a number; `what` it is, is for the message. Infinite and NaN are numbers, and one
+    /// The next word of this line as a number; `what` describes it in messages. Infinity and NaN are numbers; a number
     /// too large for a double is infinite.
     double real(const char* what);
     std::int64_t integer(const char* what);
 
     bool at_end_of_line();
 
-    /// Skips the end of the line where it comes next, and nothing after it; false where something else comes.
+    /// Skips the end of the line if it comes next, and nothing after it. Returns false if another character comes next.
     bool end_line();
 
     /// The number of the line that the last word came from.

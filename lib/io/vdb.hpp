@@ -2,7 +2,7 @@
 
 #include "field/outputs.hpp"
 
-// Its registries and their types are those of its library, which must find them, whatever this one hides.
+// OpenVDB's types must stay visible: its library looks them up in registries, although clsdf hides its own symbols.
 #pragma GCC visibility push(default)
 #include <openvdb/openvdb.h>
 #pragma GCC visibility pop
@@ -29,8 +29,8 @@ inline openvdb::Coord coordinates(const Index3& index) {
 }
 
 /// Outputs of whole numbers are in an Int32Grid, those of up to three doubles in a Vec3DGrid, of floats in a Vec3SGrid.
-/// Numbers of a byte are widened, and vectors of two components get a third one, which is 0; beyond the band all bits
-/// are set there, too.
+/// Bytes are widened, and vectors of two components get a third one, which is 0. Beyond the band all bits are set, as
+/// in the field.
 inline std::size_t sample_bytes_in_grid(const OutputKind& kind) {
     return is_whole(kind.type) ? sizeof(std::int32_t) : 3 * width_of(kind.type);
 }

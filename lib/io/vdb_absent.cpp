@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-// In place of vdb_write.cpp and vdb_read.cpp where the library is built without OpenVDB.
+// Replaces vdb_write.cpp and vdb_read.cpp if the library is built without OpenVDB.
 
 namespace clsdf {
 namespace {

@@ -59,7 +59,7 @@ public:
         return result;
     }
 
-    // The block of samples: as stated, or around everything that is active.
+    // The block of samples: as stated, or the box around all active voxels.
     void set_block(Grid& grid, const openvdb::FloatGrid& distance, const std::optional<Index3>& stated) const {
         const openvdb::CoordBBox active = distance.evalActiveVoxelBoundingBox();
         if (stated && (active.empty() || (active.min() >= Coord(0) && fits(active.max(), *stated)))) {

@@ -18,9 +18,8 @@ constexpr std::size_t header_length = uuid_begin + uuid_length;
 constexpr std::string_view uuid_of_ours = "c15df000-0000-8000-";  // then the checksum, as xxxx-xxxxxxxxxxxx
 constexpr std::size_t chunk = std::size_t{1} << 16;
 
-// Of words of eight bytes: byte by byte it took a quarter of the time of writing the file. Each step is one to one, so
-// that no change within one word goes unnoticed; the rotation takes the upper bits, which a product leaves where they
-// are, to the lower ones.
+// A checksum over words of eight bytes, for speed. Each step is one-to-one, so no change within one word goes
+// unnoticed. The rotation moves the upper bits, which do not affect lower bits of a product, to the lower end.
 class Checksum {
 public:
     void add(std::string_view bytes) {
@@ -44,7 +43,8 @@ private:
     std::uint64_t sum_ = 0;
 };
 
-// Of the whole file but the UUID, and of its length: an incomplete word looks like one that ends in zeros.
+// The checksum of the whole file without the UUID, and of its length, because an incomplete last word is padded with
+// zeros.
 std::string expected_uuid(InputFile& file) {
     Checksum checksum;
     std::string bytes = file.beginning(header_length);
@@ -75,7 +75,7 @@ bool check_vdb_seal(InputFile& file) {
     if (!beginning.starts_with(magic)) file.fail("not a VDB file: it does not begin with \" BDV\"");
     if (beginning.size() < header_length) file.fail("the file is truncated in its header");
     const std::string_view uuid = std::string_view(beginning).substr(uuid_begin, uuid_length);
-    // The second mark is the description, where the first one is damaged.
+    // If the first mark, the UUID, is damaged, the description is the second.
     const bool is_ours = uuid.starts_with(uuid_of_ours) || beginning.find(R"("program": "clsdf )") != std::string::npos;
     if (is_ours && uuid != expected_uuid(file)) file.fail("its checksum is wrong: the file is damaged or truncated");
     return is_ours;

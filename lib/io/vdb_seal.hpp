@@ -6,13 +6,14 @@
 
 namespace clsdf {
 
-/// A .vdb file has no checksums, and a random UUID. Ours have both in one: a UUID that says so and holds a checksum of
-/// all other bytes. The same field has the same bytes, and a damaged one is found out before OpenVDB trusts it.
+/// A .vdb file has a random UUID and no checksum. clsdf writes a UUID that identifies clsdf and holds a checksum of all
+/// other bytes. So the same field has the same bytes, and a damaged file is detected before OpenVDB reads it.
 
-/// Gives a finished file its UUID. Throws std::runtime_error where it cannot be read or written.
+/// Gives a finished file its UUID. Throws std::runtime_error if it cannot be read or written.
 void seal_vdb(const std::string& path);
 
-/// Throws Error(unreadable_input) where the file is none, or one of ours and damaged. Returns whether it is ours.
+/// Throws Error(unreadable_input) if the file is no .vdb file, or if clsdf wrote it and it is damaged. Returns whether
+/// clsdf wrote it.
 bool check_vdb_seal(InputFile& file);
 
 }  // namespace clsdf

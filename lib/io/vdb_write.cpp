@@ -78,7 +78,7 @@ public:
     OutputTree& operator=(const OutputTree&) = delete;
     virtual ~OutputTree() = default;
 
-    /// `distance` and `values` are those of the layer; a sample is active where its distance is in the band.
+    /// `distance` and `values` are those of the layer; a sample is active if its distance is in the band.
     virtual void add(const Layer& layer, std::span<const float> distance, std::span<const std::byte> values) = 0;
     virtual openvdb::GridBase::Ptr finish() = 0;
 };
@@ -97,7 +97,7 @@ struct Block {
     bool is_whole() const { return size == whole_leaf; }
     std::size_t first_sample() const { return sample(0, 0); }
 
-    /// Whether it holds for all rows: calls with j, k and the row's first sample in the layer.
+    /// Whether a predicate holds for all rows; its arguments are j, k and the row's first sample in the layer.
     template <class Predicate>
     bool all_rows(const Predicate& predicate) const {
         for (std::int64_t k = 0; k < size[2]; ++k)
@@ -112,7 +112,7 @@ private:
     }
 };
 
-/// Leaves are made on all cores, and hung into the tree in their order.
+/// All cores make leaves, which are added to the tree in order.
 template <class GridType>
 class TreeOf : public OutputTree {
 public:
@@ -139,7 +139,7 @@ public:
     openvdb::GridBase::Ptr finish() override { return grid_; }
 
 protected:
-    /// A leaf, a tile, or what the tree has without either.
+    /// A leaf, a tile, or nothing if the tree's background suffices.
     struct Part {
         std::unique_ptr<Leaf> leaf;
         std::optional<Value> tile;
@@ -177,7 +177,7 @@ private:
     typename GridType::Ptr grid_;
 };
 
-/// The samples of the band are active; what lies inside beyond it is filled by tiles, and outside is the background.
+/// The samples of the band are active. Tiles fill the inside beyond the band; the outside is the background.
 class DistanceTree : public TreeOf<openvdb::FloatGrid> {
 public:
     explicit DistanceTree(const Fill& fill) : TreeOf(fill, fill.outside) {}
@@ -188,9 +188,10 @@ public:
     }
 
     openvdb::GridBase::Ptr finish() override {
-        // Programs do arithmetic with the background: a field without end has its largest distance there.
+        // Programs compute with the background, so it must be finite: if the band has no end, it is the largest
+        // distance.
         if (!std::isfinite(fill().outside)) grid().tree().root().setBackground(farthest_, true);
-        // Tiles are merged where values compare equal, as 0.0 and -0.0 do.
+        // Tiles with equal values are merged, and 0.0 equals -0.0.
         if (fill().outside != 0 && fill().inside != 0) openvdb::tools::pruneTiles(grid().tree());
         return TreeOf::finish();
     }
@@ -225,7 +226,7 @@ private:
     float farthest_ = 0;
 };
 
-/// Another output, with a background that means "beyond the band".
+/// The tree of another output, whose background means "beyond the band".
 template <class GridType>
 class ExtraTree : public TreeOf<GridType> {
 public:
@@ -248,7 +249,7 @@ private:
     }
 };
 
-/// Throws Error(unsupported), with the file's path, for an output that .vdb has no place for.
+/// Throws Error(unsupported), with the file's path, for an output that .vdb cannot store.
 std::unique_ptr<OutputTree> tree_for(const OutputKind& kind, const Fill& fill, const std::string& path) {
     if (std::string_view(kind.name) == distance_kind().name) return std::make_unique<DistanceTree>(fill);
     if (!fits_grid(kind))
@@ -281,7 +282,8 @@ openvdb::math::Transform::Ptr transform_of(const Grid& grid, const std::string& 
             map.reset(new openvdb::math::UniformScaleTranslateMap(h[0], translation));
         else
             map.reset(new openvdb::math::ScaleTranslateMap(openvdb::Vec3d(h[0], h[1], h[2]), translation));
-        // Made from a map, a transform rounds the spacing to the origin's last place; read from a file it does not.
+        // A transform that is made from a map rounds the spacing to the last place of the origin; one that is read from
+        // a file does not.
         std::stringstream stream;
         openvdb::io::setCurrentVersion(stream);
         openvdb::writeString(stream, map->type());
@@ -296,7 +298,7 @@ openvdb::math::Transform::Ptr transform_of(const Grid& grid, const std::string& 
     }
 }
 
-/// OpenVDB's own archive, on a stream that says when the disk is full.
+/// OpenVDB's archive, on a stream that reports a full disk.
 class Archive : public openvdb::io::Archive {
 public:
     void write(const std::string& path, const openvdb::GridCPtrVec& grids) const {
@@ -316,7 +318,7 @@ public:
           kinds_(kinds_of(outputs)),
           transform_(transform_of(field.grid, path)),
           file_(path) {
-        file_.temporary();  // throws where it has none
+        file_.temporary();  // throws if it has none
         const Fill fill{static_cast<float>(field.band.outside), -static_cast<float>(field.band.inside)};
         for (const OutputKind& kind : kinds_) trees_.push_back(tree_for(kind, fill, path));
         pending_.resize(kinds_.size());
@@ -393,14 +395,15 @@ private:
         }
     }
 
-    // What OpenVDB's tools take one for: cubic voxels, a sign, and a background that is the half width.
+    // OpenVDB's definition of a level set: cubic voxels, a sign, and the half width as background.
     bool is_level_set() const {
         const Vec3& h = field_.grid.spacing;
         return h[0] == h[1] && h[0] == h[2] && std::isfinite(field_.band.outside) && field_.band.outside > 0 &&
                field_.sign != SignRule::none;
     }
 
-    // Inactive values are left out where they are one of two, which are compared as numbers: not where one is a zero.
+    // OpenVDB leaves out inactive values if a leaf has at most two of them, and compares them as numbers. So this is
+    // off if one of them is zero.
     std::uint32_t compression() const {
         const bool has_zero = field_.band.inside == 0 || field_.band.outside == 0;
         const std::uint32_t mask = has_zero ? 0U : std::uint32_t{openvdb::io::COMPRESS_ACTIVE_MASK};

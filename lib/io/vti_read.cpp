@@ -41,7 +41,7 @@ struct VtiDocument {
     std::string scalars;  ///< the name of the array that PointData calls so
     std::vector<VtiArray> point_arrays;
     std::vector<VtiArray> field_arrays;
-    std::string appended_encoding;  ///< "raw" or "base64"; empty where nothing follows
+    std::string appended_encoding;  ///< "raw" or "base64"; empty if nothing follows
     std::uint64_t appended_begin = 0;
 };
 
@@ -59,7 +59,7 @@ bool is_blank(char letter) {
 }
 
 /// The bytes of a text in base64 (RFC 4648), blanks between the letters; padded parts may follow one another. Null
-/// where it is none.
+/// if it is none.
 std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
     std::vector<std::byte> bytes;
     bytes.reserve(text.size() / 4 * 3);
@@ -84,8 +84,8 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
 constexpr std::size_t chunk = std::size_t{1} << 16;
 constexpr std::uint64_t farthest_marker = 4096;  // blanks between <AppendedData> and its underscore
 
-/// Fills a document from the callbacks of expat. No exception may pass through its C code, so the first complaint is
-/// kept and the parser stopped.
+/// Fills a document from the callbacks of expat. No exception may pass through its C code, so the first error is kept
+/// and the parser is stopped.
 class VtiParser {
 public:
     VtiParser() : parser_(XML_ParserCreate(nullptr)) {
@@ -233,7 +233,7 @@ private:
         document_.appended_encoding = text(attributes, "encoding");
         document_.appended_begin = static_cast<std::uint64_t>(XML_GetCurrentByteIndex(parser_.get())) +
                                    static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser_.get()));
-        // What follows need not be XML.
+        // The appended data need not be XML.
         stop();
     }
 
@@ -306,7 +306,7 @@ public:
         if (array.format == "binary") {
             std::vector<std::byte> bytes = decoded(array);
             const RawValues values{*type, document_.order, 0, bytes.size()};
-            checked_count(file_, values, sizes);  // base64 is longer than what it stands for, and lies in the file
+            checked_count(file_, values, sizes);  // base64 is longer than the values, and lies in the file
             convert_values(bytes, values, kind.type, allocate_output(kind, field));
         } else {
             const RawValues values = appended(array, *type);

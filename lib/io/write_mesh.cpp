@@ -15,7 +15,7 @@ namespace clsdf {
 
 namespace {
 
-/// Gathers text and hands it to the file in large pieces.
+/// Buffers text and writes it to the file in large pieces.
 class TextWriter {
 public:
     explicit TextWriter(AtomicFile& file) : file_(file) {}
@@ -68,13 +68,13 @@ std::array<float, 3> unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     const Vec3 n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
     const double length = std::hypot(n[0], n[1], n[2]);
-    // Readers take zero for a normal that follows from the vertices.
+    // A zero normal tells readers to compute it from the vertices.
     if (!(length > 0) || !std::isfinite(length)) return {};
     return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
 
 void write_stl(const Mesh& mesh, AtomicFile& file) {
-    // Not "solid", which would make readers take the file for text.
+    // Not "solid": readers would take the file for text.
     std::array<std::byte, 84> header{};
     constexpr std::string_view comment = "binary STL written by clsdf";
     for (std::size_t i = 0; i < comment.size(); ++i) header[i] = static_cast<std::byte>(comment[i]);

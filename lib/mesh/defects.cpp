@@ -11,7 +11,7 @@ namespace clsdf {
 
 namespace {
 
-/// Sets of vertices that grow together.
+/// Disjoint sets of vertices (union-find).
 class Parts {
 public:
     explicit Parts(std::size_t vertex_count) : parent_(vertex_count) {

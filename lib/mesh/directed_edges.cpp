@@ -33,8 +33,8 @@ bool has_repeated_vertex(const Triangle& triangle) {
 
 DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction)
     : start_(vertex_count + 2) {
-    // Each task looks at all triangles, for the edges of its own vertices: on two cores twice as fast as counters that
-    // threads share. Both directions are filed at a time. Many tasks would wait for memory.
+    // Each task looks at all triangles and files the edges of its own vertices, so threads share no counters. Both
+    // directions are filed at once. More tasks would be limited by memory bandwidth.
     constexpr int most_tasks = 8;
     const auto tasks = static_cast<std::size_t>(std::clamp(tbb::this_task_arena::max_concurrency() / 2, 1, most_tasks));
     const auto for_each_edge_of_all = [&](const auto& visit) {
@@ -47,7 +47,7 @@ DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t ve
                 });
         });
     };
-    // Counted one place further on, so that filling turns each list's start into the next one's.
+    // Counts are stored one element further on: after the fill pass each entry is the start of its list.
     for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t) { ++start_[lower + 2]; });
     std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
     higher_.resize(start_.back());

@@ -11,8 +11,8 @@
 
 namespace clsdf {
 
-/// The edges that triangles run along in one direction, by the lower of the two vertices' indices: from it, or to it.
-/// Triangles with repeated vertices have none.
+/// The directed edges of triangles, by the lower of the two vertex indices: those that run from it, or those that run
+/// to it. Triangles with repeated vertices have none.
 class DirectedEdges {
 public:
     enum class Direction { from_lower, to_lower };
@@ -25,7 +25,7 @@ public:
     }
 
 private:
-    std::vector<std::size_t> start_;  // of each vertex in higher_, and the end of the last
+    std::vector<std::size_t> start_;  // for each vertex, its begin in higher_; then the end of the last
     UninitializedVector<std::uint32_t> higher_;
 };
 

@@ -13,8 +13,8 @@ namespace clsdf {
 
 namespace {
 
-/// The coordinates as integers that are equal exactly where the coordinates are. NaNs compare by their bits here, so
-/// that a million of them do not make a million different entries of one hash.
+/// The coordinates as integers, which are equal if and only if the coordinates are. NaNs compare by their bits, so that
+/// a million of them are not a million different entries of one hash.
 using Key = std::array<std::uint64_t, 3>;
 
 Key key_of(const Vec3& vertex) {
@@ -48,12 +48,12 @@ private:
 };
 
 HashGroups::HashGroups(std::span<const std::uint64_t> hashes) {
-    // A group's table stays in the caches.
+    // The hash table of a group fits the caches.
     constexpr std::size_t group_size = 8192;
     const auto bits = static_cast<unsigned>(std::bit_width(hashes.size() / group_size));
     const std::size_t groups = std::size_t{1} << bits;
     const auto group_of = [&](std::size_t v) { return bits == 0 ? 0 : hashes[v] >> (64 - bits); };
-    // Stretches of the vertices are sorted side by side: first how many of each go where.
+    // Sub-ranges of the vertices are sorted in parallel: first the number of each one's vertices per group.
     const std::size_t stretch_size = std::max(group_size, hashes.size() / 64 + 1);
     const std::size_t stretches = std::max<std::size_t>(1, stretch_count(hashes.size(), stretch_size));
     const auto for_each_vertex = [&](const auto& visit) {

@@ -28,7 +28,7 @@ bool is_finite(const Vec3& point) {
     return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
 }
 
-/// Throws where one of the triangle's indices is out of range, or its vertex not finite.
+/// Throws if one of the triangle's indices is out of range, or its vertex not finite.
 void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
                   const std::string& name) {
     for (const std::uint32_t index : triangles[t]) {
@@ -44,7 +44,7 @@ void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::v
     }
 }
 
-/// What a stretch of the triangles is like.
+/// The properties of a sub-range of the triangles.
 struct Examined {
     Box box;
     std::size_t first_bad = std::numeric_limits<std::size_t>::max();  ///< triangle that throw_if_bad() throws for
@@ -58,7 +58,7 @@ struct Examined {
     }
 };
 
-/// Throws where an index is out of range or a vertex in use is not finite, and returns the box of the vertices in use.
+/// Throws if an index is out of range or a vertex in use is not finite, and returns the box of the vertices in use.
 Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const std::string& name) {
     if (triangles.empty()) throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle", name));
     // 0xFFFFFFFF is the index that means no triangle.

@@ -6,7 +6,7 @@ namespace clsdf::shapes {
 
 namespace {
 
-/// Turns the vertices about z, then y, then x, by angles that no simple fraction of a turn explains.
+/// Turns the vertices about z, then y, then x, by angles that are no simple fractions of a turn.
 void tilt(MeshArrays& mesh) {
     constexpr Vec3 angles{0.173, 0.311, 0.237};
     for (Vec3& vertex : mesh.vertices)

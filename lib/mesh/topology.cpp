@@ -86,7 +86,7 @@ struct EdgeCounts {
         }
     }
 
-    /// Of vertices that come after this one's.
+    /// Adds the counts of the vertices after these.
     void append(const EdgeCounts& later) {
         non_manifold += later.non_manifold;
         unbalanced.insert(unbalanced.end(), later.unbalanced.begin(), later.unbalanced.end());
@@ -135,8 +135,8 @@ void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Trian
 
 /// Whether the enclosed volume is negative by more than its rounding error.
 bool encloses_negative_volume(const Mesh& mesh) {
-    // Halves, because the difference of the largest numbers would overflow; the centre, because far from the origin
-    // the volume would drown.
+    // Halves avoid overflow of the difference of the largest numbers. Relative to the centre, the volume is not lost in
+    // rounding far from the origin.
     const Box& box = mesh.box();
     Vec3 centre{};
     double half_side = 0;

@@ -7,22 +7,22 @@
 
 namespace clsdf::picture {
 
-/// Where the picture's right, its upper side and the viewer are: unit vectors of a right-handed frame.
+/// The directions to the picture's right, to its upper side and to the viewer: a right-handed frame of unit vectors.
 struct ViewFrame {
     Vec3 right;
     Vec3 up;
     Vec3 back;
 };
 
-/// Throws Error(invalid_argument) where an angle is out of range.
+/// Throws Error(invalid_argument) if an angle is out of range.
 ViewFrame frame_of(const View& view);
 
 /// From pixels to rays. Points are in the mesh's units, from any origin.
 class Camera {
 public:
-    /// So that every one of the points is seen, with what is up to `around` from it and some room, in a picture of
-    /// `width` x `height` pixels; a height of 0 makes the width the longer side and chooses the other one. There is at
-    /// least one point.
+    /// A camera that sees all points, with `around` and a margin on each side, in a picture of `width` x `height`
+    /// pixels. If the height is 0, the width is the length of the longer side, and the other one is chosen. There must
+    /// be at least one point.
     Camera(const View& view, std::span<const Vec3> points, double around, int width, int height);
 
     int width() const { return width_; }

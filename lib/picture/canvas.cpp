@@ -40,7 +40,7 @@ double part_of(Place place) {
     return place == Place::start ? 0 : place == Place::middle ? 0.5 : 1;
 }
 
-/// As far as cairo's images reach. Of a recording without bounds cairo 1.16 never frees what it puts into a PDF.
+/// The largest extent of cairo's images. cairo 1.16 never frees a recording without bounds that it puts into a PDF.
 constexpr cairo_rectangle_t largest_sheet{-32767, -32767, 65534, 65534};
 
 }  // namespace
@@ -127,7 +127,7 @@ std::string Canvas::choose_font(const std::string& text, const TextStyle& style)
     cairo_select_font_face(context, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                            style.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(context, style.size);
-    // Where no font is installed, cairo has letters of its own, without a minus sign among them.
+    // If no font is installed, cairo uses letters of its own, which lack a minus sign.
     const bool poor = cairo_scaled_font_get_type(cairo_get_scaled_font(context)) == CAIRO_FONT_TYPE_USER;
     return poor ? in_ascii(text) : text;
 }

@@ -33,7 +33,7 @@ struct Pen {
     std::vector<double> dashes;  ///< lengths of dash and gap; none: a line without gaps
 };
 
-/// Where a text's anchor is in it.
+/// The position of the anchor in a text.
 enum class Place { start, middle, end };
 
 struct TextStyle {
@@ -52,9 +52,9 @@ struct Raster {
     std::vector<std::uint32_t> pixels;
 };
 
-/// Paper without edges: draw anywhere, and what was drawn becomes a picture that is as large as it has to be. Lengths
-/// are in pixels. Text is UTF-8, in DejaVu Sans or what is nearest to it; on a machine without any font it is drawn in
-/// strokes, and in ASCII. Functions throw Error(out_of_memory).
+/// An unbounded canvas: the picture becomes as large as the drawing. Lengths are in pixels. Text is UTF-8, in DejaVu
+/// Sans or the nearest font; on a machine without fonts it is drawn in strokes, and in ASCII. Functions throw
+/// Error(out_of_memory).
 class Canvas {
 public:
     Canvas();
@@ -79,7 +79,7 @@ public:
         Canvas& canvas_;
     };
 
-    /// What was drawn, on white with a margin around it, as the bytes of a file.
+    /// The drawing on white with a margin around it, as the bytes of a file.
     std::string png(double margin) const;
     /// The same, `points_per_pixel` points (1/72 inch) large per pixel.
     std::string pdf(double margin, double points_per_pixel) const;
@@ -98,7 +98,7 @@ private:
     static Surface image_of(const Raster& raster, cairo_format_t format);
     Rectangle sheet(double margin) const;
     void replay(cairo_surface_t* target, const Rectangle& sheet, double scale) const;
-    /// The text as the font that it chooses can show it.
+    /// The text in the characters that the chosen font has.
     std::string choose_font(const std::string& text, const TextStyle& style) const;
 
     Surface recording_;

@@ -10,7 +10,7 @@ constexpr double cap_height = 26;  // units
 constexpr double cap_gap = 7;
 constexpr double label_gap = 10;
 
-// The bar itself is a plane of one column of values, so that it shows what the slices show.
+// The bar is drawn as a plane with one column of values, so it has the colours of the slices.
 Plane plane_of(const ColourBar& bar) {
     Plane plane;
     plane.size = {2, 2};
@@ -20,7 +20,7 @@ Plane plane_of(const ColourBar& bar) {
     return plane;
 }
 
-// The levels' numbers where they do not run into one another: all, every second or every fifth from zero.
+// The numbers of the levels without overlaps: all, every second or every fifth from zero.
 std::int64_t label_stride(const Scale& levels, double pixels_per_value, double text_height) {
     if (levels.values.size() < 2) return 1;
     const double apart = (levels.values[1] - levels.values[0]) * pixels_per_value;

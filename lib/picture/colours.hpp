@@ -9,9 +9,9 @@ namespace clsdf::picture {
 /// Red, green and blue, 0 ... 1, sRGB.
 using Colour = std::array<double, 3>;
 
-/// A colour for every distance. Signed: blues inside and oranges outside, which readers with any colour vision and grey
-/// copies by the iso-lines can tell apart; the farther from the surface the stronger, equally on both sides. Unsigned:
-/// from yellow over green to blue. Beyond the band: flat and paler. What is not a number is grey.
+/// A colour for every distance. Signed: blue inside and orange outside, stronger with the distance, equally on both
+/// sides. Readers with any colour vision can tell them apart; in grey copies iso-lines help. Unsigned: from yellow over
+/// green to blue. Beyond the band: flat and paler. NaN is grey.
 class Colours {
 public:
     /// `lower` <= 0 <= `upper` are the least and the greatest distance that occur.

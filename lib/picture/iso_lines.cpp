@@ -8,7 +8,7 @@
 namespace clsdf::picture {
 namespace {
 
-// Edges of the lattice are numbered: twice their lower left sample, and one more where they lead upwards.
+// The number of a lattice edge: twice its lower left sample, plus one if it leads upwards.
 using Edge = std::int64_t;
 using Links = std::array<Edge, 2>;  // the edges that the line goes on to, one in each square beside this edge
 constexpr Edge none = -1;
@@ -22,7 +22,8 @@ public:
 
     std::vector<Polyline> lines() {
         std::vector<Polyline> result;
-        // Open lines from an end; what is left after them is closed. In the order of the squares, not of the map.
+        // First the open lines, from an end; the remaining lines are closed. The order is that of the squares, not of
+        // the map.
         for (const Edge edge : order_)
             if (!drawn(edge) && links_.at(edge)[1] == none) result.push_back(follow(edge));
         for (const Edge edge : order_)
@@ -62,7 +63,7 @@ private:
             case 7:
                 return join(left, top);
             case 5: {
-                // The saddle of the bilinear interpolant is above where the corners above are joined through it.
+                // If the saddle of the bilinear interpolant is above the level, it joins the two corners above.
                 const double saddle = (corners[0] * corners[2] - corners[1] * corners[3]) /
                                       (corners[0] + corners[2] - corners[1] - corners[3]);
                 const bool first_joined = (saddle >= level_) == (above == 5);

@@ -61,7 +61,7 @@ void draw_iso_lines(Canvas& canvas, const Frame& frame, const Manner& manner, do
     }
 }
 
-// Ticks as near to one another as their labels allow, but not nearer than looks well.
+// Ticks are as close as their labels allow, with a minimum distance.
 template <class LabelLength>
 Scale ticks_along(double lower, double upper, double pixels, double unit, const LabelLength& label_length) {
     Scale scale;
@@ -140,7 +140,7 @@ void draw_axis_left(Canvas& canvas, const Plane& plane, const Rectangle& area, c
     TextStyle name_style = style;
     name_style.horizontal = Place::middle;
     name_style.vertical = Place::end;
-    // A single letter is read upright, a remark along the axis.
+    // A single letter is drawn upright, a longer text along the axis.
     name_style.upwards = !ticks.remark.empty();
     if (!name_style.upwards) {
         name_style.horizontal = Place::end;

@@ -6,7 +6,7 @@
 
 namespace clsdf::picture {
 
-/// What all slices of a field are drawn with.
+/// The settings that all slices of a field share.
 struct Manner {
     Manner(const Colours& given_colours, bool given_zero_line, double given_unit)
         : colours(given_colours), zero_line(given_zero_line), unit(given_unit) {}
@@ -27,7 +27,7 @@ inline constexpr double text_size = 21;  // units
 /// The plane in a rectangle of whole pixels: colours, iso-lines and a frame.
 void draw_plane(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner);
 
-/// The axis under the rectangle, or the one left of it: ticks, numbers and the axis' name; `bare`: ticks alone.
+/// The axis below the rectangle, or left of it: ticks, numbers and the axis' name; `bare`: ticks alone.
 void draw_axis_below(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner, bool bare);
 void draw_axis_left(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner, bool bare);
 

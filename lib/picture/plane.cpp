@@ -29,25 +29,25 @@ void check(const Grid& grid, const Slice& slice, const std::array<Axis, 2>& axes
                                     name_of(axis), name_of(slice.axis)));
 }
 
-// Tells samples of the band from those beyond it, which carry its half widths.
+// Decides which samples are beyond the band: they have its half widths.
 class Limits {
 public:
     explicit Limits(const Band& band)
         : inside_(-static_cast<double>(static_cast<float>(band.inside))),
           outside_(static_cast<double>(static_cast<float>(band.outside))) {}
 
-    // A zero with a plus sign is exact also where the band has no inside, and minus zero what is beyond.
+    // If the band has no inside, +0 is an exact distance, and -0 is beyond the band.
     bool within(double value) const {
         return (value > inside_ || (value == 0 && !std::signbit(value))) && value < outside_;
     }
 
-    /// What the value may not fall short of: it is beyond the band, whatever its neighbours suggest.
+    /// The least magnitude of the value: the sample is beyond the band.
     double beyond(double value, double continued) const {
         return std::signbit(value) ? std::min(continued, inside_ - tiny) : std::max(continued, outside_);
     }
 
 private:
-    // Minus zero, inside of a band that has only an outside, becomes a number below zero.
+    // If the band has only an outside, -0 inside becomes a number below zero.
     static constexpr double tiny = std::numeric_limits<double>::min();
     double inside_;
     double outside_;
@@ -56,7 +56,7 @@ private:
 constexpr std::array<std::array<int, 2>, 8> neighbours{
     {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 1}, {-1, 1}, {-1, -1}, {1, -1}}};
 
-// The mean of the straight lines through two samples of the band each that lead to this one.
+// The mean of the linear extrapolations from two neighbouring samples of the band in each direction.
 double continued(const Plane& plane, const std::vector<double>& values, const Limits& limits, std::int64_t column,
                  std::int64_t row) {
     const auto value = [&](std::int64_t steps, std::int64_t right, std::int64_t up) {
@@ -110,7 +110,7 @@ double Plane::at(double column, double row) const {
     const auto j = std::clamp<std::int64_t>(static_cast<std::int64_t>(row), 0, size[1] - 2);
     const double s = column - static_cast<double>(i);
     const double t = row - static_cast<double>(j);
-    // Between equal values exactly theirs: beyond the band rounding would draw the line of its limit.
+    // The interpolation of equal values is exact: otherwise rounding would draw the line of the band's limit.
     const auto between = [](double from, double to, double part) { return from + part * (to - from); };
     return between(between(sample(i, j), sample(i + 1, j), s), between(sample(i, j + 1), sample(i + 1, j + 1), s), t);
 }

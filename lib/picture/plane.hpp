@@ -13,8 +13,8 @@ namespace clsdf::picture {
 struct Plane {
     std::array<Axis, 2> axes{Axis::x, Axis::y};  ///< to the right, upwards
     std::array<std::int64_t, 2> size{};          ///< columns, rows; each >= 2
-    std::array<double, 2> lower{};               ///< where the first column and row are, in the mesh's units
-    std::array<double, 2> upper{};               ///< where the last ones are
+    std::array<double, 2> lower{};               ///< position of the first column and row, in the mesh's units
+    std::array<double, 2> upper{};               ///< position of the last ones
     std::vector<double> values;                  ///< columns fastest
 
     double sample(std::int64_t column, std::int64_t row) const {
@@ -25,11 +25,11 @@ struct Plane {
     double at(double column, double row) const;
 };
 
-/// Throws Error(invalid_argument) where the field has no such slice, or the slice fewer than two samples a side.
+/// Throws Error(invalid_argument) if the field has no such slice, or the slice fewer than two samples a side.
 ///
-/// Where the band ends between two samples, the outer one only says that it is beyond. There the values of the inner
-/// ones are continued in a straight line, so that what is drawn ends where the band does and not in stairs of voxels.
-/// No sample within the band is changed, and none beyond it comes back in.
+/// If the band ends between two samples, the outer one has no distance. Its value is extrapolated linearly from the
+/// inner ones, so that the drawing ends at the band's limit and not in stairs of voxels. No sample within the band is
+/// changed, and no sample beyond it gets a value within it.
 Plane plane_of(const Field& field, const Slice& slice, const std::array<Axis, 2>& axes);
 
 /// The two other axes: x before y before z.

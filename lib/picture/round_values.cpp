@@ -9,7 +9,7 @@
 namespace clsdf::picture {
 namespace {
 
-constexpr double rounding = 1e-9;  // of a step: what a multiple may miss its limit by and still be in
+constexpr double rounding = 1e-9;  // of a step: tolerance of the limits
 
 std::string with_minus_signs(std::string text) {
     for (std::size_t at = 0; (at = text.find('-', at)) != std::string::npos;) text.replace(at, 1, "\u2212");
@@ -43,7 +43,7 @@ double round_step(double least) {
 std::vector<double> round_values(double lower, double upper, double step) {
     std::vector<double> values;
     const double last = std::floor(upper / step + rounding);
-    // Where the limits are so large that steps drown in their rounding, nothing round lies between them.
+    // If the limits are so large that a step is less than their rounding, there are no round values between them.
     for (double n = std::ceil(lower / step - rounding); n <= last && values.size() < 1000; ++n)
         values.push_back(n * step + 0.0);  // no -0
     return values;

@@ -11,12 +11,12 @@ double round_step(double least);
 /// The multiples of `step` within [lower, upper], ascending; zero is exact.
 std::vector<double> round_values(double lower, double upper, double step);
 
-/// Numbers along an axis or a colour bar, with just the digits that tell them apart. What they have in common is said
-/// once: value = label x 10^exponent + offset.
+/// Numbers along an axis or a colour bar, with the fewest digits that distinguish them. A common factor and a common
+/// offset are stated once: value = label x 10^exponent + offset.
 struct Scale {
     std::vector<double> values;
     std::vector<std::string> labels;
-    /// "" or " × 10⁻⁶" or " − 1000000": what is to be done to the axis' quantity to get at the labels' numbers.
+    /// "" or " × 10⁻⁶" or " − 1000000": the text after the axis' name that states factor and offset.
     std::string remark;
 };
 

@@ -118,8 +118,7 @@ double Scene::position_of(const Cut& cut) const {
     return position;
 }
 
-// Wide differences make smooth shades, where they reach neither what is beyond the band nor, without a sign, beyond the
-// mesh.
+// Wide differences make smooth shades. They must not reach samples beyond the band or, without a sign, beyond the mesh.
 bool Scene::has_room_for_gradients() const {
     const double reach = 3 * std::max({field_.grid.spacing[0], field_.grid.spacing[1], field_.grid.spacing[2]});
     const double inner = samples_.has_sign() ? -field_.band.inside : 0;

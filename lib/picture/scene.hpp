@@ -10,8 +10,7 @@
 
 namespace clsdf::picture {
 
-/// A surface of a field, and how it is looked at. Points and lengths are in the mesh's units, from the field's first
-/// sample.
+/// A surface of a field, and the view of it. Points and lengths are in the mesh's units, from the field's first sample.
 class Scene {
 public:
     /// As SurfacePictures.
@@ -24,9 +23,9 @@ public:
     const Vec3& origin() const { return origin_; }
     Axis upright() const { return upright_; }
 
-    /// Throws Error(invalid_argument) where an option makes no sense.
+    /// Throws Error(invalid_argument) if an option makes no sense.
     Camera camera(const SurfaceOptions& options) const;
-    /// Colours, and iso-lines at round distances that are no nearer to one another than lines can be drawn.
+    /// Colours, and iso-lines at round distances with a minimum gap.
     Manner manner(const Camera& camera) const;
     SurfaceShading shading(const SurfaceOptions& options, const Camera& camera, const Manner& manner) const;
     /// `rays` in each direction of a pixel.
@@ -44,7 +43,7 @@ private:
     double offset_;
     Tracer tracer_;
     Vec3 origin_;               // of the field's first sample, in the mesh's space
-    std::vector<Vec3> points_;  // what has to be in the picture
+    std::vector<Vec3> points_;  // points that must be in the picture
     Box solid_;                 // their box
     Axis upright_ = Axis::z;
 };

@@ -21,7 +21,7 @@ constexpr double panel_gap = 64;     // between the panels of a mosaic, for the 
 constexpr double bar_gap = 40;       // between panel and colour bar
 constexpr double least_bar = 340;    // the height of a colour bar beside a flat panel
 constexpr int most_levels = 24;      // iso-lines, about; half as many on one side
-constexpr double line_gap = 6;       // at least between iso-lines; no distance grows faster than the way
+constexpr double line_gap = 6;       // minimum between iso-lines, because the gradient of a distance is at most 1
 constexpr double print_width = 468;  // points on the longer side of what is drawn: 6.5 inches
 
 bool is_pdf(const std::string& path) {
@@ -32,7 +32,7 @@ void write_picture(const Canvas& canvas, double unit, const std::string& path) {
     write_file(path, is_pdf(path) ? canvas.pdf(margin * unit, print_width / (page * unit)) : canvas.png(margin * unit));
 }
 
-// The picture of one field: what its slices and mosaics have in common.
+// The settings that the slices and mosaics of one field share.
 class Drawing {
 public:
     Drawing(const Field& field, double lower, double upper, bool has_sign, int pixels)
@@ -106,9 +106,9 @@ private:
     void choose_levels(double scale) {
         const double range = bar_.upper - bar_.lower;
         double least = std::max(range / (manner_.zero_line ? most_levels : most_levels / 2), units(line_gap) / scale);
-        // A band that is narrow on paper has a line on either side all the same.
+        // A band that is narrow on paper has at least one line on either side.
         while (round_step(least) >= std::max(-bar_.lower, bar_.upper)) least /= 2;
-        // A level at the very end of the band would follow its stairs.
+        // A level at the end of the band would follow the stairs of its samples.
         const double room = 1e-6 * range;
         manner_.levels =
             scale_with_step(std::min(0.0, bar_.lower + room), std::max(0.0, bar_.upper - room), round_step(least));
@@ -159,12 +159,12 @@ private:
         canvas_.write(position_text(slice), {area.left, area.top - units(12)}, small());
     }
 
-    // Where the sample lies between the first and the last one of its axis.
+    // The position of the sample between the first and the last one of its axis.
     double fraction(const Index3& at, std::size_t axis) const {
         return static_cast<double>(at[axis]) / static_cast<double>(field_.grid.size[axis] - 1);
     }
 
-    // Where the two other slices cut this one.
+    // The lines in which the two other slices cut this one.
     void cross(const Rectangle& area, double right, double down) {
         const Pen pen{units(1.5), ink, 0.8, {units(7), units(6)}};
         const double x = area.left + right * area.width;
@@ -204,7 +204,7 @@ SlicePictures::SlicePictures(const Field& field, const Options& options) : field
     lower_ = static_cast<double>(lower);
     upper_ = static_cast<double>(upper);
     if (lower_ == upper_) upper_ = field.grid.voxel();
-    // A file of another program need not say whether its distances have signs.
+    // A file of another program may not state whether its distances have signs.
     has_sign_ = field.sign == SignRule::automatic ? negative : field.sign != SignRule::none;
 }
 

@@ -42,7 +42,7 @@ Vec3 vector_of(const float (&v)[3]) {
     return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-// How much of a line so wide, centred at `away` pixels from here, covers this point.
+// The share of this point that a line of this width covers, if its centre is `away` pixels from here.
 double cover(double away, double width) {
     return std::clamp(0.5 * width - away + 0.5, 0.0, 1.0);
 }

@@ -15,19 +15,19 @@ struct Light {
     double cover = 0;
 };
 
-/// From what a ray meets to the light that comes back along it. The surface has one colour, a key light from the upper
+/// Computes the light that comes back along a ray from its hit. The surface has one colour, a key light from the upper
 /// left, a weaker one from the right, and light from all around; the inside of an opened solid has the colours of
 /// slices, unlit, with iso-lines.
 class SurfaceShading {
 public:
     SurfaceShading(const ViewFrame& frame, const Manner& manner, const Colour& surface, double offset, double voxel);
 
-    /// Where cuts meet there is a line; positions are in samples from the field's first one.
+    /// Draws a line at the intersection of cuts; positions are in samples from the field's first one.
     void mark_cut(Axis axis, double position, double spacing);
 
     /// Unit vector to the key light, in the mesh's space.
     const Vec3& key() const { return key_; }
-    /// Tangent of half the angle it is seen under.
+    /// Tangent of half the angle that the light subtends.
     static constexpr float key_spread = 0.18F;
 
     /// `pixel`: the side of a pixel there, in the mesh's units.

@@ -9,7 +9,7 @@
 namespace clsdf::picture {
 namespace {
 
-// How many bytes the character at the front has, or 0 where there is none in UTF-8.
+// The number of bytes of the first character, or 0 if it is not valid UTF-8.
 std::size_t character_length(std::string_view text) {
     const auto byte = [&](std::size_t index) { return static_cast<unsigned char>(text[index]); };
     const unsigned first = byte(0);

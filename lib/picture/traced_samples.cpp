@@ -42,8 +42,8 @@ Range range_of(std::span<const float> values) {
         });
 }
 
-// What a value beyond the band is at least beyond it, in voxels: minus zero, inside of a band that has only an outside,
-// has to become a number below zero.
+// The least distance of a value beyond the band from the band's limit, in voxels. If the band has only an outside, -0
+// inside must become a number below zero.
 constexpr double clearly = 1e-6;
 
 }  // namespace
@@ -78,13 +78,13 @@ TracedSamples::TracedSamples(const Field& field)
         upper_ = static_cast<double>(range.upper);
     }
     is_inside_somewhere_ = range.negative;
-    // A file of another program need not say whether its distances have signs.
+    // A file of another program may not state whether its distances have signs.
     has_sign_ = field.sign == SignRule::automatic ? range.negative : field.sign != SignRule::none;
     if (!has_sign_) inside_ = -std::numeric_limits<float>::infinity();
 }
 
 bool TracedSamples::has_surface(double level) const {
-    // Minus zero is inside of a band that has only an outside.
+    // If the band has only an outside, -0 means inside.
     const bool has_below = level == 0 && has_sign_ ? is_inside_somewhere_ : lower_ < level;
     return has_below && upper_ >= level;
 }

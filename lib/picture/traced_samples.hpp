@@ -10,23 +10,22 @@
 
 namespace clsdf::picture {
 
-/// The samples of a field as rays are traced through them: in voxels, and with the band continued.
+/// The samples of a field for ray tracing: in voxels, and extrapolated beyond the band.
 ///
-/// Where the band ends between two samples, the outer one only says that it is beyond. There the values of the inner
-/// ones are continued in straight lines, so that a surface at the band's very end, or within a band of one side alone,
-/// does not follow the stairs of the voxels. No sample within the band is changed, and none beyond it comes back in;
-/// no edge between neighbouring samples becomes steeper than the distance can be. Infinite values become the largest
-/// finite ones.
+/// If the band ends between two samples, the outer one has no distance. Its value is extrapolated linearly from the
+/// inner ones, so that a surface at the band's limit, or in a band of one side only, does not follow the stairs of the
+/// voxels. No sample within the band is changed, and no sample beyond it gets a value within it. No edge between
+/// neighbouring samples becomes steeper than a distance can be. Infinite values become the largest finite ones.
 class TracedSamples {
 public:
-    /// Keeps a reference to the field. Throws Error(invalid_argument) where the distances do not fit the grid, are not
+    /// Keeps a reference to the field. Throws Error(invalid_argument) if the distances do not fit the grid, are not
     /// numbers, or the grid has a side of a single sample.
     explicit TracedSamples(const Field& field);
 
-    /// The least and the greatest finite distance, in the mesh's units; both 0 where there is none.
+    /// The least and the greatest finite distance, in the mesh's units; both 0 if there is none.
     double lower() const { return lower_; }
     double upper() const { return upper_; }
-    /// Whether some samples are inside: the surface is where the distance changes its sign.
+    /// Whether there are samples inside, so that the distance changes its sign at the surface.
     bool has_sign() const { return has_sign_; }
 
     /// Whether there are samples below the level, and others.
@@ -48,7 +47,7 @@ public:
 
 private:
     float value(std::int64_t i, std::int64_t j, std::int64_t k) const;
-    // A zero with a plus sign is exact also where the band has no inside, and minus zero what is beyond.
+    // A zero with a plus sign is exact also if the band has no inside, and minus zero what is beyond.
     bool within(float value) const {
         return (value > inside_ || (value == 0 && !std::signbit(value))) && value < outside_;
     }
@@ -60,7 +59,7 @@ private:
     double upper_ = 0;
     bool has_sign_ = false;
     bool is_inside_somewhere_ = false;
-    float inside_;  // the band's limits as samples carry them
+    float inside_;  // the band's limits as floats, the values of samples beyond them
     float outside_;
 };
 

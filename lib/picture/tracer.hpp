@@ -20,7 +20,7 @@ inline constexpr const char* tracer_options = "-cl-std=CL1.2";
 /// A field's samples on the device, and the rays that are traced through them.
 class Tracer {
 public:
-    /// Throws Error(out_of_memory) where the samples exceed the device's largest allocation.
+    /// Throws Error(out_of_memory) if the samples exceed the device's largest allocation.
     Tracer(const Field& field, const TracedSamples& samples, const Device& device);
 
     /// Spacing, size and slopes of a view; the rest is the caller's.

@@ -67,7 +67,7 @@ Vec3 centre_of_mass(std::span<const Vec3> row_ends, double spacing) {
 }
 
 /// How far within the hull of its lowest part the centre of mass lies, as a part of the square root of the area that
-/// the solid covers, seen from above; negative where the solid would fall over.
+/// the solid covers, seen from above; negative if the solid would fall over.
 double firmness(std::span<const Vec3> points, const Vec3& centre, std::size_t up, double spacing) {
     const std::size_t right = (up + 1) % 3;
     const std::size_t front = (up + 2) % 3;

@@ -6,10 +6,10 @@
 
 namespace clsdf::picture {
 
-/// Which axis of a solid is probably up: y, as in most scanned and modelled meshes, or z, as in most machine parts and
-/// terrains. It is the one along which the solid stands firmly: the centre of mass lies well within the convex hull of
-/// the lowest twentieth, seen from above. The answer is z if the solid stands firmly on
-/// it and y is not clearly firmer, else y.
+/// The axis of a solid that probably points upwards: y, as in most scanned and modelled meshes, or z, as in most
+/// machine parts and terrains. It is the axis along which the solid stands firmly: the centre of mass lies well within
+/// the convex hull of the lowest twentieth, seen from above. The answer is z if the solid stands firmly on it and y is
+/// not clearly firmer, else y.
 ///
 /// The solid is given by the ends of its rows of samples along x, two points a row, at least one row; gaps within a row
 /// count as solid. `spacing`: of the samples.

@@ -33,8 +33,8 @@ void require_sizes(const Field& field) {
         field, output_bytes);
 }
 
-/// Runs `part(index, tally)` for all parts on all cores and adds the tallies up in the order of the parts, so that the
-/// number of threads does not show.
+/// Runs `part(index, tally)` for all parts on all cores and adds the tallies in the order of the parts, so the result
+/// does not depend on the number of threads.
 template <typename Part>
 CheckReport tally_parts(std::size_t count, const CheckOptions& options, const Part& part) {
     std::vector<Tally> tallies(count);
@@ -94,7 +94,7 @@ CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& opti
     const std::size_t count = field.grid.sample_count();
     require_sizes(field);
 
-    // Far enough that whatever is found nowhere is beyond the band's limit and its tolerance.
+    // Large enough that a sample without a result is beyond the band's limit and its tolerance.
     const double widest_half = widest(field.band, field.sign != SignRule::none);
     const double reach = widest_half * (1 + 1e-6 + 1e-6 * options.tolerance_ulp) +
                          (1 + options.tolerance_voxels + options.sign_margin_voxels) * field.grid.voxel();

@@ -9,14 +9,14 @@ namespace clsdf::reference {
 /// A triangle by its corners.
 using Corners = std::array<Vec3, 3>;
 
-/// Where the line parallel to x through (y, z) meets a triangle: every answer is that of exact arithmetic.
+/// The intersection of the line parallel to x through (y, z) with a triangle, in exact arithmetic.
 struct LineMeeting {
     /// 1 or -1: the line crosses the triangle, whose normal has this sign along x. Points on edges and vertices of the
     /// projection are decided by moving the line by (+e, +e^2) in (y, z), so that a closed surface is crossed
     /// consistently and triangles without a projected area never are. 0: the line does not cross.
     int crossing = 0;
-    /// The line, unmoved, meets the closed triangle's projection; where that has no area, the straight line it is part
-    /// of.
+    /// The line, not moved, meets the projection of the closed triangle. If the projection has no area: it meets the
+    /// straight line that contains the projection.
     bool touches = false;
     /// The sign of the projected area.
     int facing = 0;

@@ -98,7 +98,7 @@ void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) co
 
 void Judge::judge_sign(const Case& sample) const {
     if (std::isnan(sample.found)) {
-        return;  // no value at all, and judged as such
+        return;  // NaN, which has been counted
     }
     const bool negative = std::signbit(sample.found);
     if (!truth_.is_signed()) {
@@ -119,8 +119,8 @@ void Judge::judge_distance(const Case& sample) const {
     const double magnitude = std::fabs(static_cast<double>(sample.found));
     const double error = std::fabs(magnitude - sample.truth.distance);
     const double allowed = tolerance(sample.truth.distance);
-    // The sign has been judged: a sample of the wrong side is held against that side's fill value. An infinite half
-    // width has none.
+    // The sign has been judged, so a sample with the wrong sign is compared with the fill value of that side. An
+    // infinite half width has no fill value.
     const bool on_found_side = std::signbit(sample.found);
     const bool is_fill = std::isfinite(fill(on_found_side)) && sample.found == fill(on_found_side);
 

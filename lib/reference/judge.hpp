@@ -8,7 +8,7 @@
 
 namespace clsdf::reference {
 
-/// A report in the making: what a number of samples add up to.
+/// The partial report of some samples.
 struct Tally {
     CheckReport report;
     double squared_errors = 0;  ///< voxels^2, over the band samples
@@ -27,7 +27,7 @@ public:
     void judge(const Index3& index, const TrueSample& truth, Tally& tally) const;
 
 private:
-    /// One sample: the truth, what the field says, and where in the band it is.
+    /// One sample: the truth, the field's value, and the position in the band.
     struct Case {
         enum class Place { in_band, at_limit, beyond };
 

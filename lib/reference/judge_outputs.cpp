@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-// What a field holds beside the distance, held against the contracts of docs/accuracy.md.
+// Compares the outputs beside the distance with the contracts of docs/accuracy.md.
 namespace clsdf::reference {
 
 namespace {
@@ -29,14 +29,13 @@ Eigen::Vector3d offset_of(const ExactPosition& sample, const Vec3& point) {
             (sample.head[2] - point[2]) + sample.tail[2]};
 }
 
-/// How far a sum of coordinates of this size may be rounded.
+/// The rounding error of a sum of coordinates of this size.
 double rounding_of(const ExactPosition& sample, const Vec3& point) {
     return 4 * std::numeric_limits<double>::epsilon() *
            std::max(vector_of(sample.head).cwiseAbs().maxCoeff(), vector_of(point).cwiseAbs().maxCoeff());
 }
 
-/// A site, the point of it that is closest to a sample, and how far away the plane, the line or the point is that it is
-/// part of.
+/// A site, its point closest to a sample, and the distance to the plane, the line or the point that contains the site.
 struct ClosestOfSite {
     Vec3 point{};
     double distance = 0;
@@ -66,7 +65,7 @@ Vec3 vector_at(const Values& values, std::size_t sample) {
             static_cast<double>(values[3 * sample + 2])};
 }
 
-/// Whether a sample has nothing, as beyond the band.
+/// Whether a sample has the value beyond the band.
 template <typename Values>
 bool is_left(const Values& values, std::size_t sample, std::size_t sample_count) {
     const std::size_t components = values.size() / sample_count;
@@ -82,7 +81,7 @@ bool is_left(const Values& values, std::size_t sample, std::size_t sample_count)
     return true;
 }
 
-/// What a field says of a sample beside its distance. Each function returns what is wrong with an output, or nothing.
+/// The outputs of a field at a sample. Each function returns the fault of an output, or nothing.
 struct OutputsOfSample {
     const TrueSamples& truths;
     const Field& field;
@@ -155,7 +154,7 @@ std::string OutputsOfSample::wrong_closest() const {
 }
 
 std::string OutputsOfSample::wrong_gradient_on_surface(const Vec3& gradient) const {
-    // Only with its site is it clear which faces count.
+    // The faces that count depend on the site.
     const std::optional<std::uint32_t> triangle = named_triangle();
     if (!triangle || field.site.empty() || field.site[offset] > 6) return {};
     const std::optional<Vec3> normal = sites->pseudonormal(*triangle, static_cast<Site>(field.site[offset]));
@@ -187,8 +186,8 @@ std::string OutputsOfSample::wrong_gradient() const {
     if (on_surface) return wrong_gradient_on_surface(gradient);
     const double allowed = direction_tolerance + direction_tolerance_voxels * voxel / distance;
     if (allowed >= 2) return {};
-    // The nearest triangle in the direction of the gradient, if none is named: of several that are equally near any is
-    // right.
+    // If no triangle is named, the nearest triangle in the direction of the gradient: any of several equally near ones
+    // is right.
     const ExactPosition position = truths.position(index);
     const double side = truth.inside ? -1.0 : 1.0;
     const Eigen::Vector3d to_surface = -side * vector_of(gradient);

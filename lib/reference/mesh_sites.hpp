@@ -15,8 +15,8 @@ struct SiteCorners {
     std::array<Vec3, 3> positions{};
 };
 
-/// Which faces share the vertices and edges of a mesh; vertices of equal coordinates are one. Constant functions may be
-/// called from several threads at once.
+/// The faces at each vertex and edge of a mesh; vertices of equal coordinates are one. Constant functions may be called
+/// from several threads at once.
 class MeshSites {
 public:
     /// The mesh must outlive this.
@@ -27,8 +27,8 @@ public:
     /// The lowest triangle that has the site, and the site's number there.
     std::pair<std::uint32_t, Site> lowest(std::uint32_t triangle, Site site) const;
 
-    /// Angle-weighted, a unit vector; nothing if no face at the site has an area. Where faces cancel each other, the
-    /// normal of the lowest that has one.
+    /// Angle-weighted, a unit vector; nothing if no face at the site has an area. If the faces' normals cancel, the
+    /// normal of the lowest face with area.
     std::optional<Vec3> pseudonormal(std::uint32_t triangle, Site site) const;
 
     bool is_inside_out() const { return is_inside_out_; }

@@ -13,7 +13,7 @@ Corners corners_of(const Mesh& mesh, std::uint32_t index) {
     return {mesh.vertices()[triangle[0]], mesh.vertices()[triangle[1]], mesh.vertices()[triangle[2]]};
 }
 
-/// The row's points that lie on a triangle which is parallel to the row.
+/// The points of the row that lie on a triangle parallel to the row.
 void mark_points_on(const Corners& triangle, std::span<const double> x, double y, double z,
                     std::vector<char>& on_surface) {
     const auto [lower, upper] = std::minmax({triangle[0][0], triangle[1][0], triangle[2][0]});

@@ -12,7 +12,7 @@ public:
     /// The tree must outlive the counter.
     explicit RayCounter(const TriangleTree& tree) : tree_(tree) {}
 
-    /// For each point (x[i], y, z), x ascending: what the ray from there along +x crosses; nullopt on the surface.
+    /// For each point (x[i], y, z), x ascending: the crossings of the ray from there along +x; nullopt on the surface.
     std::vector<std::optional<RayCount>> count_along_row(std::span<const double> x, double y, double z) const;
 
 private:

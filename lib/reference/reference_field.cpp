@@ -15,7 +15,7 @@ namespace clsdf::reference {
 
 namespace {
 
-/// Of the signed distance; of a sample on the surface the pseudonormal, which faces without area do not have.
+/// The gradient of the signed distance. On the surface it is the pseudonormal; NaN if all faces there have no area.
 std::optional<Vec3> gradient_at(const TrueSamples& truth, const MeshSites& sites, const TrueSample& sample,
                                 const Index3& index) {
     Vec3 gradient{};
@@ -33,7 +33,7 @@ std::optional<Vec3> gradient_at(const TrueSamples& truth, const MeshSites& sites
     return normal;
 }
 
-/// Of the closest point on its triangle, by the areas that it and two vertices span.
+/// Barycentric coordinates of the closest point on its triangle, by the areas that it spans with two vertices.
 std::array<double, 3> weights_of(const MeshSites& sites, const TrueSample& sample) {
     const auto number = static_cast<std::size_t>(sample.site);
     std::array<double, 3> weights{};

@@ -53,8 +53,8 @@ public:
         return {random_.index(grid_.size[0]), random_.index(grid_.size[1]), random_.index(grid_.size[2])};
     }
 
-    /// A point moved along the line through its nearest point, and through the surface where it is on the wrong side,
-    /// until its distance is about a half width.
+    /// A point moved along the line through its nearest point until its distance is about a half width. If it is on the
+    /// wrong side, it passes through the surface.
     std::optional<Index3> near_limit() {
         const bool inside = truth_.is_signed() && random_.uniform() < 0.5;
         const double limit = half_width(band_, truth_.is_signed(), inside);
@@ -128,7 +128,7 @@ std::vector<Index3> choose_samples(const TrueSamples& truth, const Field& field,
     while (samples.size() < count / 2) {
         samples.push_back(chooser.uniform());
     }
-    // A grid may hold little of the mesh: what falls outside it is drawn again a few times.
+    // A grid may contain little of the mesh: points outside it are drawn again a few times.
     constexpr int tries = 8;
     while (samples.size() < count) {
         const std::size_t kind = samples.size() % 3;

@@ -47,7 +47,7 @@ public:
             case 0:
                 return CGAL::do_intersect(triangle(one), triangle(other));
             case 1:
-                // What they share begins at the vertex and ends at an edge opposite to it.
+                // The intersection begins at the shared vertex and ends at the edge opposite to it.
                 return CGAL::do_intersect(opposite(first), triangle(other)) ||
                        CGAL::do_intersect(opposite(second), triangle(one));
             case 2: {

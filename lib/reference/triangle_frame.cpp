@@ -17,7 +17,7 @@ using WideVector = Eigen::Matrix<Wide, 3, 1>;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// Below this ratio of height to longest edge a triangle is not told from its edges in double precision.
+/// Below this ratio of height to longest edge, double precision cannot distinguish a triangle from its edges.
 constexpr Wide degenerate_ratio = 4 * std::numeric_limits<double>::epsilon();
 
 WideVector difference(const Vec3& to, const Vec3& from) {
@@ -76,8 +76,8 @@ TriangleFrame::TriangleFrame(const Vec3& a, const Vec3& b, const Vec3& c) {
         edges_[i] = {from, to, edge_site(order[from], order[to]), directions[i].cast<double>()};
     }
 
-    // The altitude over the longest edge, then the cross product with that edge: the normal is perpendicular to it to
-    // the last bit, however thin the triangle is, and what error is left turns the frame about that edge.
+    // The altitude over the longest edge, then the cross product with that edge. So the normal is perpendicular to the
+    // edge to the last bit, also for thin triangles. The remaining error turns the frame about that edge.
     const auto longest = static_cast<std::size_t>(std::max_element(lengths, lengths + 3) - lengths);
     const std::size_t opposite = 3U - ends[longest][0] - ends[longest][1];
     WideVector altitude = difference(vertices_[opposite], vertices_[ends[longest][0]]);
@@ -135,7 +135,7 @@ void TriangleFrame::consider_edge(const Eigen::Vector3d* offsets, const Edge& ed
     if (at_start || at_end) {
         return;
     }
-    // From the nearer end: the rounding grows with the way from there.
+    // Measured from the nearer end, because the rounding grows with the distance from it.
     const std::size_t base = along <= -beyond ? edge.from : edge.to;
     const Eigen::Vector3d foot = (along <= -beyond ? along : beyond) * edge.direction;
     const Eigen::Vector3d beside = offsets[base] - foot;

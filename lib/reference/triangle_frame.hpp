@@ -11,9 +11,9 @@
 namespace clsdf::reference {
 
 /// A triangle with the frame in which the distance to it is evaluated: its unit normal and its edges' unit directions.
-/// With s the height over the face and r_i the distances beyond the edges, the nearest point of a convex polygon lies
-/// on its face where every r_i < 0, and else on an edge that is visible (r_i >= 0). Unlike barycentric coordinates,
-/// none of these divides by the triangle's area.
+/// Let s be the height over the face and r_i the distances beyond the edges. The nearest point lies on the face if
+/// every r_i < 0, else on an edge with r_i >= 0. Unlike barycentric coordinates, none of these divides by the
+/// triangle's area.
 ///
 /// Vertices are kept in lexicographic order and edges run from the lower to the higher one, so that triangles which
 /// share an edge or a vertex return the same bits for it, and equal distances are seen as equal.
@@ -28,11 +28,11 @@ public:
         Vec3 point;
     };
 
-    /// Sites are decided within the rounding of double: what is nearer to a border than that belongs to the border, so
-    /// that ties go to the vertex before the edge before the face.
+    /// Sites are decided within the rounding of double: a point nearer to a border than that belongs to the border. So
+    /// ties go to the vertex before the edge, and to the edge before the face.
     Closest closest(const ExactPosition& query) const;
 
-    /// A lower bound of the distance, less its own rounding, that costs one product; 0 for a degenerate triangle.
+    /// A lower bound of the distance, minus its own rounding error. It costs one product; 0 for a degenerate triangle.
     double height_bound(const ExactPosition& query) const;
 
 private:
@@ -52,7 +52,7 @@ private:
     std::array<Edge, 3> edges_{};
     Eigen::Vector3d normal_;
     std::array<Eigen::Vector3d, 3> outward_;  ///< in-plane unit normals of the edges
-    bool degenerate_ = true;                  ///< without a normal: its edges are all there is
+    bool degenerate_ = true;                  ///< without a normal: only its edges count
 };
 
 }  // namespace clsdf::reference

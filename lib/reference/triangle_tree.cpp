@@ -15,7 +15,7 @@ namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
 
-/// What the tree holds of a triangle: its index, and where to find it.
+/// An element of the tree: the index of a triangle, and a pointer to its mesh.
 class Primitive {
 public:
     using Id = std::uint32_t;
@@ -54,7 +54,7 @@ double squared_distance_to_box(const ExactPosition& query, const CGAL::Bbox_3& b
     return x * x + y * y + z * z;
 }
 
-/// CGAL's traversal by priority: the nearer box first, boxes beyond the best distance so far not at all.
+/// CGAL's traversal by priority: the nearer box first; boxes beyond the best distance are skipped.
 class NearestTraversal {
 public:
     using Priority = double;
@@ -95,8 +95,8 @@ public:
     std::optional<Nearest> result() const { return found_ ? std::optional(nearest_) : std::nullopt; }
 
 private:
-    // A box as far as the bound may hold a triangle that is as near as the best one and has a lower index; the slack
-    // covers the rounding of both distances, and the last summand what squares lose where they underflow.
+    // A box at the distance of the bound may contain a triangle that is as near as the best one and has a lower index.
+    // The slack covers the rounding of both distances, the last summand the underflow of squares.
     void set_bound(double bound) {
         bound_ = bound;
         const double widened = bound * (1 + 16 * std::numeric_limits<double>::epsilon()) + slack_;
@@ -154,8 +154,8 @@ private:
 struct TriangleTree::State {
     const Mesh& mesh;
     Tree tree;
-    std::vector<TriangleFrame> frames;  ///< in the order of the leaves: what is read together lies together
-    std::vector<std::uint32_t> slots;   ///< where a triangle's frame is
+    std::vector<TriangleFrame> frames;  ///< in the order of the leaves, for locality
+    std::vector<std::uint32_t> slots;   ///< index of a triangle's frame
     double extent = 0;
 };
 
@@ -164,7 +164,7 @@ TriangleTree::TriangleTree(const Mesh& mesh) : state_(new State{mesh, {}, {}, {}
     for (std::uint32_t index = 0; index < count; ++index) {
         state_->tree.insert(Primitive(mesh, index));
     }
-    // Now, not at the first query: queries come from several threads.
+    // Built now and not at the first query, because queries come from several threads.
     state_->tree.build();
     LeafOrder order;
     state_->tree.traversal(0, order);

@@ -12,9 +12,9 @@
 
 namespace clsdf::reference {
 
-/// CGAL's AABB tree over a mesh's triangles. The tree only says which triangles to look at; what it says about boxes is
-/// widened by its rounding, and TriangleFrame decides, so that the answer is that of looking at every triangle.
-/// Constant functions may be called from several threads at once.
+/// CGAL's AABB tree over a mesh's triangles. The tree only selects triangles; its box tests are widened by their
+/// rounding, and TriangleFrame computes the distance. So the result is that of looking at every triangle. Constant
+/// functions may be called from several threads at once.
 class TriangleTree {
 public:
     /// The mesh must outlive the tree.

@@ -18,7 +18,7 @@ TrueSamples::TrueSamples(const Mesh& mesh, const Grid& grid, SignRule sign, doub
 void TrueSamples::measure(const ExactPosition& position, double bound, TrueSample& sample) const {
     std::optional<Nearest> nearest = tree_.nearest(position, bound);
     if (!nearest && bound < reach_) {
-        nearest = tree_.nearest(position, reach_);  // the hint was too tight for the rounding of a far distance
+        nearest = tree_.nearest(position, reach_);  // the hint was less than the rounding of a far distance
     }
     sample.distance = nearest ? nearest->distance : std::numeric_limits<double>::infinity();
     sample.triangle = nearest ? nearest->triangle : no_triangle;

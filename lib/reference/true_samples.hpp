@@ -8,15 +8,16 @@
 
 namespace clsdf::reference {
 
-/// What is true at one sample.
+/// The true values of one sample.
 struct TrueSample {
-    double distance = 0;  ///< unsigned; infinite where it is beyond the reach
+    double distance = 0;  ///< unsigned; infinite if it is beyond the reach
     std::uint32_t triangle = no_triangle;
     Site site = Site::face;  ///< of that triangle, and the closest point, within the reach
     Vec3 point{};
     bool inside = false;
-    bool on_surface = false;  ///< of the double nearest to the sample, to which the sign belongs
-    double rounding = 0;  ///< how far the sample may be from that double; its sign is uncertain that near the surface
+    bool on_surface = false;  ///< the double nearest to the sample, which decides the sign, lies on the surface
+    double rounding =
+        0;  ///< largest distance of the sample from that double; the sign is uncertain that near to the surface
 
     double signed_distance() const { return inside ? -distance : distance; }
 };

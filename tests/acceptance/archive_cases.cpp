@@ -14,19 +14,19 @@ namespace clsdf::acceptance {
 
 namespace {
 
-/// The closed meshes by which the method was judged from the start.
+/// The closed meshes of the benchmarks.
 constexpr std::array judged{"bunny00", "refined_elephant", "armadillo", "fandisk_large", "knot2"};
 
-/// Balanced, and unlike one another: scans, sculptures, machine parts, thin and long ones, one not manifold
+/// Balanced meshes of different kinds: scans, sculptures, machine parts, thin and long ones, one not manifold
 /// (diplodocus), one inside out (ellipe0.003).
 constexpr std::array varied{"elephant", "anchor_dense", "rotor",  "blobby",     "camel",       "cow",    "dragknob",
                             "helmet",   "joint",        "pinion", "diplodocus", "ellipe0.003", "turbine"};
 
-/// Open ones, and soups (polygon_mesh, pig.stl) whose triangles do not meet.
+/// Open meshes, and soups (polygon_mesh, pig.stl) whose triangles do not meet.
 constexpr std::array open{"mannequin-devil", "ChineseDragon-10kv", "elephant-with-holes", "polygon_mesh", "b9_mesh",
                           "pig.stl"};
 
-/// The remaining meshes are many.
+/// Fewer samples each, because the remaining meshes are many.
 constexpr Setting setting_of_others{128, 0.03};
 
 Problem read_problem(const std::filesystem::path& path, const Setting& setting) {

@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-/// The list of fields by which the program is accepted, what each of them was found to be, and the record of it.
+/// The acceptance list of fields, their results, and the record.
 namespace clsdf::acceptance {
 
 /// A field to compute.
@@ -20,10 +20,10 @@ struct Problem {
 };
 
 struct Case {
-    std::string kind;               ///< of mesh; the record sums up by it
-    std::string name;               ///< with whatever makes it again: resolution, half width, seed
+    std::string kind;               ///< kind of mesh; the record has sums by kind
+    std::string name;               ///< with all that reproduces it: resolution, half width, seed
     std::function<Problem()> make;  ///< on demand, so that one mesh is in memory at a time; may throw clsdf::Error
-    std::size_t samples = 0;        ///< held against the reference; 0: every one
+    std::size_t samples = 0;        ///< compared with the reference; 0: all
 };
 
 /// A resolution with a half width as a share of the longest side of the mesh's box.

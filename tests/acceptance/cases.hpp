@@ -9,11 +9,10 @@
 
 namespace clsdf::acceptance {
 
-/// How much of the list is run: all of it for a record, or what a test has time for.
+/// The part of the list that is run: all of it for a record, or a sample for a test.
 enum class Scope { sampled, complete };
 
-/// How many samples of a field are held against the reference: all of them in a complete run (as Case::samples says
-/// it).
+/// The number of samples of a field that are compared with the reference, as Case::samples: all in a complete run.
 constexpr std::size_t samples_in(Scope scope) {
     return scope == Scope::complete ? 0 : 5'000;
 }
@@ -22,7 +21,7 @@ constexpr std::size_t samples_in(Scope scope) {
 std::vector<Case> shape_cases(Scope scope);
 std::vector<Case> counterexample_cases(Scope scope);
 
-/// What strains the arithmetic: thin plates, triangles far larger than a voxel, meshes and lattices far from the
+/// Cases that strain the arithmetic: thin plates, triangles far larger than a voxel, meshes and lattices far from the
 /// origin, unequal spacing.
 std::vector<Case> strained_cases(Scope scope);
 
@@ -31,7 +30,7 @@ std::vector<Case> random_cases(Scope scope, std::uint64_t seed);
 
 struct ArchiveCases {
     std::vector<Case> cases;
-    std::vector<std::string> unreadable;  ///< messages of files that hold no mesh; none of them is named in the list
+    std::vector<std::string> unreadable;  ///< messages of files that hold no mesh; the list names none of them
 };
 
 /// Meshes of CGAL's data: the named ones at several resolutions, and every other one that can be read. Open ones are

@@ -8,7 +8,7 @@
 
 namespace clsdf::acceptance {
 
-/// A number that says how well the polyhedra fit, and what it may be.
+/// A measure of the fit of the polyhedra, with its limits.
 struct CostLimit {
     std::string name;
     double found = 0;

@@ -1,5 +1,5 @@
-// Runs the list of fields by which the program is accepted: a row a field on the terminal, a record in Markdown. Exit
-// status 0 where everything is as promised, 1 where something is not, 2 where the list could not be run.
+// Runs the acceptance list of fields: a row per field on the terminal, a record in Markdown. Exit status 0 if every
+// promise is kept, 1 if one is broken, 2 if the list could not be run.
 
 #include "acceptance/cases.hpp"
 #include "acceptance/cost.hpp"

@@ -10,7 +10,7 @@ namespace clsdf::acceptance {
 
 namespace {
 
-/// Every other one with vertices on a lattice, where edges tie and faces may have no area.
+/// Every second one has vertices on a lattice, so that edges tie and faces may have no area.
 Mesh random_tetrahedron(test::Random& random) {
     if (random.index(2) == 0) return test::random_lattice_tetrahedron(random, 0.5);
     std::vector<Vec3> vertices(4);

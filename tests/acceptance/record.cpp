@@ -26,14 +26,14 @@ std::string size_of(const Index3& size) {
     return fmt::format("{}x{}x{}", size[0], size[1], size[2]);
 }
 
-/// Of all outputs beside the distance.
+/// The wrong samples of all outputs beside the distance.
 std::size_t wrong_outputs_of(const reference::CheckReport& report) {
     std::size_t sum = 0;
     visit_extras([&](const char*, std::size_t wrong) { sum += wrong; }, report.wrong_outputs);
     return sum;
 }
 
-/// What is summed up over the cases of a kind.
+/// The sums over the cases of a kind.
 struct Summary {
     std::string kind;
     std::size_t cases = 0, complete = 0, failed = 0, samples = 0, band_samples = 0, beyond_aim = 0;

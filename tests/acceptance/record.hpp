@@ -8,10 +8,10 @@
 
 namespace clsdf::acceptance {
 
-/// All that a run found.
+/// The results of a run.
 struct Record {
     std::string command;
-    std::string commit;  ///< empty where not known
+    std::string commit;  ///< empty if not known
     std::string device;
     std::vector<Result> results;
     std::vector<CostLimit> costs;
@@ -26,10 +26,10 @@ std::string heading();
 std::string row(const Result& result);
 std::string row(const CostLimit& limit);
 
-/// What was found wrong, a line each; empty where nothing was.
+/// The faults, a line each; may be empty.
 std::string explain(const Result& result);
 
-/// What was found, in some ten lines of Markdown, with the machine and the date. Throws Error(output_failure).
+/// The results in about ten lines of Markdown, with the machine and the date. Throws Error(output_failure).
 void write_summary(const Record& record, const std::string& path);
 
 /// The same, then kind by kind and field by field. Throws Error(output_failure).

@@ -14,13 +14,13 @@ reference::CheckReport check(const Mesh& mesh, const Field& field, std::size_t s
     return reference::check(mesh, field, options);
 }
 
-/// Of a check against the aim: nothing is wrong but values, and no value by more than the bound.
+/// The result of a check against the aim: only values may be wrong, and none by more than the bound.
 bool is_within_bound(reference::CheckReport report) {
     report.wrong_values = 0;
     return report.passed() && report.max_error_voxels <= judged_voxels;
 }
 
-/// All there are, beside 2^26 distances; of larger fields the triangle, for the sake of memory.
+/// All outputs of fields up to 2^26 samples; only the triangle of larger fields, to save memory.
 Outputs outputs_of(const Grid& grid) {
     Outputs outputs;
     const bool is_large = grid.sample_count() > std::size_t{1} << 26;
@@ -44,7 +44,7 @@ void compute_and_check(const Device& device, const Case& example, KernelBody bod
     const Stopwatch checking;
     result.judged = check(problem.mesh, field, example.samples, aim_voxels);
     result.beyond_aim = result.judged.wrong_values;
-    // What meets the aim meets the bound that is judged; only what may break that is looked at again.
+    // A field that meets the aim meets the judged bound, too; the others are checked again.
     if (is_within_bound(result.judged)) {
         result.judged.wrong_values = 0;
         result.judged.findings.clear();

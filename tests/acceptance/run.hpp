@@ -12,7 +12,7 @@ namespace clsdf::acceptance {
 inline constexpr double judged_voxels = 1e-5;
 inline constexpr double aim_voxels = 1e-6;
 
-/// What a field was found to be.
+/// The result of a field.
 struct Result {
     std::string kind;
     std::string name;
@@ -27,7 +27,7 @@ struct Result {
     double compute_seconds = 0;
     double check_seconds = 0;
 
-    /// A field without a sample in its band proves nothing.
+    /// Fails for a field without a sample in its band, which proves nothing.
     bool passed() const { return error.empty() && judged.band_samples > 0 && judged.passed(); }
 };
 

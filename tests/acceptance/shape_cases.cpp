@@ -15,7 +15,7 @@ std::vector<Setting> settings_of(Scope scope) {
     return {{96, 0.10}, {192, 0.03}, {256, 0.01}, {256, 0.10}};
 }
 
-/// Of more than 100,000 triangles: in a wide band these take minutes.
+/// Shapes of more than 100,000 triangles, which take minutes in a wide band.
 bool is_large(const std::string& shape) {
     return shape == "sphere7" || shape == "sphere8" || shape == "sphere9";
 }

@@ -173,7 +173,7 @@ BOOST_AUTO_TEST_CASE(counts_the_same_samples_in_text_and_json) {
     const std::string mesh = folder.file("mesh.off",
                                          "OFF\n8 4 0\n0 0 0\n8 0 0\n0 8 0\n8 8 0\n0 0 4\n8 0 4\n0 8 4\n"
                                          "8 8 4\n3 0 1 2\n3 1 3 2\n3 4 5 6\n3 5 7 6\n");
-    // Of the planes z = -2 ... 6, 0 and 4 lie on the mesh; -1, 1, 3 and 5 are exactly at the limit.
+    // The planes of samples are z = -2 ... 6: 0 and 4 lie on the mesh; -1, 1, 3 and 5 are exactly at the limit.
     const Outcome outcome = run_command({"compute", mesh, "-o", folder.file("a.nrrd"), "--size", "9,9,9", "--origin",
                                          "0,0,-2", "--spacing", "1", "--band", "1", "--json"});
     BOOST_REQUIRE(outcome.status == 0);

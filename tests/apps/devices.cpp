@@ -21,7 +21,7 @@ namespace {
 
 const std::string no_choice = "CLSDF_DEVICE=";
 
-/// Of the device that is taken where nobody chooses.
+/// The index of the device that is taken by default.
 DeviceInfo best_info() {
     const Device best = Device::best();
     for (const DeviceInfo& info : Device::all())
@@ -75,7 +75,7 @@ BOOST_AUTO_TEST_CASE(are_taken_as_the_environment_says) {
 }
 
 BOOST_AUTO_TEST_CASE(of_one_platform_are_told_apart_by_index_alone) {
-    // PoCL makes two of one processor then; what is here beside or without PoCL does not listen.
+    // PoCL then lists one processor as two devices; other drivers ignore the variable.
     const std::string two_devices = "POCL_DEVICES=pthread basic";
     const Outcome listed = run_command({"devices", "--json", "--quiet"}, {two_devices, no_choice});
     const json list = json::parse(listed.out)["devices"];
@@ -119,7 +119,7 @@ BOOST_AUTO_TEST_CASE(compute_as_the_option_says_before_the_environment) {
     check_refused(run_command({"compute", mesh, "-o", output, "--device", "xyzzy"}), 4, {"xyzzy", best.name});
     check_refused(run_command({"compute", mesh, "-o", output}, {"CLSDF_DEVICE=xyzzy"}), 4, {"CLSDF_DEVICE", best.name});
     check_refused(run_command({"compute", mesh, "-o", output, "--device", ""}), 2, {"--device", "missing"});
-    // Before a mesh is read, and also where nothing would be computed.
+    // The device is opened before a mesh is read, also if no field would be computed.
     const std::string missing = folder.file("missing.off");
     check_refused(run_command({"compute", missing, "-o", output, "--device", "xyzzy"}), 4, {"--device xyzzy"});
     check_refused(run_command({"compute", missing, "--dry-run", "--device", "xyzzy"}), 4, {"--device xyzzy"});

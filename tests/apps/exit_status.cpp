@@ -102,7 +102,7 @@ BOOST_AUTO_TEST_CASE(is_3_for_unreadable_or_invalid_input) {
                 3, "invalid_mesh");
 }
 
-// HDF5 does not have the last word.
+// HDF5 prints nothing after the message.
 BOOST_AUTO_TEST_CASE(is_3_for_a_damaged_field_of_hdf5) {
     const std::string whole = folder.file("whole.h5");
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", whole, "--resolution", "16", "--quiet"}).status == 0);
@@ -111,7 +111,7 @@ BOOST_AUTO_TEST_CASE(is_3_for_a_damaged_field_of_hdf5) {
     BOOST_REQUIRE(header != std::string::npos);
     bytes[header + 8] ^= 1;
     check_error({"slice", folder.file("damaged.h5", bytes), "-o", folder.file("a.png")}, 3, "unreadable_input",
-                // Sanitized, by whole stacks it is known what HDF5 forgets (cmake/leak_suppressions.txt).
+                // With the leak sanitizer, whole stacks identify HDF5's known leaks (cmake/leak_suppressions.txt).
                 {"ASAN_OPTIONS=use_sigaltstack=0:fast_unwind_on_malloc=0"});
 }
 

@@ -1,5 +1,5 @@
 // No subcommand takes time that grows with the square of the faces at a vertex or an edge. Processor time is compared
-// at three sizes, each four times the one before: what is added grows by 4 if time is linear, by 16 if it is quadratic.
+// at three sizes, each four times the one before: the increments grow by 4 if time is linear, by 16 if it is quadratic.
 #include "apps/process.hpp"
 
 #include <clsdf/io.hpp>
@@ -103,7 +103,7 @@ void check_growth(const char* name, const std::function<std::string(std::uint32_
     using Seconds = std::array<double, sizes.size()>;
     std::vector<Seconds> seconds;
     std::vector<std::vector<std::string>> asked;
-    // Keeps the least of several measurements: what else the machine does adds to the processor's time, too.
+    // Keeps the least of several measurements, because other work on the machine adds to the processor time, too.
     const auto measure = [&] {
         for (std::size_t size = 0; size < sizes.size(); ++size) {
             asked = commands(write(sizes[size], folder), folder);

@@ -15,7 +15,7 @@ using clsdf::test::tetrahedron;
 
 namespace {
 
-// Some hundred milliseconds after the mesh has been read, the device is being set up or computes, which would take
+// A few hundred milliseconds after the mesh has been read, the device is being set up or computes, which would take
 // minutes. Only the compilation of a program cannot be interrupted, and takes long on a busy machine.
 void check_interrupted_by(int signal) {
     for (const int milliseconds : {0, 100, 500}) {
@@ -117,7 +117,7 @@ BOOST_AUTO_TEST_CASE(ends_at_once_where_nothing_has_to_be_put_in_order) {
     BOOST_REQUIRE(run_command({"shape", "sphere6", "-o", mesh}).status == 0);
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", field, "--resolution", "160"}).status == 0);
     Process process({"check", mesh, field, "--complete"});  // for minutes
-    // It checks then: until it has read both files it takes a tenth of that.
+    // The check is running then: reading both files takes a tenth of this time.
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
     while (process.cpu_seconds_so_far() < 1 && std::chrono::steady_clock::now() < give_up)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -63,7 +63,7 @@ BOOST_AUTO_TEST_CASE(are_those_asked_for) {
     BOOST_TEST(two[0]["part"] == "front");
     BOOST_TEST(two[1]["part"] == "back");
     BOOST_TEST(two[2]["triangle"] == 1);
-    // Of triangle 1, outside: its area times the half width and more, because the solid is convex.
+    // The outer polyhedron of triangle 1 has its area times the half width and more, because the solid is convex.
     BOOST_TEST(two[2]["volume"].get<double>() > 0.5 * 0.25);
     BOOST_TEST(written({"--around", "0"}).size() == 6U);
     BOOST_TEST(written({"--around", "0", "--polyhedra", "peikert-sigg"}).size() == 3U);

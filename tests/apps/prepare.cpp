@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Caches of clsdf and of PoCL that nobody else uses, as a user has them who has set nothing: all is compiled anew.
+/// Empty caches of clsdf and of PoCL, with the settings of a user who has set none: all programs are compiled anew.
 class FreshCaches {
 public:
     std::vector<std::string> environment() const {

@@ -21,13 +21,13 @@
 
 namespace clsdf::test {
 
-/// Where the build put it; a bundle of programs on another machine says otherwise.
+/// The command's path in the build; a bundle of programs on another machine overrides it.
 inline std::string command_path() {
     const char* const path = std::getenv("CLSDF_COMMAND");
     return path == nullptr ? CLSDF_COMMAND : path;
 }
 
-/// What a process left: its exit status (or minus the signal that ended it) and what it printed.
+/// The result of a process: its exit status (or minus the signal that ended it) and its output.
 struct Outcome {
     int status = 0;
     std::string out;
@@ -54,7 +54,7 @@ public:
 
     std::string error_so_far() const { return content_of(error_); }
 
-    /// Of all its threads, from Linux; 0 when it has ended.
+    /// Processor seconds of all its threads, from Linux; 0 when it has ended.
     double cpu_seconds_so_far() const {
         const std::string stat = content_of("/proc/" + std::to_string(id_) + "/stat");
         // After the name in brackets: the state, ten numbers, and the ticks of user and system.
@@ -127,7 +127,7 @@ inline void check_refused(const Outcome& outcome, int status, const std::vector<
 
 inline const std::string tetrahedron = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
-/// The loader of OpenCL looks for devices in a folder that is not there.
+/// Makes the loader of OpenCL look for devices in a folder that does not exist.
 inline const std::vector<std::string> no_devices{"OCL_ICD_VENDORS=/nonexistent"};
 
 }  // namespace clsdf::test

@@ -31,7 +31,7 @@ public:
     OnTerminal(const OnTerminal&) = delete;
     OnTerminal& operator=(const OnTerminal&) = delete;
 
-    /// Appends what is printed next; false where the command has ended.
+    /// Appends what is printed next; false if the command has ended.
     bool read_more(std::string& text) const {
         std::array<char, 4096> buffer{};
         const ssize_t count = ::read(terminal_, buffer.data(), buffer.size());

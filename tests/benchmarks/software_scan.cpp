@@ -65,7 +65,7 @@ BOOST_AUTO_TEST_CASE(closed_manifolds_have_their_distances_and_signs) {
 BOOST_AUTO_TEST_CASE(nothing_is_lost_at_concave_edges_obtuse_corners_and_saddle_vertices) {
     for (const Counterexample& example : all_counterexamples()) {
         if (example.name() == "h6") continue;  // it cuts itself
-        // Signs pass from sample to sample where the band is wider than a voxel or two.
+        // Signs pass from sample to sample if the band is wider than a voxel or two.
         const Grid grid = grid_around(example.mesh, 40, 8);
         check_right(example.mesh, grid,
                     std::clamp(example.half_width, 2 * grid.voxel(), 0.2 * example.mesh.box().longest_side()));
@@ -87,7 +87,7 @@ BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
                 bits_of(scan(mesh, grid, half_width, 0).field.distance)));
 }
 
-// Of a convex surface every face, edge and vertex has one; a sample lies in hardly more than one.
+// On a convex surface every face, edge and vertex has a polyhedron; most samples lie in only one.
 BOOST_AUTO_TEST_CASE(every_site_of_a_sphere_is_scanned) {
     const Mesh mesh = make_shape("sphere4");
     const double half_width = 0.1 * mesh.box().longest_side();

@@ -74,7 +74,7 @@ BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_leaves_its_buffer_to_the_next) {
         }
 }
 
-// Where a larger one turns out to be needed, the smaller one's values are copied.
+// If a larger buffer is needed, the values of the smaller one are copied.
 BOOST_AUTO_TEST_CASE(a_filling_that_is_not_in_place_takes_no_buffer_before_it_ends) {
     const Device device = Device::best();
     const auto pool = std::make_shared<BufferPool>(device.shared());

@@ -10,7 +10,7 @@ using namespace clsdf;
 BOOST_AUTO_TEST_CASE(a_machine_without_a_driver_is_told_what_to_install) {
     const test::TemporaryFolder no_drivers;
     const std::string folder = std::filesystem::path(no_drivers.file("x")).parent_path().string();
-    // Where the loader looks for drivers; read at the first call.
+    // The loader's folder of drivers, read at the first call.
     BOOST_REQUIRE(setenv("OCL_ICD_VENDORS", folder.c_str(), 1) == 0);
     test::check_throws(ErrorCode::no_device, {"no OpenCL device", "pocl-opencl-icd", "nvidia-opencl-icd"},
                        [] { Device::best(); });

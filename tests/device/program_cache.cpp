@@ -96,7 +96,7 @@ std::string path_of(const TemporaryFolder& folder) {
     return fs::path(folder.file("x")).parent_path().string();
 }
 
-/// Of those programs that were built there are records, too.
+/// There are records of the programs that were built, too.
 std::vector<fs::path> programs_in(const TemporaryFolder& folder) {
     std::vector<fs::path> programs;
     for (const fs::directory_entry& entry : fs::directory_iterator(path_of(folder)))
@@ -242,7 +242,7 @@ BOOST_AUTO_TEST_CASE(is_chosen_by_the_environment) {
     const auto with = [](const std::optional<std::string>& own, const std::optional<std::string>& xdg,
                          const std::optional<std::string>& home) {
         const Variable a("CLSDF_CACHE_DIR", own), b("XDG_CACHE_HOME", xdg), c("HOME", home);
-        // A driver's own is as good as ours, unless ours is asked for.
+        // The driver's cache suffices, unless clsdf's is asked for.
         BOOST_TEST(device::default_cache_folder(true) == (own ? device::default_cache_folder(false) : fs::path()));
         return device::default_cache_folder(false).string();
     };
@@ -291,7 +291,7 @@ BOOST_AUTO_TEST_CASE(is_not_touched_when_it_is_switched_off) {
     BOOST_TEST(folder.file_count() == 0U);
 }
 
-// What the driver refuses, although it is what was stored.
+// A binary that the driver refuses, although it is the stored one.
 BOOST_AUTO_TEST_CASE(is_mended_where_a_program_in_it_is_none) {
     const TemporaryFolder folder;
     device_with(path_of(folder)).internal().program("scan.cl", options);
@@ -320,7 +320,7 @@ BOOST_AUTO_TEST_CASE(may_be_write_protected_or_impossible) {
         const Device device = device_with(place);
         BOOST_TEST(computes(device, device.internal().program("scan.cl", options)));
     }
-    // Root may write all the same; what is there is used in either case.
+    // Root may write all the same; the file is used in either case.
     device_with(folder.file("protected")).internal().program("scan.cl", options);
     fs::permissions(folder.file("protected"), fs::perms::owner_read | fs::perms::owner_exec);
     const Device device = device_with(folder.file("protected"));

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-// Where the compiler has an instruction for what a vector does, the kernels take it; else plain OpenCL C, which no
-// processor at hand may take. A compiler that forgets what it has takes it everywhere.
+// If the compiler has an instruction for a vector operation, the kernels use it, else plain OpenCL C. To test the plain
+// code on every processor, the compiler is told that it has none of these instructions.
 
 using namespace clsdf;
 
@@ -35,7 +35,7 @@ __kernel void every_mask(__global const uint* values, __global uint* bits, __glo
 }
 )";
 
-// Of polyhedra, by lane, the numbers that make their tables, and of samples, by lane, their displacements.
+// By lane: the numbers for the tables of polyhedra, and the displacements of samples.
 constexpr const char* distances_by_table = R"(
 __kernel void distances_by_table(__global const float* numbers, float x, float y, float z,
                                  __global const float* displacements, __global float* squared) {
@@ -92,7 +92,7 @@ void check_every_mask(const device::Context& context, const std::string& text, u
         queue.enqueueReadBuffer(of_chosen, CL_TRUE, 0, chosen.size() * sizeof(cl_uint), chosen.data());
     });
     std::size_t wrong = 0;
-    std::vector<cl_uint> front;  // of each vector what is chosen; the rest may be anything
+    std::vector<cl_uint> front;  // the chosen lanes of each vector; the other lanes are undefined
     for (cl_uint mask = 0; mask < masks; ++mask) {
         wrong += bits[mask] != mask;
         const auto begin = chosen.begin() + static_cast<std::ptrdiff_t>(std::size_t{mask} * lanes);
@@ -102,7 +102,8 @@ void check_every_mask(const device::Context& context, const std::string& text, u
     BOOST_TEST((front == values_of_masks(values)));
 }
 
-/// Of a right-angled half of a triangle, at the origin of its frame: the slanted edge from (base, 0) to (0, altitude).
+/// The distance to a right-angled half of a triangle, at the origin of its frame: the slanted edge from (base, 0) to
+/// (0, altitude).
 struct Half {
     double base, altitude;
 

@@ -1,4 +1,4 @@
-// The calls that differ in nothing but that they are counted, and may fail.
+// The calls that are only counted, and may fail.
 #include "disguise/gpu.hpp"
 
 #include <array>

@@ -5,7 +5,7 @@
 #include <string>
 
 /// A library between a program and the loader of OpenCL, by LD_PRELOAD or linked before it. It makes processors answer
-/// as GPUs with memory of their own, counts what is asked of the driver, and lets calls fail on purpose. Thread-safe.
+/// as GPUs with memory of their own, counts calls and bytes, and makes calls fail on purpose. Thread-safe.
 ///
 /// A program that does not know of it is told by the environment:
 ///   CLSDF_DISGUISE=gpu            as Settings::gpu
@@ -16,9 +16,10 @@
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
 namespace clsdf::disguise {
 
-/// What a GPU differs in: its type, vectors of one float, groups of at most 1,024 work-items, 48 KiB of local memory,
-/// and memory that is not the host's. New buffers, and what is mapped to be written anew, hold bytes of 0xFF. Mapped
-/// memory is a copy, which ends with the mapping; CL_MEM_USE_HOST_PTR copies at creation and while it is mapped.
+/// The properties of the simulated GPU: its type, vectors of one float, groups of at most 1,024 work-items, 48 KiB of
+/// local memory, and memory that is not the host's. New buffers, and memory that is mapped to be overwritten, hold
+/// bytes of 0xFF. Mapped memory is a copy, which ends with the mapping; CL_MEM_USE_HOST_PTR copies at creation and
+/// while it is mapped.
 struct Settings {
     bool gpu = false;
     unsigned compute_units = 0;  ///< of a GPU; 0: as many as the processor has
@@ -28,9 +29,9 @@ struct Settings {
 /// To be called before the first call of OpenCL.
 void set(const Settings& settings);
 
-/// The calls that fail: number `number`, counted from 1 since restart(), of those named `call`, or of all where that is
-/// empty. A call that fails does nothing else. clRetain... and clRelease... never fail and are not counted: what a
-/// program holds after one of them has failed is not defined, and the C++ binding releases it twice.
+/// The call that fails: number `number`, counted from 1 since restart(), of the calls named `call`, or of all calls if
+/// `call` is empty. A call that fails has no other effect. clRetain... and clRelease... never fail and are not counted:
+/// OpenCL does not define the reference count after their failure, and the C++ binding releases the object twice.
 struct Fault {
     std::string call{};
     std::uint64_t number = 0;  ///< 0: none fails
@@ -60,9 +61,9 @@ struct Counts {
     std::string failed;  ///< the first call that failed on purpose; empty: none
 };
 
-/// What was asked for since restart().
+/// The counts since restart().
 Counts counts();
-/// Counts, and the numbers of calls, begin anew, and these calls fail.
+/// Resets the counts and the numbers of calls, and sets the calls that fail.
 void restart(const Fault& fault = {});
 
 /// Counts as one line of JSON.

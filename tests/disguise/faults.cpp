@@ -21,15 +21,15 @@ namespace {
 
 using nlohmann::json;
 
-/// Calls whose failure costs nothing but time.
+/// Calls whose failure costs only time.
 const std::set<std::string> passed_over{
     "clCreateProgramWithBinary",  // the program is compiled from its source
     "clBuildProgram",             // likewise, if it was a stored one; otherwise it is an error
     "clGetProgramInfo",           // its binary is not kept
-    "clGetEventInfo",             // what may not have ended is waited for
+    "clGetEventInfo",             // the library waits for the event
 };
 
-// On a machine that does ten other things.
+// The time limit on a busy machine.
 constexpr std::chrono::seconds limit{180};
 
 /// A run of the command whose calls are counted and may fail.
@@ -82,7 +82,7 @@ std::uint64_t seed() {
     return chosen;
 }
 
-/// Each part of a job's calls in turn, at a place by chance.
+/// Fails a random call in each part of a job's calls.
 std::vector<std::uint64_t> sample(std::uint64_t calls, std::uint64_t wanted) {
     const std::uint64_t step = number_in("CLSDF_FAULT_EVERY", std::max<std::uint64_t>(calls / wanted, 1));
     std::mt19937_64 random(seed());
@@ -109,7 +109,7 @@ void check_one(const Run& run, const Run& whole) {
 }
 
 void check_job(const Job& job, std::uint64_t wanted) {
-    run(job, "");  // compiles what is not kept
+    run(job, "");  // compiles programs that are not kept
     const Run whole = run(job, "");
     BOOST_REQUIRE_MESSAGE(whole.outcome.status == 0, whole.outcome.error);
     BOOST_REQUIRE(!whole.file.empty());
@@ -193,7 +193,7 @@ BOOST_AUTO_TEST_CASE(while_it_draws) {
 BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_CASE(a_call_that_is_named_fails_wherever_it_is_made) {
-    // What opens the gate of commands, what waits for values, and what finds the device.
+    // The calls that open the gate of commands, that wait for values, and that find the device.
     for (const char* call :
          {"clSetUserEventStatus", "clWaitForEvents", "clFinish", "clGetPlatformIDs", "clGetDeviceIDs", "clBuildProgram",
           "clEnqueueUnmapMemObject", "clEnqueueMapBuffer", "clFlush"}) {

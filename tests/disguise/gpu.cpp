@@ -1,4 +1,4 @@
-// What a device says of itself.
+// The properties that a device reports.
 #include "disguise/gpu.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ Value own(cl_device_id device, cl_device_info name) {
     return value;
 }
 
-/// In place of the processor's answer, which fits.
+/// Replaces the processor's answer, which has the same size.
 void disguise(cl_device_id device, cl_device_info name, void* value) {
     constexpr cl_uint alignment_bits = 8 * 512;
     switch (name) {
@@ -66,7 +66,7 @@ void disguise(cl_device_id device, cl_device_info name, void* value) {
     }
 }
 
-/// What PoCL 3.0 says; empty: what is asked for does not differ.
+/// The answer of PoCL 3.0; empty if it does not differ.
 std::string_view platform_of_pocl_3_0(cl_platform_info name) {
     if (name == CL_PLATFORM_NAME) return "Portable Computing Language";
     if (name == CL_PLATFORM_VERSION) return "OpenCL 3.0 PoCL 3.0-rc2  Linux, Release, RELOC, LLVM 14.0.6, SLEEF";
@@ -82,7 +82,7 @@ cl_int answer(std::string_view text, std::size_t size, void* value, std::size_t*
     return CL_SUCCESS;
 }
 
-/// The devices that are meant by a type when processors are GPUs.
+/// The devices of a type when processors count as GPUs.
 cl_device_type undisguised(cl_device_type type) {
     if (type == CL_DEVICE_TYPE_ALL || (type & CL_DEVICE_TYPE_DEFAULT) != 0) return type;
     const cl_device_type others = type & ~cl_device_type{CL_DEVICE_TYPE_CPU};

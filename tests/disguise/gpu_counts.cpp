@@ -1,4 +1,5 @@
-// What W1 asks of a GPU's driver: the first call of a transform and one of a kept transform (scripts/gpu-counts).
+// Counts the calls and bytes of W1 on a GPU: the first call of a transform and one of a kept transform
+// (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 

@@ -1,4 +1,4 @@
-// Buffers, and how the host gets at them. As a GPU's they are memory of its own: what the host maps is a copy.
+// Buffers and the host's access to them. A GPU's buffers are its own memory: a mapping is a copy.
 #include "disguise/gpu.hpp"
 
 #include <algorithm>
@@ -12,9 +12,9 @@ namespace clsdf::disguise {
 
 namespace {
 
-// As numbers of polyhedra or samples far beyond every buffer, as floats NaN.
+// As numbers of polyhedra or samples these bytes are far beyond every buffer, as floats they are NaN.
 constexpr int unset = 0xFF;
-// Larger ones are left as the driver has them: to fill them would take memory twice.
+// Larger buffers are not filled, because the fill would take memory twice.
 constexpr std::size_t largest_unset = std::size_t{256} << 20;
 
 struct Mapping {
@@ -22,7 +22,7 @@ struct Mapping {
     std::size_t offset;
     std::size_t bytes;
     bool written;
-    std::unique_ptr<std::byte[]> copy;  ///< none where the buffer has memory of the host's
+    std::unique_ptr<std::byte[]> copy;  ///< none if the buffer has memory of the host's
 };
 
 struct Memory {
@@ -71,7 +71,7 @@ cl_mem create_on_gpu(cl_context context, cl_mem_flags flags, std::size_t bytes, 
     return buffer;
 }
 
-/// Null, and an error, where the driver does not take the command.
+/// Null, and an error, if the driver does not take the command.
 void* map_on_gpu(cl_command_queue queue, cl_mem buffer, bool blocking, cl_map_flags flags, std::size_t offset,
                  std::size_t bytes, cl_uint waits, const cl_event* wait_list, cl_event* event, cl_int* error) {
     Mapping mapping{buffer, offset, bytes, (flags & (CL_MAP_WRITE | CL_MAP_WRITE_INVALIDATE_REGION)) != 0, {}};

@@ -1,4 +1,4 @@
-// What a call asks of a GPU's driver: bounds that hold for any mesh, and for this one.
+// Bounds on the calls and bytes of a computation on a GPU, for any mesh and for this one.
 #include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
@@ -38,7 +38,7 @@ BOOST_AUTO_TEST_CASE(the_device_is_a_gpu_with_memory_of_its_own) {
     BOOST_TEST(context.capabilities().float_width == 1U);
     BOOST_TEST((context.device().getInfo<CL_DEVICE_TYPE>() == CL_DEVICE_TYPE_GPU));
 
-    // What the host writes to mapped memory is the device's when it is unmapped, and not before.
+    // The device gets the host's writes to mapped memory when it is unmapped, not before.
     const cl::CommandQueue& queue = context.queue();
     std::array<cl_uint, 16> host{};
     host.fill(7);
@@ -74,7 +74,7 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
         const disguise::Counts counts = disguise::counts();
         BOOST_TEST_MESSAGE(disguise::to_json(counts));
         BOOST_TEST(counts.programs_built == 0U);
-        // Down comes the field, and the lengths of parts and lists.
+        // The host reads the field, and the lengths of parts and lists.
         BOOST_TEST(counts.bytes_down >= distance.size() * sizeof(float));
         BOOST_TEST(counts.bytes_down <= distance.size() * sizeof(float) + (400U << 10U));
         return counts;
@@ -90,7 +90,7 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
     BOOST_TEST(again.allocations <= 1U);
     BOOST_TEST(again.bytes_up == 0U);
 
-    // The same lattice: lists and sign, and no polyhedra. For each of 8,192 parts of the lists where its room begins.
+    // The same lattice: lists and sign, no polyhedra. The host writes the start of each of 8,192 parts of the lists.
     disguise::Counts same_lattice = counts_of(Band::symmetric(2.5 * grid().voxel()));
     BOOST_TEST(same_lattice.kernels["coarse_count"].runs <= 2U);
     BOOST_TEST(same_lattice.blocking_waits <= 10U);
@@ -124,7 +124,7 @@ BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) 
                                  CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
     disguise::restart();
     cl::Event(plan.enqueue(queue(), {.distance = memory.handle()})).wait();
-    const std::uint64_t calls = disguise::counts().all_calls - 1;  // but the wait
+    const std::uint64_t calls = disguise::counts().all_calls - 1;  // without the wait
     const std::vector<std::uint32_t> expected = memory.read(queue);
     for (std::uint64_t number = 1; number <= calls; ++number) {
         disguise::restart({.number = number});

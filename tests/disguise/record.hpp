@@ -9,10 +9,10 @@
 #include <mutex>
 #include <string>
 
-/// What the files with OpenCL's calls share.
+/// Shared by the files that wrap OpenCL's calls.
 namespace clsdf::disguise {
 
-/// The function of that name in the loader of OpenCL.
+/// The function with this name in the loader of OpenCL.
 #define CLSDF_NEXT(name)                                                                              \
     ([] {                                                                                             \
         static auto* const next_one = reinterpret_cast<decltype(&::name)>(::dlsym(RTLD_NEXT, #name)); \

@@ -95,7 +95,7 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
                     reader.beside.emplace_back(entry.path().filename().string(), content_of(entry.path()));
         fs::remove_all(sound);
     }
-    // What is compressed, or stated once for many samples, may be short.
+    // Values that are compressed, or stated once for many samples, may take few bytes.
     if (ending == ".h5" || ending == ".vdb") reader.expansion = 4096;
     return reader;
 }

@@ -43,7 +43,7 @@ constexpr unsigned longest_wait = 120;                     // by the clock, on a
 constexpr std::size_t most_memory = std::size_t{256} << 20;
 constexpr std::size_t memory_of_thread = std::size_t{128} << 20;  // addresses for its stack and its heap
 
-// For handlers of signals, which may not allocate.
+// Static, because signal handlers may not allocate.
 char input_name[128] = "the sound files";
 std::string keep_path;
 const std::string* input = nullptr;
@@ -67,7 +67,7 @@ void try_one(const std::string& bytes, const std::string& name) {
         fuzz::fail("a file of " + std::to_string(bytes.size()) + " bytes took " + std::to_string(seconds) + " s");
 }
 
-/// So that memory that a file only claims to need is missing. (A sanitizer needs all addresses.)
+/// Limits memory, so that the allocation of a size that a damaged file states fails. (A sanitizer needs all addresses.)
 void limit_memory() {
     if (is_sanitized) return;
     std::size_t pages = 0;

@@ -49,7 +49,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The error that reading answers with, where it does; anything but clsdf::Error ends the test.
+/// The error of reading, if there is one; an exception other than clsdf::Error ends the test.
 std::optional<Error> error_of_reading(const std::string& path) {
     try {
         read_mesh(path);
@@ -102,7 +102,7 @@ BOOST_AUTO_TEST_CASE(a_file_cut_anywhere_is_refused_or_whole) {
                 const std::string path = folder.file("cut" + ending, content.substr(0, length));
                 const std::optional<Error> error = error_of_reading(path);
                 if (error) check_error(*error, path);
-                // Where a number or a name is cut in two, and in OBJ between two faces, nothing can tell.
+                // A cut within a number or a name, or in OBJ between two faces, cannot be detected.
                 if (!error && ending == ".ply")
                     BOOST_TEST(content.substr(length).find_first_not_of("0123456789\n") == std::string::npos);
                 if (!error && ending == ".stl")

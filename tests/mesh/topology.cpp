@@ -26,8 +26,8 @@ SignRule resolved(const Topology& topology) {
     return resolve_sign_rule(SignRule::automatic, topology).rule;
 }
 
-/// A band of n x m quadrilaterals whose ends are joined, in the direction across it mirrored where `mirrored`; closed
-/// across as well where `tube`. The coordinates are of no importance here, as long as they differ.
+/// A band of n x m quadrilaterals whose ends are joined; with `mirrored`, one end is mirrored across the band; with
+/// `tube`, the band is closed across, too. The coordinates only need to differ.
 Mesh strip(std::uint32_t n, std::uint32_t m, bool mirrored, bool tube) {
     const std::uint32_t columns = tube ? m : m + 1;
     std::vector<Vec3> vertices;

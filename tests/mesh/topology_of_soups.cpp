@@ -28,7 +28,7 @@ std::vector<Vec3> lattice_points(test::Random& random, std::size_t count, std::s
     return points;
 }
 
-/// Of vertices that are close in the list, so that triangles share edges.
+/// Triangles of vertices that are close in the list, so that they share edges.
 std::vector<Triangle> random_triangles(test::Random& random, std::size_t count, std::size_t vertex_count) {
     std::vector<Triangle> triangles(count);
     for (Triangle& triangle : triangles) {

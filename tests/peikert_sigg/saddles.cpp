@@ -162,7 +162,7 @@ BOOST_AUTO_TEST_CASE(successive_planes_do_not_find_every_gap) {
     }
 }
 
-// Of a symmetric saddle. With rounded coordinates they all but meet there.
+// The planes of a symmetric saddle meet in a line. With rounded coordinates they nearly do.
 BOOST_AUTO_TEST_CASE(planes_through_one_axis_leave_no_gap) {
     const SaddleReport report = examine_saddles(regular_fan(4, 1, -1));
     BOOST_TEST(report.saddles >= 1U);

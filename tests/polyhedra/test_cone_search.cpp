@@ -24,7 +24,7 @@ double least_product(const std::vector<Vector>& conditions, const Vector& u) {
 }
 
 /// The greatest, over all directions in which two conditions' planes meet, of the least product with a condition: 0
-/// where there is a cone, negative where there is none.
+/// where there is a cone, negative if there is none.
 double best_ray(const std::vector<Vector>& conditions) {
     double best = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < conditions.size(); ++i)

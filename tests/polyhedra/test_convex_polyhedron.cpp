@@ -137,7 +137,7 @@ BOOST_AUTO_TEST_CASE(known_solids_have_their_volume_and_their_vertices_edges_and
             edges.insert(edges.end(), {{a, b, 0}, {0, a, b}, {a, 0, b}});
             pentagons.insert(pentagons.end(), {{a, b * golden, 0}, {0, a, b * golden}, {b * golden, 0, a}});
         }
-    // Of inradius 1 and side a: (15 + 7 sqrt 5) / 4 a^3.
+    // The volume of a dodecahedron of inradius 1 and side a is (15 + 7 sqrt 5) / 4 a^3.
     const double side = 2 / std::sqrt(2.5 + 1.1 * std::sqrt(5));
     const double dodecahedron = (15 + 7 * std::sqrt(5)) / 4 * side * side * side;
     const std::vector<Vector> tetrahedron{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};

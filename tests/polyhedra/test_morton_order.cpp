@@ -22,7 +22,7 @@ std::uint32_t spread(std::uint32_t x) {
     return bits;
 }
 
-/// Of centroids in the unit cube, in cells of 2^-bits.
+/// Codes of centroids in the unit cube, in cells of 2^-bits.
 std::vector<std::uint32_t> plain_morton_order(const Mesh& mesh, unsigned bits) {
     std::vector<std::uint32_t> codes;
     for (const Triangle& triangle : mesh.triangles()) {

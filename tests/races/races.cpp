@@ -1,5 +1,5 @@
-// The kernels on a device that watches every access to memory: "oclgrind --data-races test_races". Meshes and grids are
-// as small as the simulated device is slow, and yet have several coarse bricks, lists and work-groups.
+// The kernels on a device that watches every access to memory: "oclgrind --data-races test_races". The simulated device
+// is slow, so meshes and grids are small, but they have several coarse bricks, lists and work-groups.
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 

@@ -30,7 +30,7 @@ std::size_t findings_of(const CheckReport& report) {
     return wrong;
 }
 
-/// Of inradius 0.4.
+/// A mesh of inradius 0.4.
 Mesh tetrahedron() {
     return {{{0, 0, 0.1}, {2, 0.1, 0}, {0.1, 2, 0}, {0, 0.2, 2.1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
 }

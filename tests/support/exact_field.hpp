@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-/// Fields for tests, and what they are held against.
+/// Fields for tests, and their comparison with the reference.
 namespace clsdf::test {
 
 /// The device of all tests of a program. It is never destroyed: the driver may be gone by the time static objects are.
@@ -21,16 +21,16 @@ inline const Device& test_device() {
     return *device;
 }
 
-/// The error that is allowed: so many voxels, or so many units in the last place, whichever is more.
+/// The allowed error: the larger of a number of voxels and a number of units in the last place.
 struct Accuracy {
     double voxels;
     double ulp;
 };
 /// The design's aim.
 inline constexpr Accuracy aimed{1e-6, 2};
-/// The aim, with what a few of a hundred thousand samples miss it by: for large numbers of random ones.
+/// The aim plus the excess of a few in a hundred thousand samples: for large numbers of random samples.
 inline constexpr Accuracy nearly_aimed{1.5e-6, 2};
-/// What every field is held to, also where distances of many voxels round more than twice.
+/// The contract of every field, also if distances of many voxels round more than twice.
 inline constexpr Accuracy guaranteed{1e-5, 2};
 
 /// All that there is beside the distance, or what a scan knows of it.
@@ -83,7 +83,7 @@ inline reference::CheckReport check_exact(const Mesh& mesh, const Field& field, 
     return report;
 }
 
-/// Computed and held against the reference; there must be something in the band to look at.
+/// Computes a field and compares it with the reference; the band must contain samples.
 inline reference::CheckReport check_exact(const Mesh& mesh, const Grid& grid, const Band& band,
                                           const Accuracy& accuracy = aimed) {
     reference::CheckReport report = check_exact(mesh, compute(mesh, grid, band), accuracy);
@@ -116,7 +116,7 @@ inline std::vector<std::uint32_t> bits_of(std::span<const float> values) {
     return bits;
 }
 
-/// Of the outputs that both hold.
+/// Compares the outputs that both fields have.
 inline bool same_bytes(const Field& one, const Field& other) {
     bool is_same = true;
     visit_outputs(

@@ -136,8 +136,8 @@ inline Mesh random_flap(Random& random) {
                     {{0, 1, 5}, {1, 3, 5}, {1, 2, 3}, {3, 4, 5}, {0, 5, 6}}, 20, "flap");
 }
 
-/// Steps of random heights and widths. The side walls are fans whose triangles are degenerate where a lower neighbour
-/// ends on a higher step's edge.
+/// Steps of random heights and widths. The side walls are fans; a triangle is degenerate if a lower neighbour ends on a
+/// higher step's edge.
 inline Mesh random_stairs(Random& random, std::size_t steps) {
     std::vector<double> x{0}, height;
     for (std::size_t i = 0; i < steps; ++i) {

@@ -32,7 +32,7 @@ public:
     /// Writes the bytes and returns the path.
     std::string file(const std::string& name, std::string_view content) const {
         std::string path = file(name);
-        // Some file systems wait for the disk where a file is overwritten.
+        // Some file systems wait for the disk when a file is overwritten.
         std::filesystem::remove(path);
         std::ofstream out(path, std::ios::binary);
         out.write(content.data(), static_cast<std::streamsize>(content.size()));

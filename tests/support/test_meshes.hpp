@@ -19,9 +19,10 @@ inline constexpr double uncovered = std::numeric_limits<double>::infinity();
 struct KnownSample {
     Vec3 position;
     double distance;   ///< unsigned
-    double tolerance;  ///< half a unit of the last digit stated for `distance`, or more where the position is rounded
-    std::optional<double> paper;  ///< the value of Peikert & Sigg's polyhedra (closed where `closed`), if it is known
-    bool closed = false;          ///< after the gaps were closed as in the paper
+    double tolerance;  ///< half a unit of the last digit of `distance`, or more if the position is rounded
+    std::optional<double>
+        paper;            ///< the value of Peikert & Sigg's polyhedra (with closed gaps if `closed`), if it is known
+    bool closed = false;  ///< after the gaps were closed as in the paper
 };
 
 struct Counterexample {
@@ -131,7 +132,7 @@ inline Counterexample w2() {
             {{{-0.0344, 0.133193, 1.19946}, 0.792351, 5e-6, 0.949022, true}}};
 }
 
-/// h1 to h6: vertices whose gap needs a point site of its own, or the sample lies in no leaned frustum.
+/// h1 to h6: vertices with a gap; without a point site the sample lies in no leaned frustum.
 inline Counterexample h1() {
     return {Mesh({{0, 0, 0}, {0, -1, -4}, {-1, -4, 1}, {-1, -4, 0}, {-4, 1, -1}, {-4, 0, -1}, {1, -1, -4}},
                  {{0, 2, 1},

@@ -142,7 +142,7 @@ private:
     double left_ = p_.exact_base[CLSDF_HALF_LEFT];
 };
 
-/// Which polyhedra hold samples of a brick and are not in its list. Of each axis' samples every other, from the first
+/// The polyhedra that hold samples of a brick and are not in its list. On each axis every second sample, from the first
 /// or the second on.
 std::vector<cl_uint> missing_in(const Coarse& coarse, const Index3& brick, Random& random) {
     const std::vector<cl_uint>& list = coarse.lists.at(brick);
@@ -205,9 +205,8 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
         }
 }
 
-// By brute force. More than what holds a sample may be in a list.
-// The room for touches is guessed; where there is no memory for the guess, they are counted first, and no more is
-// needed than for what there is.
+// By brute force. More than what holds a sample may be in a list. The size of the buffer of pairs is guessed. If there
+// is no memory for the guess, they are counted first, and no more is needed than for what there is.
 BOOST_AUTO_TEST_CASE(coarse_lists_are_the_same_where_there_is_no_memory_for_a_guess) {
     const Mesh mesh = make_shape("sphere6");
     // Few polyhedra touch this part, so that the guess is far too large.

@@ -34,7 +34,7 @@ BOOST_AUTO_TEST_CASE(every_counterexample_is_exact_without_a_band) {
         check_exact(example.mesh, Grid::around(example.mesh, 30, Band::full()), Band::full(), guaranteed);
 }
 
-// Where a point site is needed: the lattice around the vertex on which the gaps were found.
+// Vertices that need a point site: the lattice around the vertex on which the gaps were found.
 BOOST_AUTO_TEST_CASE(gaps_at_a_vertex_are_closed) {
     for (const Counterexample& example : {h1(), h2(), h3(), h4(), h5()})
         check_exact(example.mesh, grid_at({0, 0, 0}, 0.125, 14), Band::symmetric(1), guaranteed);

@@ -120,8 +120,8 @@ BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole) {
         check_parts(noisy(), grid, band, KernelBody::by_vector, parts);
 }
 
-// Of small triangles, bricks that follow each other along x are stored as runs: of a coarse brick, or of what lies in
-// the part.
+// With small triangles, bricks that follow each other along x are stored as runs: within a coarse brick, or the part of
+// it in the part.
 BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole_wherever_its_runs_begin) {
     const Mesh ball = tilted(make_shape("sphere5"));
     Grid grid = whole_grid(ball, 64);

@@ -144,7 +144,7 @@ BOOST_AUTO_TEST_CASE(a_tip_of_a_thousand_triangles_is_exact) {
     check_exact(mesh, grid_at(tip, 0.01, 12), Band::symmetric(0.08), guaranteed);
 }
 
-// Where the lattice's sample (0, 0, 0) is plays no part: the difference from it is not rounded.
+// The position of the lattice's sample (0, 0, 0) does not matter: the difference from it is not rounded.
 BOOST_AUTO_TEST_CASE(a_lattice_that_begins_a_billion_samples_away_is_exact) {
     for (const FarLattice& lattice : far_lattices)
         for (const char* shape : {"knot", "cube", "sphere3"}) {

@@ -95,7 +95,7 @@ BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
     BOOST_TEST(by_slabs.lanes_evaluated == at_once.lanes_evaluated);
 }
 
-// What the lists take is known only when they are made: where they do not fit, the slab is divided.
+// The memory of the lists is known only when they are made. If they do not fit, the slab is divided.
 BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     const Mesh fine = make_shape("sphere5");
     const Grid grid = grid_around(fine, 100, 4);

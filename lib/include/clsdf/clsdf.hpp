@@ -1,7 +1,7 @@
 #pragma once
 
-/// The library proper, clsdf::clsdf. Files (clsdf/io.hpp), pictures (clsdf/picture.hpp) and the reference
-/// (clsdf/reference.hpp) are targets of their own; clsdf/eigen.hpp is for those who have Eigen.
+/// The core library, clsdf::clsdf. Files (clsdf/io.hpp), pictures (clsdf/picture.hpp) and the reference
+/// (clsdf/reference.hpp) are separate targets. clsdf/eigen.hpp needs Eigen.
 #include <clsdf/bounding_solids.hpp>
 #include <clsdf/classification.hpp>
 #include <clsdf/device.hpp>

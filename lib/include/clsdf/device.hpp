@@ -23,7 +23,7 @@ enum class DeviceKind { gpu, processor, accelerator, other };
 /// "gpu", "processor", "accelerator" or "other".
 CLSDF_EXPORT std::string name_of(DeviceKind kind);
 
-/// What an OpenCL device says of itself.
+/// The properties that an OpenCL device reports.
 struct DeviceInfo {
     std::size_t index = 0;  ///< in Device::all()
     cl_device_id id = nullptr;
@@ -39,7 +39,7 @@ struct DeviceInfo {
     bool fp64 = false;                   ///< double precision, which this library needs
     bool atomics64 = false;              ///< atomic operations on 64 bits, which it does not need
     unsigned float_width = 0;            ///< floats in a native vector; 1 on most GPUs
-    std::string why_not;                 ///< why this library cannot use it; empty where it can
+    std::string why_not;                 ///< why this library cannot use it; empty if it can
 
     bool usable() const { return why_not.empty(); }
 };
@@ -51,19 +51,19 @@ public:
     /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used.
     static std::vector<DeviceInfo> all();
 
-    /// The strongest GPU, else the strongest other device. Throws Error(no_device) that says what to install.
+    /// The strongest GPU, else the strongest other device. Throws Error(no_device) that names the packages to install.
     static Device best();
 
-    /// A whole number is an index in all(); any other text a part of the name or of the platform's name of exactly one
-    /// usable device, in upper or lower case. Throws Error(no_device) that lists what there is, Error(device_failure)
-    /// where the device cannot be opened.
+    /// A whole number is an index in all(). Any other text is a part of the name or of the platform's name of exactly
+    /// one usable device, in upper or lower case. Throws Error(no_device) that lists the devices, Error(device_failure)
+    /// if the device cannot be opened.
     static Device select(const std::string& index_or_substring);
 
-    /// select() with the environment variable CLSDF_DEVICE where it is set and not empty, else best(). Nothing else
-    /// in the library reads that variable.
+    /// select() with the environment variable CLSDF_DEVICE if it is set and not empty, else best(). No other function
+    /// of the library reads that variable.
     static Device preferred();
 
-    /// What CLSDF_DEVICE asks preferred() for; empty where it asks for nothing.
+    /// The value of CLSDF_DEVICE that preferred() uses; empty if it is not set.
     static std::string environment_choice();
 
     /// The caller's own objects; they are retained, and released with the last copy.
@@ -77,23 +77,23 @@ public:
 
     /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
     /// variable CLSDF_CACHE_DIR if it is set, from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf,
-    /// else $HOME/.cache/clsdf. Empty (no program is kept) if the first is set and empty, if none is known, or if the
-    /// driver is PoCL, which keeps programs itself, and the first is not set.
+    /// else $HOME/.cache/clsdf. Empty (no program is kept) if CLSDF_CACHE_DIR is set to an empty string, if no folder
+    /// is known, or if the driver is PoCL, which keeps programs itself, and CLSDF_CACHE_DIR is not set.
     std::string program_cache() const;
 
-    /// The folder of small records of the programs that were tested on a device, and of markers of those that are being
-    /// compiled. It is program_cache(), except with PoCL if CLSDF_CACHE_DIR is not set: $XDG_CACHE_HOME/clsdf, else
-    /// $HOME/.cache/clsdf. Empty: no file is written, and every process tests anew.
+    /// The folder of two kinds of small files: records of tested programs, and markers of programs that are being
+    /// compiled. It is program_cache(), except with PoCL if CLSDF_CACHE_DIR is not set: then it is
+    /// $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty: no file is written, and every process tests anew.
     std::string record_folder() const;
 
-    /// Another folder for both, for programs that are built from now on: call it before the first
-    /// DistanceTransform is made. With an empty one the library reads and writes nothing but the files it is told to:
-    /// programs are tested once in every process then. A folder that cannot be written, or a damaged file in it, is no
-    /// error: programs are compiled and tested then.
+    /// Sets the folder of both for programs that are built from now on: call it before the first DistanceTransform is
+    /// made. With an empty string the library reads and writes only files that the caller names, and tests programs
+    /// once in every process. A folder that cannot be written, or a damaged file in it, is no error: the programs are
+    /// compiled and tested anew.
     void set_program_cache(const std::string& folder) const;
 
-    /// Forgets which programs were tested on this device, and which of its compilations ended their process: they are
-    /// tested, or tried, again.
+    /// Deletes the records and markers of this device: its programs are tested again, and those whose compilation ended
+    /// a process are tried again.
     void forget_tests() const;
 
     /// For the library's own stages.

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Eigen's matrices as meshes. The library needs no Eigen of its caller: whoever includes this header has it.
+/// Eigen's matrices as meshes. This is the only public header that needs Eigen.
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>
 
@@ -15,7 +15,7 @@ namespace clsdf {
 
 namespace detail {
 
-/// A matrix as triples: its numbers, how many triples it has, and how they lie.
+/// A matrix as triples: its numbers, the number of triples, and their layout.
 template <typename Scalar>
 struct TriplesOfMatrix {
     const Scalar* numbers = nullptr;
@@ -46,10 +46,10 @@ auto triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
 
 }  // namespace detail
 
-/// A view of a mesh in Eigen's matrices, maps, blocks or references, which it must not outlive: n x 3, a row per vertex
-/// or triangle (libigl's V and F), or 3 x n, a column for each; row- or column-major, with gaps or without. 3 x 3 of
-/// dynamic size are rows. Vertices are double or float, indices have 32 bits. Nothing is copied. Throws
-/// Error(invalid_argument) if a matrix of dynamic size has neither 3 rows nor 3 columns.
+/// A view of a mesh in Eigen's matrices, maps, blocks or references. It copies nothing and must not outlive them. The
+/// matrices are n x 3, a row per vertex or triangle (libigl's V and F), or 3 x n, a column per vertex or triangle; row-
+/// or column-major, with gaps or without. A 3 x 3 matrix of dynamic size counts as rows. Vertices are double or float,
+/// indices have 32 bits. Throws Error(invalid_argument) if a matrix of dynamic size has neither 3 rows nor 3 columns.
 template <typename Vertices, typename Triangles>
 MeshView mesh_view(const Eigen::MatrixBase<Vertices>& vertices, const Eigen::MatrixBase<Triangles>& triangles) {
     using Index = typename Triangles::Scalar;

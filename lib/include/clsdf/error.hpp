@@ -7,7 +7,7 @@
 
 namespace clsdf {
 
-/// What went wrong, so that a program can act on it without reading the message.
+/// The kind of a failure, for programs that act on it without reading the message.
 enum class ErrorCode {
     invalid_mesh,      ///< index out of range, non-finite vertex in use, no triangle
     unreadable_input,  ///< a file that cannot be opened, is truncated or malformed
@@ -15,7 +15,7 @@ enum class ErrorCode {
     no_device,         ///< no OpenCL device, or none of the name asked for
     device_failure,    ///< an OpenCL call failed; the message has the call, the code and any build log
     out_of_memory,     ///< host or device memory, or the device's largest allocation, is too small
-    unsupported,       ///< asked for correctly, but not something this build or device can do
+    unsupported,       ///< a correct request that this build or device does not support
     cancelled,         ///< the caller's stop token was set
     output_failure,    ///< a result could not be written; nothing is left under its final name
 };

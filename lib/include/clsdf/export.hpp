@@ -1,10 +1,10 @@
 #pragma once
 
-/// What a shared library of clsdf shows to other modules; everything else in it is hidden.
+/// Marks the symbols that a shared library of clsdf exports; all other symbols are hidden.
 ///
-/// CLSDF_EXPORT marks the interface. In a static library it means nothing: a plug-in that contains one shows no symbol
-/// of clsdf, so that two plug-ins with different versions do not meet. CLSDF_VISIBLE marks types that are one type in
-/// all modules of a process: exceptions that are caught elsewhere.
+/// CLSDF_EXPORT marks the interface. It has no effect in a static library: a plug-in that contains one exports no
+/// symbol of clsdf, so two plug-ins with different versions do not clash. CLSDF_VISIBLE marks types that must be the
+/// same type in all modules of a process: exceptions that another module catches.
 #if defined(__GNUC__)
 #define CLSDF_VISIBLE __attribute__((visibility("default")))
 #else
@@ -17,4 +17,4 @@
 #define CLSDF_EXPORT CLSDF_VISIBLE
 #endif
 
-#include <clsdf/version.hpp>  // which says what compiler is needed
+#include <clsdf/version.hpp>  // stops old compilers with one message

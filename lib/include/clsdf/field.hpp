@@ -11,16 +11,16 @@
 
 namespace clsdf {
 
-/// What a field is, its values apart.
+/// The properties of a field without its values.
 struct FieldDescription {
     Grid grid;
     Band band;
-    SignRule sign = SignRule::none;  ///< `automatic` where a file of another program does not say
+    SignRule sign = SignRule::none;  ///< `automatic` if a file of another program states none
     std::string mesh_name;
 };
 
 /// A computed field on the host. Each array has grid.sample_count() samples, x fastest, or is empty if the output was
-/// not asked for; one that is made by hand is to be set whole, see FieldArray.
+/// not asked for. New elements of an array are not initialised, see FieldArray.
 struct Field : FieldDescription, PerOutput<FieldArray> {};
 
 namespace detail {

@@ -14,12 +14,12 @@ namespace clsdf {
 
 namespace detail {
 
-/// Begins on a line of memory, 64 bytes; from 4 MiB on, on a huge page, 2 MiB, and on such pages where the system gives
-/// them. Throws std::bad_alloc.
+/// Memory aligned to a cache line (64 bytes); from 4 MiB on, aligned to a huge page (2 MiB), and on huge pages if the
+/// system provides them. Throws std::bad_alloc.
 CLSDF_EXPORT void* allocate_field_memory(std::size_t bytes);
 CLSDF_EXPORT void free_field_memory(void* memory, std::size_t bytes) noexcept;
 
-/// Of an allocator: elements that are made of nothing are left unset.
+/// The part of an allocator that leaves new elements of plain types uninitialised.
 struct DefaultInitialization {
     template <typename Element>
     void construct(Element* place) noexcept(std::is_nothrow_default_constructible_v<Element>) {
@@ -33,7 +33,7 @@ struct DefaultInitialization {
 
 }  // namespace detail
 
-/// Memory that a field is stored to fastest, whose elements are left unset.
+/// An allocator of FieldArray: memory for fast stores, with uninitialised elements.
 template <typename Value>
 struct CLSDF_EXPORT FieldAllocator : detail::DefaultInitialization {
     static_assert(alignof(Value) <= 64);
@@ -59,12 +59,11 @@ struct CLSDF_EXPORT FieldAllocator : detail::DefaultInitialization {
     }
 };
 
-/// A std::vector for the samples of a grid, in memory that they are stored to fastest: it begins on a line of memory
-/// (64 bytes) and, from 4 MiB on, lies on huge pages where the system gives them. (Measured on a processor: in a plain
-/// std::vector a computation takes up to a fifth longer.)
+/// A std::vector for the samples of a grid, in memory for fast stores: it is aligned to a cache line (64 bytes) and,
+/// from 4 MiB on, lies on huge pages if the system provides them.
 ///
-/// New elements are left unset, those of `FieldArray<float>(n)` and of `resize(n)` too: whoever computes a field sets
-/// every one of them, and need not wait until one core has cleared them. `FieldArray<float>(n, 0.0F)` sets them.
+/// New elements are uninitialised, also those of `FieldArray<float>(n)` and of `resize(n)`: a computation sets all of
+/// them, and need not wait until one core has cleared them. `FieldArray<float>(n, 0.0F)` sets them.
 template <typename Value>
 using FieldArray = std::vector<Value, FieldAllocator<Value>>;
 

@@ -11,7 +11,7 @@
 
 namespace clsdf {
 
-/// A length as people state it: in the mesh's units, in voxels, or as a fraction of the longest side of the mesh's box.
+/// A length in the mesh's units, in voxels, or as a fraction of the longest side of the mesh's box.
 struct CLSDF_EXPORT Length {
     enum class Unit { mesh, voxels, extent };
 
@@ -31,9 +31,9 @@ struct CLSDF_EXPORT Length {
 };
 
 /// The half widths of a narrow band, in the mesh's units; each is >= 0 and may be infinite. They have no default: a
-/// band with a half width that is not set is refused. If both are 0, the field tells inside from outside and holds no
-/// distance. A sample with -inside <= distance <= outside carries its exact signed distance; every other one carries
-/// +outside or -inside, with the right sign (-0.0 for inside = 0). An unsigned field uses `outside` alone.
+/// band with a half width that is not set is refused. If both are 0, the field holds -0.0 inside and +0.0 outside, and
+/// no other distance. A sample with -inside <= distance <= outside carries its exact signed distance; every other one
+/// carries +outside or -inside, with the right sign (-0.0 for inside = 0). An unsigned field uses `outside` alone.
 struct CLSDF_EXPORT Band {
     double inside = std::numeric_limits<double>::quiet_NaN();   ///< NaN: not set
     double outside = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not set
@@ -44,17 +44,17 @@ struct CLSDF_EXPORT Band {
 
     double widest() const { return inside > outside ? inside : outside; }
 
-    /// Throws Error(invalid_argument) where a half width is not set, or negative.
+    /// Throws Error(invalid_argument) if a half width is not set, or negative.
     void validate() const;
 };
 
-/// How a grid is laid around a box; see Grid::around.
+/// Options of Grid::around.
 struct GridOptions {
-    /// Samples on the longest side of the box, margin included; >= 2. Ignored where `spacing` is set.
+    /// Samples on the longest side of the box, margin included; >= 2. Ignored if `spacing` is set.
     std::int64_t resolution = 256;
     /// Spacing per axis in the mesh's units, instead of a resolution.
     std::optional<Vec3> spacing;
-    /// Room between the box and the first and last samples. In voxels, it is in units of the spacing that results.
+    /// Margin between the box and the first and last samples. A length in voxels counts in the resulting spacing.
     Length margin = Length::of_extent(0.05);
     /// Every axis gets as many samples as the longest one.
     bool cubic = false;
@@ -64,9 +64,9 @@ struct GridOptions {
 
 /// A regular grid: sample (i, j, k) of the lattice lies at origin + (i hx, j hy, k hz), a real number formed from the
 /// stored doubles. A Grid is the block of samples first <= (i, j, k) < first + size of that lattice; x runs fastest in
-/// memory. Bricks and all snapping are anchored to the lattice's sample (0, 0, 0), never to `first`: a part of a grid
-/// has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it; blocks of it end
-/// within 2^30 - 128 samples of that one, and a mesh within 1e14 times the smallest spacing.
+/// memory. Bricks and all snapping are relative to the lattice's sample (0, 0, 0), never to `first`: a part of a grid
+/// has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it. A block may reach 2^30
+/// - 128 samples from sample (0, 0, 0) on every axis, a mesh 1e14 times the smallest spacing.
 struct CLSDF_EXPORT Grid {
     Vec3 origin{};
     Vec3 spacing{1, 1, 1};
@@ -76,14 +76,14 @@ struct CLSDF_EXPORT Grid {
     /// A grid around a box whose longest side has `options.resolution` samples: h = L / (N - 1), L the longest side of
     /// the box enlarged on both sides by the margin; with a margin of k voxels, h = extent / (N - 1 - 2 k). The other
     /// axes get as many samples as cover the box to 1e-6 voxel, which stays centred; with a spacing, every axis does.
-    /// Throws Error(invalid_argument) where the spacing would not be positive (a box without extent needs
+    /// Throws Error(invalid_argument) if the spacing would not be positive (a box without extent needs
     /// options.spacing), the box or the margin is not finite, or a side has too many samples.
     static Grid around(const Box& box, const GridOptions& options);
 
     /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).
     static Grid around(const Mesh& mesh, std::int64_t resolution, const Band& band);
 
-    /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws where it is not
+    /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws if it is not
     /// inside.
     Grid part(const Index3& offset, const Index3& part_size) const;
 
@@ -112,7 +112,7 @@ struct CLSDF_EXPORT Grid {
     /// "A voxel" as a measure: the smallest spacing.
     double voxel() const;
 
-    /// size[0] size[1] size[2]. Throws Error(out_of_memory) where so many values of four bytes do not fit the address
+    /// size[0] size[1] size[2]. Throws Error(out_of_memory) if so many values of four bytes do not fit the address
     /// space.
     std::size_t sample_count() const;
 
@@ -123,7 +123,7 @@ struct CLSDF_EXPORT Grid {
                    (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
     }
 
-    /// Throws Error(invalid_argument) where a size is not positive, a spacing not positive and finite, the origin or a
+    /// Throws Error(invalid_argument) if a size is not positive, a spacing not positive and finite, the origin or a
     /// sample's position not finite, or an index beyond 2^53 in magnitude.
     void validate() const;
 

@@ -31,8 +31,8 @@ struct CLSDF_EXPORT Box {
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// How triples of numbers lie in an array, counted in numbers; either step may be negative. The default is one triple
-/// after the other.
+/// The layout of triples in an array, in numbers; a step may be negative. By default triples follow each other without
+/// gaps.
 struct TripleLayout {
     std::ptrdiff_t triple = 3;  ///< from a number of a triple to the same one of the next triple
     std::ptrdiff_t number = 1;  ///< from a number of a triple to its next
@@ -42,14 +42,14 @@ struct TripleLayout {
 /// clsdf/eigen.hpp makes one of Eigen's matrices.
 class CLSDF_EXPORT MeshView {
 public:
-    /// `vertices`: x0 y0 z0 x1 y1 z1 ..., `triangles`: three indices a triangle. Throws Error(invalid_mesh) where a
+    /// `vertices`: x0 y0 z0 x1 y1 z1 ..., `triangles`: three indices a triangle. Throws Error(invalid_mesh) if a
     /// length is no multiple of three.
     MeshView(std::span<const double> vertices, std::span<const std::uint32_t> triangles);
     MeshView(std::span<const float> vertices, std::span<const std::uint32_t> triangles);
     MeshView(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-    /// Triples that lie otherwise: vertices in rows of four numbers, or all x before all y. The arrays hold whatever
-    /// the layouts reach.
+    /// Triples with another layout, for instance vertices in rows of four numbers, or all x before all y. The arrays
+    /// must contain every number that the layouts address.
     MeshView(const double* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
              const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout = {});
     MeshView(const float* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
@@ -98,10 +98,10 @@ private:
     Box box_;
 };
 
-/// The mesh with vertices of equal coordinates made one; triangles keep their order and number.
+/// The mesh in which vertices of equal coordinates are one vertex; triangles keep their order and number.
 CLSDF_EXPORT Mesh weld(const Mesh& mesh);
 
-/// The names make_shape() knows, each with one line on what it is.
+/// The names that make_shape() accepts, each with a description of one line.
 struct ShapeName {
     std::string name;
     std::string description;

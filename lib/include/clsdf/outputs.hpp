@@ -21,7 +21,7 @@ inline constexpr std::uint8_t no_site = 255;
 /// sites; docs/library.md says what each of them is.
 struct Outputs {
     bool triangle = false;     ///< the nearest triangle; of an edge or a vertex the lowest that shares it
-    bool site = false;         ///< where on it: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
+    bool site = false;         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
     bool closest = false;      ///< the closest point
     bool gradient = false;     ///< of the signed distance: a unit vector
     bool barycentric = false;  ///< coordinates of the closest point on the triangle
@@ -68,13 +68,13 @@ void visit_outputs(const Visit& visit, Sets&&... sets) {
     visit_extras(visit, sets...);
 }
 
-/// Where an output goes: memory of the caller's, on the host or on the device.
+/// The destination of an output: memory of the caller, on the host or on the device.
 ///
-/// The elements are those of PerOutput. The closest point may also go to floats: they are the offset from the sample to
-/// it, which keeps its accuracy however large the coordinates are. Other elements are Error(unsupported).
+/// The elements are those of PerOutput. The closest point may also be stored as floats: then it is the offset from the
+/// sample, whose accuracy does not depend on the size of the coordinates. Other elements are Error(unsupported).
 ///
-/// Samples are packed with x fastest unless strides are given, which host memory may have, at the cost of a copy; on
-/// the device they are Error(unsupported). Memory between the samples stays as it is.
+/// Samples are packed with x fastest unless strides are given. Strides are for host memory only and cost a copy of the
+/// field; on the device they are Error(unsupported). Memory between the samples is not changed.
 struct OutputTarget {
     enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
 
@@ -121,7 +121,7 @@ template <typename Element>
 using TargetOf = OutputTarget;
 }
 
-/// Where the outputs of a computation go; those that are not given are not computed.
+/// The destinations of a computation's outputs; an output without one is not computed.
 using OutputTargets = PerOutput<detail::TargetOf>;
 
 }  // namespace clsdf

@@ -1,7 +1,7 @@
 #pragma once
 
-/// Pictures of a field. A target of their own, clsdf::picture, because they are drawn with cairo, which the library
-/// proper has no use for.
+/// Pictures of a field, in a separate target, clsdf::picture: they are drawn with cairo, which the core library does
+/// not need.
 #include <clsdf/device.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
@@ -30,18 +30,18 @@ struct Slice {
 };
 
 struct Options {
-    /// Of the drawn samples' longer side, in 100 ... 10000; text and lines grow with it. A mosaic shares it among its
-    /// panels. 1200 fill the width of a printed page.
+    /// Pixels on the longer side of the slice, 100 ... 10000; text and lines scale with it. The panels of a mosaic
+    /// share it. 1200 pixels fill the width of a printed page.
     int pixels = 1200;
 };
 
 /// Draws slices of one field: colours by sign and distance, iso-lines at round values, a strong line where the distance
 /// is zero, axes in the mesh's units, and a colour bar. A distance has the same colour in every slice of the field, and
-/// all slices along an axis have the same iso-lines. What lies beyond the band has a flat, paler tone by its sign. A
+/// all slices along an axis have the same iso-lines. Samples beyond the band have a flat, paler tone by their sign. A
 /// field without a sign has colours on one side only and no zero line.
 class CLSDF_EXPORT SlicePictures {
 public:
-    /// Keeps a reference to the field. Throws Error(invalid_argument) where the distances do not fit the grid, or the
+    /// Keeps a reference to the field. Throws Error(invalid_argument) if the distances do not fit the grid, or the
     /// number of pixels is out of range.
     explicit SlicePictures(const Field& field, const Options& options = {});
 
@@ -50,14 +50,15 @@ public:
 
     /// Writes a .png, or a .pdf whose lines and text are drawn at the printer's own resolution. The file appears
     /// complete or not at all. Throws Error(output_failure), Error(unsupported) for another ending, or
-    /// Error(invalid_argument) where the field has no such slice, or one without extent.
+    /// Error(invalid_argument) if the field has no such slice, or one without extent.
     void write_slice(const Slice& slice, const std::string& path) const;
 
     /// The three slices through sample `at`, side by side on one scale with their axes aligned. Throws what
     /// write_slice() does.
     void write_mosaic(const Index3& at, const std::string& path) const;
 
-    /// Throws what a write would throw for the path's ending or folder, before any work is done. Leaves nothing behind.
+    /// Throws the error that a write would throw for the path's ending or folder, before any work is done. Leaves no
+    /// file.
     static void check_output(const std::string& path);
 
 private:
@@ -68,12 +69,12 @@ private:
     bool has_sign_ = false;
 };
 
-/// Where a surface is seen from.
+/// The position of the viewer.
 struct View {
     double azimuth = 30;    ///< degrees to the right of the front
     double elevation = 20;  ///< degrees above the horizon, -90 ... 90
-    /// What points upwards; none: SurfacePictures::upright(). Seen from the front, x points to the right (y where x is
-    /// up).
+    /// The axis that points upwards; none: SurfacePictures::upright(). Seen from the front, x points to the right, or y
+    /// if x is up.
     std::optional<Axis> up{};
     bool up_is_negative = false;
     /// Degrees between the directions to the opposite borders of the picture, below 120; 0: a parallel projection.
@@ -86,7 +87,8 @@ struct View {
 CLSDF_EXPORT void set_direction(View& view, const std::string& text);
 CLSDF_EXPORT void set_up(View& view, const std::string& text);
 
-/// Takes away what is on the viewer's side of a plane across an axis; with several cuts, what is on that side of all.
+/// Removes the part on the viewer's side of a plane across an axis; with several cuts, the part on that side of all
+/// planes.
 struct Cut {
     Axis axis = Axis::x;
     std::optional<double> position;  ///< in the mesh's units; none: through the middle of the solid
@@ -107,13 +109,13 @@ struct SurfaceOptions {
     std::function<bool()> should_stop{};  ///< asked between launches; if it says true, Error(cancelled) is thrown
 };
 
-/// What the ray through a pixel's middle meets first.
+/// The first point that the ray through a pixel's centre meets.
 struct Hit {
     enum class Kind { nothing, surface, cut, border };
     Kind kind = Kind::nothing;
     Vec3 position{};      ///< in the mesh's units
     Vec3 gradient{};      ///< of the distance there: about a unit vector, outwards
-    double distance = 0;  ///< there: the level at the surface, less in a cut or where the grid ends
+    double distance = 0;  ///< there: the level at the surface, less in a cut or at the end of the grid
 };
 
 /// Rows of pixels from the top.
@@ -125,19 +127,18 @@ struct Hits {
 
 class Scene;
 
-/// Pictures of the surface where the distance has one value, found by sphere tracing on the device. What is seen is the
-/// zero set of the samples' trilinear interpolant, whatever the spacing and the band; steps are bounded by the slopes
-/// that the samples have, so that nothing is passed over. Where the solid is cut or reaches the end of the grid, it
-/// shows its distances in the colours of SlicePictures, with iso-lines. Once moved from, every member but assignment
-/// and the destructor throws Error(invalid_argument).
+/// Pictures of the surface on which the distance has one value, found by sphere tracing on the device. The surface is a
+/// level set of the samples' trilinear interpolant, for every spacing and band. The slopes between samples bound the
+/// steps of a ray, so no surface is passed over. The faces of a cut, and of a solid that reaches the end of the grid,
+/// show the distances in the colours of SlicePictures, with iso-lines. Once moved from, every member but assignment and
+/// the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT SurfacePictures {
 public:
     /// Keeps a reference to the field, and copies its samples to the device. `offset`: the surface's distance in the
     /// mesh's units; without it 0, for a field without a sign one voxel (the largest spacing), because its distance
-    /// touches zero without crossing it.
-    /// Throws Error(invalid_argument) where the distances do not fit the grid or are not numbers, a side has a single
-    /// sample, the band ends before the offset, or no surface is in the grid; Error(out_of_memory) where the field is
-    /// larger than the device's largest allocation; Error(device_failure).
+    /// touches zero without crossing it. Throws Error(invalid_argument) if the distances do not fit the grid or are not
+    /// numbers, a side has a single sample, the band ends before the offset, or no surface is in the grid;
+    /// Error(out_of_memory) if the field is larger than the device's largest allocation; Error(device_failure).
     SurfacePictures(const Field& field, const Device& device, std::optional<double> offset = {});
     SurfacePictures(SurfacePictures&&) noexcept;
     SurfacePictures& operator=(SurfacePictures&&) noexcept;
@@ -145,10 +146,10 @@ public:
 
     double offset() const;
 
-    /// What is probably up: y or z, the axis along which the solid stands most firmly.
+    /// The axis that probably points upwards: y or z, the one along which the solid stands most firmly.
     Axis upright() const;
 
-    /// Throws Error(invalid_argument) where an option makes no sense, Error(cancelled), Error(device_failure).
+    /// Throws Error(invalid_argument) if an option makes no sense, Error(cancelled), Error(device_failure).
     Hits hits(const SurfaceOptions& options) const;
 
     /// Writes a .png, complete or not at all. Throws what hits() does, Error(unsupported) for another ending, or

@@ -9,19 +9,19 @@
 
 namespace clsdf {
 
-/// How inside is told from outside; negative is inside.
+/// The rule that decides which points are inside; inside is negative.
 enum class SignRule {
     automatic,  ///< balanced: nonzero; closed: parity; else unsigned (with a warning for the last two)
-    nonzero,    ///< inside where the winding number is not zero; needs a balanced mesh
-    parity,     ///< inside where a ray crosses the surface an odd number of times; needs a closed mesh
+    nonzero,    ///< inside if the winding number is not zero; needs a balanced mesh
+    parity,     ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
     none,       ///< no sign: the distance alone
 };
 
 /// "auto", "nonzero", "parity", "none".
 CLSDF_EXPORT const char* name_of(SignRule rule);
 
-/// What the sign rule needs to know about a mesh. Vertices of equal coordinates count as one, and faces with repeated
-/// vertices drop out; faces of zero area stay.
+/// The properties of a mesh that the sign rule depends on. Vertices of equal coordinates count as one. Faces with
+/// repeated vertices are left out; faces of zero area count.
 struct Topology {
     struct Edge {
         Vec3 from;
@@ -44,18 +44,18 @@ struct Topology {
 
 CLSDF_EXPORT Topology describe_topology(const Mesh& mesh);
 
-/// The rule that will be used, and what the user should be told about it (empty where nothing).
+/// The rule in use, and a warning about it, which may be empty.
 struct ResolvedSignRule {
     SignRule rule = SignRule::none;  ///< never `automatic`
     std::string warning;
 };
 
-/// Throws Error(invalid_mesh) with the number of offending edges and the first of them where the mesh cannot honour the
+/// Throws Error(invalid_mesh) with the number of offending edges and the first of them if the mesh does not meet the
 /// rule.
 CLSDF_EXPORT ResolvedSignRule resolve_sign_rule(SignRule asked, const Topology& topology);
 
-/// What may be wrong with a mesh besides its edges, which Topology describes. Vertices of equal coordinates count as
-/// one. None of it keeps a distance from being computed.
+/// Defects of a mesh other than those of its edges, which Topology describes. Vertices of equal coordinates count as
+/// one. The distance is exact in spite of them.
 struct Defects {
     std::size_t zero_area_faces = 0;  ///< three different vertices on one line, exactly
     std::size_t duplicate_faces = 0;  ///< with the three different vertices of an earlier face, in whatever order

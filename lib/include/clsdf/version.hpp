@@ -2,7 +2,7 @@
 
 #if __cplusplus < 202002L && !(defined(_MSVC_LANG) && _MSVC_LANG >= 202002L)
 #error "clsdf needs C++20: compile with -std=c++20 (with CMake, link clsdf::clsdf, which asks for it)"
-#include <clsdf/needs_cxx20>  // no such file: the compiler stops here, before a page of what follows from it
+#include <clsdf/needs_cxx20>  // no such file: the compiler stops here, with one message
 #endif
 
 #include <clsdf/export.hpp>
@@ -20,7 +20,7 @@
 
 namespace clsdf {
 
-/// "major.minor.patch" of the library in use. It differs from the macros' where the program was compiled with the
+/// "major.minor.patch" of the library in use. It differs from the macros' if the program was compiled with the
 /// headers of another version.
 CLSDF_EXPORT std::string version();
 
