@@ -16,7 +16,7 @@ enum class ErrorCode {
     device_failure,    ///< an OpenCL call failed; the message has the call, the code and any build log
     out_of_memory,     ///< host or device memory, or the device's largest allocation, is too small
     unsupported,       ///< a correct request that this build or device does not support
-    cancelled,         ///< the caller's stop token was set
+    cancelled,         ///< should_stop returned true
     output_failure,    ///< a result could not be written; nothing is left under its final name
 };
 
