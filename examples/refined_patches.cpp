@@ -1,5 +1,5 @@
-// Patches of three levels of refinement, each with ghost samples, in one call: the start of a level set, or the walls of
-// an adaptive mesh (AMR). The field decides where the next level is needed: at cells that the surface may cross.
+// Patches of three levels of refinement, each with ghost samples, in one call: the start of a level set, or the walls
+// of an adaptive mesh (AMR). The field decides where the next level is needed: at cells that the surface may cross.
 
 #include <clsdf/clsdf.hpp>
 
@@ -102,8 +102,9 @@ int main() {
             std::vector<Patch> patches = make_patches(level, places);
             compute(transform, clsdf::Band::symmetric(4 * level.voxel()), patches);
             const std::size_t of_level = differences(patches);
-            std::printf("level %d: %zu patches of %lld^3 samples, ghost samples included; %zu of their shared samples differ\n",
-                        number, patches.size(), static_cast<long long>(side + 2 * ghosts), of_level);
+            std::printf(
+                "level %d: %zu patches of %lld^3 samples, ghost samples included; %zu of their shared samples differ\n",
+                number, patches.size(), static_cast<long long>(side + 2 * ghosts), of_level);
             different += of_level;
             places = next_places(patches);
             level = level.refined_cells(ratio);

@@ -224,7 +224,8 @@ cl::Program Context::compile(std::string_view kernel_file, const std::string& so
         ErrorCode::device_failure,
         fmt::format(
             "the OpenCL call clBuildProgram failed for {}: {}; options \"{}\" on \"{}\"; the compiler said:\n{}",
-            kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(), log));
+            kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(), log),
+        code);
 }
 
 }  // namespace clsdf::device

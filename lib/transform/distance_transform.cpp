@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <list>
@@ -70,6 +71,25 @@ void add_call(TransformStatistics& total, const TransformStatistics& call) {
 
 void throw_if_stopped(const CallOptions& call) {
     if (call.should_stop && call.should_stop()) throw Error(ErrorCode::cancelled, "the computation was cancelled");
+}
+
+void check_rotation(const std::array<Vec3, 3>& rotation) {
+    const auto product = [&](std::size_t a, std::size_t b) {
+        return rotation[a][0] * rotation[b][0] + rotation[a][1] * rotation[b][1] + rotation[a][2] * rotation[b][2];
+    };
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = a; b < 3; ++b)
+            if (const double expected = a == b ? 1 : 0; !(std::abs(product(a, b) - expected) <= 1e-12))
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("the rotation is none: the product of its rows {} and {} is {}, and must be {} "
+                                        "to 1e-12; make its rows unit vectors at right angles",
+                                        a, b, product(a, b), expected));
+    const auto& [x, y, z] = rotation;
+    const double determinant =
+        x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
+    if (determinant < 0)
+        throw Error(ErrorCode::invalid_argument,
+                    "the rotation is a reflection, whose determinant is -1; it would turn the mesh inside out");
 }
 
 /// The building, loading and testing of programs by one call.
@@ -130,7 +150,8 @@ struct DistanceTransform::State {
 
     std::mutex mutex;  // for what follows, and for the work on the device
     std::unique_ptr<transform::Stages> stages;
-    std::list<KeptPlan> plans;  // that was used last first
+    std::list<KeptPlan> plans;          // that was used last first
+    std::vector<Vec3> first_positions;  // of the transform's mesh, from the first move on
 
     static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
     /// For the grids of a time step. More would keep the memory that the next one needs.
@@ -185,8 +206,31 @@ struct DistanceTransform::State {
                         fmt::format("{} has {} vertices, and {} positions are given to move them to; give one for each",
                                     mesh().name(), vertex_count, positions.size()));
         const std::scoped_lock lock(mutex);
-        stages->move(welded.empty() ? std::vector<Vec3>(positions.begin(), positions.end())
-                                    : positions_of_welded(positions));
+        move_vertices(welded.empty() ? std::vector<Vec3>(positions.begin(), positions.end())
+                                     : positions_of_welded(positions));
+    }
+
+    void move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+        check_rotation(rotation);
+        const std::scoped_lock lock(mutex);
+        std::vector<Vec3> positions = first_positions.empty() ? mesh().vertices() : first_positions;
+        for_each_index(positions.size(), [&](std::size_t vertex) {
+            const Vec3 x = positions[vertex];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const Vec3& row = rotation[axis];
+                positions[vertex][axis] =
+                    std::fma(row[0], x[0], std::fma(row[1], x[1], std::fma(row[2], x[2], translation[axis])));
+            }
+        });
+        move_vertices(std::move(positions));
+    }
+
+    /// Of the transform's own mesh.
+    void move_vertices(std::vector<Vec3> positions) {
+        std::vector<Vec3> before;
+        if (first_positions.empty()) before = mesh().vertices();
+        stages->move(std::move(positions));
+        if (first_positions.empty()) first_positions = std::move(before);
         plans.clear();
     }
 
@@ -485,11 +529,15 @@ SignRule DistanceTransform::sign() const {
 void DistanceTransform::move(std::span<const Vec3> positions) {
     state().move(positions);
 }
+void DistanceTransform::move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    state().move(rotation, translation);
+}
 
 KeptMemory DistanceTransform::memory() const {
     State& state = this->state();
     const std::scoped_lock lock(state.mutex);
-    KeptMemory memory{state.stages->host_bytes(), state.stages->device_bytes()};
+    KeptMemory memory{state.stages->host_bytes() + state.first_positions.size() * sizeof(Vec3),
+                      state.stages->device_bytes()};
     for (const State::KeptPlan& kept : state.plans) memory.device_bytes += kept.plan->own_bytes();
     return memory;
 }

@@ -116,7 +116,8 @@ std::vector<HostTargets> targets_of(std::span<const Request> requests) {
             requests[n].band.validate();
             targets.emplace_back(requests[n].targets, requests[n].grid);
         } catch (const Error& error) {
-            throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()));
+            throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()),
+                        error.opencl_code());
         }
     }
     return targets;

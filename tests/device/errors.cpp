@@ -22,6 +22,16 @@ BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
     });
 }
 
+BOOST_AUTO_TEST_CASE(an_error_carries_the_code_of_the_call) {
+    try {
+        device::guarded([] { throw cl::Error(CL_INVALID_BUFFER_SIZE, "clCreateBuffer"); });
+        BOOST_ERROR("nothing was thrown");
+    } catch (const Error& error) {
+        BOOST_TEST(error.opencl_code() == CL_INVALID_BUFFER_SIZE);
+    }
+    BOOST_TEST(Error(ErrorCode::invalid_mesh, "").opencl_code() == 0);
+}
+
 // As OpenCL spells it, also if the C++ binding does not.
 BOOST_AUTO_TEST_CASE(a_failed_call_has_the_name_that_opencl_gives_it) {
     const Device device = Device::best();

@@ -157,6 +157,67 @@ BOOST_AUTO_TEST_CASE(bytes_after_a_move_depend_on_the_first_and_the_last_positio
     BOOST_TEST(same_bytes(at_once(grid, band, {.triangle = true}), by_way(grid, band, {.triangle = true})));
 }
 
+/// About the axis (1, 2, 2) / 3.
+std::array<Vec3, 3> rotation_by(double angle) {
+    const Vec3 n{1.0 / 3, 2.0 / 3, 2.0 / 3};
+    const double c = std::cos(angle), s = std::sin(angle);
+    std::array<Vec3, 3> rows{};
+    for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b) rows[a][b] = (1 - c) * n[a] * n[b] + (a == b ? c : 0);
+    for (std::size_t a = 0; a < 3; ++a) {
+        rows[a][(a + 1) % 3] -= s * n[(a + 2) % 3];
+        rows[a][(a + 2) % 3] += s * n[(a + 1) % 3];
+    }
+    return rows;
+}
+
+// Each motion is one of the first positions: a thousand steps leave no trace.
+BOOST_AUTO_TEST_CASE(rigid_motions_do_not_drift) {
+    for (const Mesh& first : {make_shape("knot"), unwelded(make_shape("cube"))}) {
+        const Grid grid = grid_around(first, 40, 10);
+        const Band band = Band::symmetric(3 * grid.voxel());
+        DistanceTransform transform(test_device(), first);
+        const Field before = transform(grid, band, {.triangle = true});
+        for (int step = 1; step < 1000; ++step) transform.move(rotation_by(0.01 * step), {0.001 * step, 0, 0});
+        const std::array<Vec3, 3> rotation = rotation_by(0.3);
+        const Vec3 translation{0.01, -0.02, 0.03};
+        transform.move(rotation, translation);
+        std::vector<Vec3> expected = first.vertices();
+        for (Vec3& x : expected) {
+            const Vec3 from = x;
+            for (std::size_t a = 0; a < 3; ++a)
+                x[a] = std::fma(rotation[a][0], from[0],
+                                std::fma(rotation[a][1], from[1], std::fma(rotation[a][2], from[2], translation[a])));
+        }
+        const Field field = transform(grid, band, {.triangle = true});
+        BOOST_TEST(check_exact(Mesh(expected, first.triangles(), first.name()), field).band_samples > 0U);
+        DistanceTransform other(test_device(), first);
+        other.move(expected);
+        BOOST_TEST(same_bytes(other(grid, band, {.triangle = true}), field));
+        transform.move(rotation_by(0), {0, 0, 0});
+        BOOST_TEST(same_bytes(transform(grid, band, {.triangle = true}), before));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(what_is_no_rotation_is_refused) {
+    const Mesh mesh = make_shape("sphere2");
+    DistanceTransform transform(test_device(), mesh);
+    const Vec3 none{0, 0, 0};
+    check_throws(ErrorCode::invalid_argument, {"rows 0 and 0 is 4"}, [&] {
+        transform.move({Vec3{2, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, none);
+    });
+    check_throws(ErrorCode::invalid_argument, {"rows 0 and 1", "1e-12"}, [&] {
+        transform.move({Vec3{1, 0, 0}, Vec3{1e-11, 1, 0}, Vec3{0, 0, 1}}, none);
+    });
+    check_throws(ErrorCode::invalid_argument, {"reflection"}, [&] {
+        transform.move({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}}, none);
+    });
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    check_throws(ErrorCode::invalid_mesh, {"inf"}, [&] { transform.move(rotation_by(0.1), {infinite, 0, 0}); });
+    const Grid grid = grid_around(mesh, 20, 3);
+    check_exact(mesh, transform(grid, Band::symmetric(0.2), {.triangle = true}));  // where it was
+}
+
 BOOST_AUTO_TEST_CASE(faces_lose_their_area_and_regain_it) {
     const Mesh mesh = make_shape("sphere3");
     const Grid grid = grid_around(mesh, 40, 6);

@@ -8,6 +8,7 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -184,6 +185,14 @@ public:
     /// coordinates, and count as one, move apart; Error(invalid_mesh) if a vertex in use is not finite. After an error
     /// the positions are those of before.
     void move(std::span<const Vec3> positions);
+
+    /// The same with the positions R x + t of a rigid motion, x being those of the mesh that the transform was made
+    /// from: nothing adds up over many motions. `rotation` has the rows of R. A coordinate is three multiplications and
+    /// additions, each rounded once: fma(R[a][0], x[0], fma(R[a][1], x[1], fma(R[a][2], x[2], t[a]))).
+    /// Throws Error(invalid_mesh) if a position is not finite, Error(invalid_argument) if R is no rotation: the
+    /// products of its rows may differ from those of unit vectors at right angles by 1e-12, and its determinant is
+    /// positive.
+    void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     /// Builds the other programs that such a field needs and, the first time on this device and driver version, tests
     /// them: a small known field is computed and compared. Computations do it by themselves; this is for programs that

@@ -13,7 +13,7 @@ enum class ErrorCode {
     unreadable_input,  ///< a file that cannot be opened, is truncated or malformed
     invalid_argument,  ///< a grid, band or option that makes no sense
     no_device,         ///< no OpenCL device, or none of the name asked for
-    device_failure,    ///< an OpenCL call failed; the message has the call, the code and any build log
+    device_failure,    ///< an OpenCL call failed; the message has the call, the code's name and any build log
     out_of_memory,     ///< host or device memory, or the device's largest allocation, is too small
     unsupported,       ///< a correct request that this build or device does not support
     cancelled,         ///< should_stop returned true
@@ -23,12 +23,16 @@ enum class ErrorCode {
 /// The only exception the library throws. The message names the thing, the value and the remedy.
 class CLSDF_VISIBLE Error : public std::runtime_error {
 public:
-    Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+    Error(ErrorCode code, const std::string& message, int opencl_code = 0)
+        : std::runtime_error(message), code_(code), opencl_code_(opencl_code) {}
 
     ErrorCode code() const noexcept { return code_; }
+    /// What the OpenCL call returned that failed, a cl_int; 0 (CL_SUCCESS) if the error is no such call's.
+    int opencl_code() const noexcept { return opencl_code_; }
 
 private:
     ErrorCode code_;
+    int opencl_code_;
 };
 
 }  // namespace clsdf
