@@ -41,8 +41,8 @@ const std::vector<Benchmark> benchmarks{
      run_bench_scaling,
      {"--method", "--series", "--seconds-per-call"}},
     {"floors", "the device's own limits, and each stage against them", run_bench_floors, {"--workload"}},
-    {"papers", "what the papers compare: polyhedra, scans, saddle vertices", run_bench_papers, {}},
-    {"calls", "what a time step calls: a grid again, one sample, patches, vertices that move", run_bench_calls, {}}};
+    {"papers", "the comparisons of the papers: polyhedra, scans, saddle vertices", run_bench_papers, {}},
+    {"calls", "the calls of a time step: a grid again, one sample, patches, vertices that move", run_bench_calls, {}}};
 
 void check_options(const Benchmark& chosen, const CLI::App& parser) {
     for (const Benchmark& other : benchmarks)
@@ -50,7 +50,7 @@ void check_options(const Benchmark& chosen, const CLI::App& parser) {
             if (parser.count(option) > 0 && !contains(chosen.takes, option))
                 throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                                    fmt::format("{} is no option of bench {}, which takes {}{} those of all benchmarks\n"
-                                               "\"clsdf bench --help\" lists what there is.",
+                                               "\"clsdf bench --help\" lists the options.",
                                                option, chosen.name, fmt::join(chosen.takes, ", "),
                                                chosen.takes.empty() ? "only" : " and"));
 }
@@ -72,15 +72,15 @@ void show_progress(BenchOptions& options) {
 
 Command add_bench(CLI::App& program) {
     const auto options = std::make_shared<BenchOptions>();
-    CLI::App* parser = program.add_subcommand("bench", "Measure speed, with the error of what was timed beside it");
+    CLI::App* parser = program.add_subcommand("bench", "Measure speed, and the errors of the fields that were timed");
     std::vector<std::string> names;
     names.reserve(benchmarks.size());
     for (const Benchmark& benchmark : benchmarks) names.push_back(benchmark.name);
-    takes_one_of(parser->add_option("BENCHMARK", options->benchmark, "what to measure")->required(), names);
+    takes_one_of(parser->add_option("BENCHMARK", options->benchmark, "the measurement")->required(), names);
     parser->add_option("MESHES", options->meshes,
                        "files, or names: bunny00, armadillo, fandisk_large, refined_elephant (from --meshes), "
                        "noisy_sphere, and those of \"clsdf shape\"");
-    parser->add_option("--meshes", options->folder, "where scripts/fetch-meshes put the meshes")
+    parser->add_option("--meshes", options->folder, "the folder of the meshes of scripts/fetch-meshes")
         ->type_name("FOLDER")
         ->capture_default_str();
     takes_some_of(

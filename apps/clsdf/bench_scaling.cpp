@@ -90,7 +90,7 @@ std::string output_of(std::vector<std::string> arguments) {
     int status = 0;
     if (child < 0 || waitpid(child, &status, 0) != child || status != 0)
         throw clsdf::Error(clsdf::ErrorCode::device_failure,
-                           "the run with another number of threads failed; what it printed above says why");
+                           "the run with another number of threads failed; its output above has the reason");
     return text;
 }
 

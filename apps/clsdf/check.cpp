@@ -118,15 +118,16 @@ ExitStatus run(const Options& options, Report& report) {
 
 Command add_check(CLI::App& program) {
     const auto options = std::make_shared<Options>();
-    CLI::App* parser = program.add_subcommand("check", "Hold a field against the reference, in double precision");
+    CLI::App* parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
     parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
     parser->add_option("FIELD", options->field, "its field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")->required();
-    auto* samples =
-        parser->add_option("--samples", options->check.samples, "samples to look at, half of them where it is hard")
-            ->check(whole_number(1, 1'000'000'000'000'000))
-            ->type_name("N")
-            ->capture_default_str();
-    parser->add_flag("--complete", options->complete, "look at every sample")->excludes(samples);
+    auto* samples = parser
+                        ->add_option("--samples", options->check.samples,
+                                     "samples to check, half of them near the band's limits, edges and vertices")
+                        ->check(whole_number(1, 1'000'000'000'000'000))
+                        ->type_name("N")
+                        ->capture_default_str();
+    parser->add_flag("--complete", options->complete, "check every sample")->excludes(samples);
     parser->add_option("--seed", options->check.seed, "of the random choice of samples")
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
         ->type_name("N")
@@ -139,7 +140,7 @@ Command add_check(CLI::App& program) {
         ->capture_default_str();
     parser->footer(
         "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
-        "the exit status is 1 where there is one.\n\n"
+        "the exit status is 1 if there is one.\n\n"
         "Examples:\n"
         "  clsdf check bunny.off bunny.nrrd\n"
         "  clsdf check bunny.off bunny.nrrd --samples 1000000 --seed 7\n"

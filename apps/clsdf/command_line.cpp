@@ -76,7 +76,7 @@ Error usage_error(const CLI::App& program, const CLI::ParseError& error) {
     const auto chosen = program.get_subcommands();
     const std::string unknown = explain_unknown_word(program);
     return {ErrorCode::invalid_argument,
-            fmt::format("{}\n\"clsdf {}--help\" lists what there is.", unknown.empty() ? explain(error) : unknown,
+            fmt::format("{}\n\"clsdf {}--help\" lists the options.", unknown.empty() ? explain(error) : unknown,
                         chosen.empty() ? "" : chosen.front()->get_name() + ' ')};
 }
 
@@ -91,7 +91,8 @@ CommandLine::CommandLine(Report& report)
     : report_(report), program_("Exact signed distance fields of triangle meshes on regular grids", "clsdf") {
     program_.formatter(std::make_shared<HelpFormatter>());
     program_.set_help_flag("-h,--help", "print this page");
-    program_.set_version_flag("--version", version_text, "print the version, and what the program was built with");
+    program_.set_version_flag("--version", version_text,
+                              "print the version, the commit and the libraries of the build");
     program_.require_subcommand(1);
     program_.footer(std::string("\"clsdf help SUBCOMMAND\" has the options and examples of each.\n\n"
                                 "Examples:\n"

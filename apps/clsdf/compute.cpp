@@ -132,7 +132,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
         clsdf::check_output(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
-                    "state where the field goes: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
+                    "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
     const std::optional<clsdf::Device> device = named_device(options);
 
     const Stopwatch read;

@@ -110,16 +110,14 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
         ->check(not_empty())
         ->type_name("LENGTH")
         ->group(group);
-    takes_one_of(parser.add_option("--sign", options.sign, "what is inside; none: the distance has no sign")
+    takes_one_of(parser.add_option("--sign", options.sign, "the rule that decides what is inside; none: no sign")
                      ->capture_default_str()
                      ->group(group),
                  {"auto", "nonzero", "parity", "none"});
     std::vector<std::string> names;
     clsdf::visit_extras([&](const char* name, bool) { names.emplace_back(name); }, clsdf::Outputs());
-    takes_some_of(
-        parser.add_option("--with", options.with, "also, beside the distance: what the nearest triangle tells")
-            ->group(group),
-        names);
+    takes_some_of(parser.add_option("--with", options.with, "further outputs beside the distance")->group(group),
+                  names);
 }
 
 void add_method_options(CLI::App& parser, ComputeOptions& options) {
@@ -132,7 +130,9 @@ void add_method_options(CLI::App& parser, ComputeOptions& options) {
             ->capture_default_str()
             ->group(group),
         {"leaned", "peikert-sigg", "mauch"});
-    takes_one_of(parser.add_option("--scan", options.scan, "how their samples are found; auto: bricks where they can")
+    takes_one_of(parser
+                     .add_option("--scan", options.scan,
+                                 "how their samples are found; auto: by bricks if the polyhedra allow it")
                      ->capture_default_str()
                      ->group(group),
                  {"auto", "bricks", "slices"});

@@ -80,11 +80,11 @@ ordered_json facts_of(const clsdf::Topology& topology) {
 const char* meaning_of(clsdf::SignRule rule) {
     switch (rule) {
         case clsdf::SignRule::nonzero:
-            return "nonzero: negative where the winding number is not zero";
+            return "nonzero: negative if the winding number is not zero";
         case clsdf::SignRule::parity:
-            return "parity: negative where a ray crosses the surface an odd number of times";
+            return "parity: negative if a ray crosses the surface an odd number of times";
         default:
-            return "none: the distance alone";
+            return "none: no sign";
     }
 }
 

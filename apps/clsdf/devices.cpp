@@ -126,10 +126,12 @@ ExitStatus run(const DevicesOptions& options, Report& report) {
 
 Command add_devices(CLI::App& program) {
     const auto options = std::make_shared<DevicesOptions>();
-    CLI::App* parser = program.add_subcommand("devices", "List what can compute here, and which one is taken");
+    CLI::App* parser = program.add_subcommand("devices", "List the devices of this machine, and the one that is taken");
     CLI::Option* prepare = parser->add_flag("--prepare", options->prepare,
                                             "instead: compile and test the kernels of usual calls, on all devices");
-    parser->add_flag("--again", options->again, "with --prepare: also what was tested before, or ended its process")
+    parser
+        ->add_flag("--again", options->again,
+                   "with --prepare: also programs that were tested before, or ended their process")
         ->needs(prepare);
     parser->add_option("--device", options->device, "with --prepare: this one alone [all]")
         ->check(not_empty())
@@ -139,7 +141,7 @@ Command add_devices(CLI::App& program) {
         "\"clsdf compute\" takes the device that --device names, else the one that the environment variable\n"
         "CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. A name is an index of\n"
         "this list, or a part of the name of one device or of its platform.\n\n"
-        "Kernels are compiled when they are needed first, which takes some seconds, and kept. --prepare does it now,\n"
+        "Kernels are compiled at their first use, which takes some seconds, and kept. --prepare compiles them now,\n"
         "for the kernels of \"clsdf compute\", with and without --json and --with triangle, and of \"clsdf "
         "render\".\n\n"
         "Examples:\n"

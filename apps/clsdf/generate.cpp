@@ -50,13 +50,12 @@ ExitStatus run(const GenerateOptions& options, const ProgramDescription& descrip
 /// For the build and for those who write the documents; no help page lists it.
 Command add_generate(CLI::App& program) {
     const auto options = std::make_shared<GenerateOptions>();
-    CLI::App* parser =
-        program.add_subcommand("generate", "Make what follows from the options: manual pages, completions, tables");
+    CLI::App* parser = program.add_subcommand("generate", "Make manual pages, completions and tables from the options");
     parser->group("");
-    parser->add_option("--manual", options->manual, "where the manual pages go")->type_name("FOLDER");
+    parser->add_option("--manual", options->manual, "the folder of the manual pages")->type_name("FOLDER");
     parser
         ->add_option("--completions", options->completions,
-                     "where the completions go: clsdf (bash), _clsdf, clsdf.fish")
+                     "the folder of the completions: clsdf (bash), _clsdf, clsdf.fish")
         ->type_name("FOLDER");
     parser->add_option("--tables", options->tables, "a document whose tables of options are made anew")
         ->type_name("DOCUMENT");

@@ -34,7 +34,7 @@ Command add_help(CLI::App& program) {
                     return ExitStatus::done;
                 }
                 throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
-                                   fmt::format("unknown subcommand {}{}\n\"clsdf --help\" lists what there is.", *name,
-                                               did_you_mean(nearest_word(*name, names))));
+                                   fmt::format("unknown subcommand {}{}\n\"clsdf --help\" lists the subcommands.",
+                                               *name, did_you_mean(nearest_word(*name, names))));
             }};
 }

@@ -180,13 +180,12 @@ std::string page_of(const ProgramDescription& description) {
     page.options(program.groups);
     page.examples(program.examples);
     page.section("environment");
-    page.item(
-        bold("CLSDF_DEVICE"),
-        "Which device computes where --device does not say it: an index of the list that clsdf devices prints, or "
-        "a part of a name in it.");
+    page.item(bold("CLSDF_DEVICE"),
+              "The device that computes without --device: an index of the list that clsdf devices prints, or "
+              "a part of a name in it.");
     page.item(bold("CLSDF_CACHE_DIR"),
-              "The folder in which compiled programs are kept, which makes every start but the first a fast one; "
-              "nothing is kept where it is set and empty. Without it, the folder clsdf in $XDG_CACHE_HOME, or in "
+              "The folder in which compiled programs are kept, so that only the first start is slow; "
+              "if it is set and empty, nothing is kept. Without it, the folder clsdf in $XDG_CACHE_HOME, or in "
               "~/.cache; but with PoCL, which keeps programs itself, none.");
     page.item(bold("OCL_ICD_VENDORS"),
               "The folder in which the loader of OpenCL looks for drivers, instead of its own.");

@@ -47,10 +47,9 @@ std::string with_option_tables(const std::string& document, const ProgramDescrip
         const std::size_t begin = result.find(mark);
         const std::size_t end = begin == std::string::npos ? begin : result.find(end_mark, begin);
         if (end == std::string::npos)
-            throw clsdf::Error(
-                clsdf::ErrorCode::invalid_argument,
-                fmt::format("the document has no place for the options of {}: between the lines {}and {}",
-                            subcommand.name, mark, end_mark));
+            throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                               fmt::format("the document lacks the marks for the options of {}: the lines {}and {}",
+                                           subcommand.name, mark, end_mark));
         const std::size_t first = begin + mark.size();
         result.replace(first, end - first, table(subcommand));
     }

@@ -82,7 +82,7 @@ Cut parse_cut(const std::string& text) {
     cut.position = parse_length(std::string_view(text).substr(equals + 1));
     if (!cut.position)
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("--cut: an axis and where, as x=0.3, or x for the middle, not '{}'", text));
+                    fmt::format("--cut: an axis and a position, as x=0.3, or x for the middle, not '{}'", text));
     return cut;
 }
 
@@ -144,13 +144,15 @@ Command add_render(CLI::App& program) {
     parser->add_option("-o,--output", options->output, "the picture: .png")->type_name("PICTURE")->required();
     parser
         ->add_option("--view", options->view,
-                     "from where: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
+                     "direction of the viewer: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION "
+                     "in degrees")
         ->type_name("VIEW")
         ->capture_default_str();
     parser
-        ->add_option("--up", options->up,
-                     "what points upwards: auto (z if the solid stands firmly on it and y is not clearly firmer, else "
-                     "y), x, y, z, -x, -y or -z")
+        ->add_option(
+            "--up", options->up,
+            "the axis that points upwards: auto (z if the solid stands firmly on it and y is not clearly firmer, else "
+            "y), x, y, z, -x, -y or -z")
         ->type_name("AXIS")
         ->capture_default_str();
     parser->add_option("--perspective", options->picture.view.perspective, "angle of view in degrees; 0: parallel rays")
@@ -159,7 +161,7 @@ Command add_render(CLI::App& program) {
         ->capture_default_str();
     parser
         ->add_option("--cut", options->cuts,
-                     "open the solid where an axis has a value, as x=0.3, or in its middle, as x; up to once an axis")
+                     "open the solid at a position on an axis, as x=0.3, or in its middle, as x; once an axis at most")
         ->type_name("AXIS[=X]")
         ->allow_extra_args(false);
     parser

@@ -53,7 +53,7 @@ Command add_shape(CLI::App& program) {
     CLI::App* parser = program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot and others");
     parser->add_option("SHAPE", options->name, "the shape; see --list");
     parser->add_option("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply")->type_name("FILE");
-    parser->add_flag("--list", options->list, "print the names and what they are");
+    parser->add_flag("--list", options->list, "print the names and their descriptions");
     parser->footer(
         "Examples:\n"
         "  clsdf shape --list\n"

@@ -55,8 +55,8 @@ void check_place_for(const Outputs& outputs, const std::string& path, const Form
     for (const OutputKind& kind : extra_kinds())
         if (kind.wanted(outputs))
             throw Error(ErrorCode::unsupported,
-                        fmt::format("{}: {} has no place for the output {}; choose another format, or do without", path,
-                                    format.ending, kind.name));
+                        fmt::format("{}: {} cannot store the output {}; choose another format, or leave the output out",
+                                    path, format.ending, kind.name));
 }
 
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first) {

@@ -253,7 +253,7 @@ private:
 std::unique_ptr<OutputTree> tree_for(const OutputKind& kind, const Fill& fill, const std::string& path) {
     if (std::string_view(kind.name) == distance_kind().name) return std::make_unique<DistanceTree>(fill);
     if (!fits_grid(kind))
-        throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb has no place for the output {}", path, kind.name));
+        throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb cannot store the output {}", path, kind.name));
     // Beyond the band every bit is set.
     const auto single = std::bit_cast<float>(~std::uint32_t{0});
     const auto twice = std::bit_cast<double>(~std::uint64_t{0});

@@ -41,7 +41,7 @@ std::string list_unbalanced_edges(const Topology& topology) {
 
 std::string inside_out_warning(const Topology& topology) {
     if (!topology.inside_out) return {};
-    return "the mesh is inside out (its faces look inwards); what it encloses is inside all the same";
+    return "the mesh is inside out (its faces look inwards); the region that it encloses is inside all the same";
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ BOOST_AUTO_TEST_CASE(of_the_command_have_tables_that_are_not_stale) {
             if (option != "--help") BOOST_TEST(contains(table, '`' + option), name << ' ' << option);
     }
     const std::string other = folder.file("other.md", "nothing\n");
-    clsdf::test::check_refused(run_command({"generate", "--tables", other}), 2, {"no place for the options of"});
+    clsdf::test::check_refused(run_command({"generate", "--tables", other}), 2, {"lacks the marks for the options of"});
 }
 
 BOOST_AUTO_TEST_CASE(of_errors_name_every_code_with_its_exit_status) {
