@@ -17,7 +17,7 @@ struct RecordRange {
     std::size_t end = 0;
 };
 
-/// What is near a box: whole groups of records (record_group).
+/// The records near a box, in whole groups (record_group).
 struct NearRecords {
     std::vector<RecordRange> faces;  ///< ascending; each begins at a multiple of record_group
     std::vector<RecordRange> sites;

@@ -10,12 +10,12 @@ namespace clsdf::polyhedra {
 /// Looks for a direction u with g_i . u >= 0 for every condition g_i added so far: a linear programme on the sphere,
 /// solved incrementally. It has no chart and so no direction at infinity.
 ///
-/// Conditions that hold at the direction found so far cost one product. Where one fails, a direction, if there still is
-/// one, can be found on the great circle of that condition, because the directions of the earlier conditions are convex
-/// and reach from the old direction to the other side. In random order that happens log n times.
+/// A condition that holds at the present direction costs one product. If it fails, a solution, if there is any, lies on
+/// the great circle of that condition: the directions of the earlier conditions are convex and reach from the present
+/// direction to the other side. In random order this happens log n times.
 ///
-/// The answer that there is none can be relied on. Where it hangs on rounding, the search gives up and says that there
-/// is one.
+/// The answer "none" is certain. If the answer depends on rounding, the search gives up and says that there may be a
+/// direction.
 class ConeSearch {
 public:
     struct State {
@@ -26,8 +26,8 @@ public:
 
     void start(const Vector& first_guess) { return_to({0, first_guess, false}); }
 
-    /// Adds a condition of about unit length. False where no direction satisfies all of them; nothing may be added
-    /// then.
+    /// Adds a condition of about unit length. Returns false if no direction satisfies all of them; then no more may be
+    /// added.
     bool add(const Vector& condition) {
         conditions_.push_back(condition);
         return undecided_ || condition.dot(direction_) >= -rounding || move_to_circle_of_last();

@@ -94,7 +94,7 @@ void EdgeSlopes::measure_wedges(std::span<const Wedge> wedges) {
     }
 }
 
-/// Of two faces of one orientation on a side that their frames tell: nearly all.
+/// The usual case: two faces of one orientation, and their frames tell the side.
 void EdgeSlopes::set_usual(const Measured& wedge, int side) {
     for (const Corner& edge : {wedge.faces.first, wedge.faces.second}) {
         if (edge.face >= size_) continue;

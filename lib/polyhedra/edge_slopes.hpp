@@ -22,8 +22,8 @@
 namespace clsdf::polyhedra {
 
 /// The half wedges of every face: each face at an edge takes the angle up to the bisector with the next face on that
-/// side, and the whole wedge where there is none. Measures a stretch of the faces at a time, which stays in the caches;
-/// the faces across its borders are measured by their own stretch once more, to the same bits.
+/// side, or the whole wedge if there is none. Measures a sub-range of the faces at a time, which fits the caches. Faces
+/// beyond its borders are measured again by their own sub-range, to the same bits.
 class EdgeSlopes {
 public:
     /// `edges` as pair_edges() leaves them; the stretches add the other marks and the bases.
@@ -36,7 +36,7 @@ public:
     std::size_t begin() const { return begin_; }
     std::size_t end() const { return begin_ + size_; }
 
-    /// Of a face of the stretch.
+    /// The frame of a face of the sub-range.
     const TriangleFrame& frame(std::size_t face) const { return frames_[face - begin_]; }
     FaceSlopes& slopes(std::size_t face) { return slopes_[face - begin_]; }
     LateralPlane plane(const Corner& edge) const {

@@ -17,10 +17,10 @@ enum EdgeMark : std::uint8_t {
     edge_folded = 64,  ///< open because its two faces are folded onto each other
 };
 
-/// Of each edge of a face; edge k runs from the face's vertex k to the next.
+/// Data of the edges of a face; edge k runs from the face's vertex k to the next.
 struct FaceEdges {
-    /// The other face's edge, packed, where there is exactly one other face; where there are more, the place of the
-    /// edge's slopes among those of all such edges.
+    /// The other face's edge, packed, if there is exactly one other face. If there are more, the index of the edge's
+    /// slopes among those of all such edges.
     std::array<std::uint32_t, 3> across;
     std::array<std::uint8_t, 3> marks;
     std::uint8_t base;  ///< the edge that is its frame's base

@@ -14,13 +14,13 @@ namespace {
 constexpr double certain_product = 1e-9;
 /// Vectors of steeper slopes, at sharp edges, would be longer than ten.
 constexpr double steepest_slope = 8;
-/// Of the margin; the rest covers the rounding of the conditions.
+/// Share of the margin; the rest covers the rounding of the conditions.
 constexpr double certain_part = 0.99;
 
 /// Conditions v . u >= 0 for all faces of a fan to reject u, each at one of its edges and on one side.
 using Conditions = std::array<LaneVectors, FanBatch::most_faces>;
 
-/// Of pairs of faces j < k, at [j][k].
+/// A value for each pair of faces j < k, at [j][k].
 template <typename Value>
 using OfPairs = std::array<std::array<Value, FanBatch::most_faces>, FanBatch::most_faces>;
 

@@ -37,9 +37,9 @@ public:
         }
     }
 
-    /// Of each fan: whether surely no direction is rejected by all its faces, by the margin, each at its edge that
-    /// leaves the vertex; nor each at the one that arrives there. Answers no where it cannot tell cheaply; that is rare
-    /// where few faces meet.
+    /// For each fan, whether it is certain that its faces do not all reject one direction by the margin, each at its
+    /// edge that leaves the vertex, or each at the edge that arrives. The answer is no if the test is not cheap, which
+    /// is rare if few faces meet.
     using Answers = std::array<std::int32_t, lanes>;
     void ask(double margin, Answers& are_covered) const;
 
@@ -61,7 +61,7 @@ private:
     std::size_t size_ = 0;
     std::size_t face_count_ = 0;
     std::array<std::uint32_t, lanes> vertices_{};
-    // Lanes beyond the size are worked on too, and of no use.
+    // Lanes beyond the size are padding; their results are discarded.
     std::array<LaneVectors, most_faces> normals_{};
     std::array<Edges, 2> edges_{};  // leaving the vertex, arriving
 };

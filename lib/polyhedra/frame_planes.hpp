@@ -32,7 +32,7 @@ public:
         return {face.normal, face.inwards[edge.vertex], slopes.above[edge.vertex], slopes.below[edge.vertex]};
     }
 
-    /// Starts to bring a face's numbers near the processor.
+    /// Prefetches the numbers of a face.
     void fetch_ahead(std::size_t face) const {
         prefetch(&directions_[face]);
         prefetch(&directions_[face].inwards[2]);

@@ -34,7 +34,7 @@ struct Frusta {
     std::size_t bytes() const;
 };
 
-/// What the tests switch off to see that it is needed.
+/// Steps that tests switch off to show that they are needed.
 struct FrustaOptions {
     bool lean = true;         ///< obtuse corners lean their neighbours' planes outward
     bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own

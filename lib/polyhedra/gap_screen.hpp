@@ -16,7 +16,7 @@ enum VertexMark : std::uint8_t {
     vertex_gap = 2,     ///< directions may be left out by the polyhedra of all its faces: it needs a point site
 };
 
-/// Of the edges at a vertex.
+/// Marks of the edges at a vertex.
 struct EdgesAround {
     std::uint8_t marks = 0;
 

@@ -7,7 +7,7 @@
 
 namespace clsdf::polyhedra {
 
-/// Numbers that are worked on together, as many as a processor's vectors hold.
+/// A vector of numbers, as wide as the processor's vectors.
 constexpr std::size_t lanes = 8;
 
 using Lanes = std::array<double, lanes>;

@@ -4,7 +4,7 @@
 
 namespace clsdf::polyhedra {
 
-/// What the planes of a face's edge are made of, above the face and below it.
+/// The parts of the planes at a face's edge, above the face and below it.
 struct LateralPlane {
     Vector normal;  ///< of the face
     Vector inward;  ///< unit vector in the face's plane, perpendicular to the edge

@@ -9,8 +9,8 @@
 
 namespace clsdf::polyhedra {
 
-/// What follows from a mesh's triangles, and from the first positions of its vertices as far as the order of the faces
-/// goes. Positions that move later leave it as it is.
+/// The data that follow from a mesh's triangles. The order of the faces also depends on the first positions of the
+/// vertices; later positions do not change it.
 struct MeshTopology {
     UninitializedVector<std::uint32_t> order;  ///< the mesh's index of each face, in Morton order
     OrderedFaces faces;

@@ -17,7 +17,7 @@ namespace clsdf::polyhedra {
 
 namespace {
 
-/// Of a coordinate: a code has 30 then.
+/// Bits of a coordinate: a code has 30.
 constexpr unsigned most_bits = 10;
 
 struct Keyed {
@@ -56,7 +56,7 @@ public:
             for (const std::uint32_t vertex : mesh_.triangles()[i]) prefetch(&mesh_.vertices()[vertex]);
     }
 
-    /// Of triangles from `first` on, where there are so many.
+    /// The codes of the triangles from `first` on; the last one fills the rest.
     Codes of(std::size_t first) const {
         LaneVectors sums{};
         for (std::size_t i = 0; i < lanes; ++i) {
@@ -178,7 +178,7 @@ private:
 
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh) {
     const std::size_t count = mesh.triangles().size();
-    // Of a coordinate and of a digit. Few triangles are told apart by fewer, which are sorted sooner.
+    // Bits of a coordinate and of a digit. Fewer bits suffice for few triangles, and are sorted faster.
     const unsigned bits = count <= std::size_t{1} << 17 ? 8 : most_bits;
     const CentroidCodes centroids(mesh, bits);
     UninitializedVector<Keyed> memory(2 * count);  // in one piece, as large as what is needed next

@@ -32,7 +32,7 @@ constexpr std::uint32_t previous_of_three(std::uint32_t k) {
     return 0b01'00'10U >> 2 * k & 3;
 }
 
-/// So many faces have corners that pack.
+/// The largest number of faces whose corners can be packed.
 inline constexpr std::size_t most_faces = (std::size_t{1} << 30) - 1;
 /// The count; throws Error(unsupported) for more.
 std::size_t checked_face_count(std::size_t count);
@@ -43,7 +43,7 @@ public:
     /// Throws Error(unsupported) for more than most_faces.
     OneRings(std::span<const Triangle> triangles, std::size_t vertex_count);
 
-    /// Of the same triangles, but sooner: nearly all corners are at vertices that the core's own faces name first.
+    /// The same, but faster: the sub-ranges of OrderedFaces let each core file nearly all corners of its own faces.
     explicit OneRings(const OrderedFaces& faces);
 
     std::size_t vertex_count() const { return start_.size() - 1; }

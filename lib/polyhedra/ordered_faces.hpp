@@ -11,15 +11,15 @@
 
 namespace clsdf::polyhedra {
 
-/// The faces of a mesh in another order, and its vertices numbered as those faces first name them, without those that
-/// none names: what is near in one list is near in the others.
+/// The faces of a mesh in another order. Its vertices are numbered as those faces first name them, without unused ones,
+/// so neighbours in one list are near each other in the others.
 struct OrderedFaces {
-    /// Faces of a stretch, no more than the caches hold with all that is made of them.
+    /// Faces of a sub-range; they fit the caches with all data that is made from them.
     static constexpr std::size_t stretch = 3072;
 
     UninitializedVector<Triangle> triangles;
     UninitializedVector<std::uint32_t> vertices;  ///< the mesh's index of each
-    /// Of each stretch the first of the vertices that it names and none before it does; then the number of vertices.
+    /// For each sub-range, the first vertex that it names and no earlier one does; then the number of vertices.
     std::vector<std::uint32_t> first_vertices;
 };
 

@@ -55,7 +55,7 @@ public:
         if (!set_pairs(vertex)) set_any(vertex);
     }
 
-    /// Of the vertices so far.
+    /// The ends among the vertices so far.
     const std::vector<std::uint32_t>& non_manifold_ends() const { return non_manifold_ends_; }
     std::size_t non_manifold_corners() const { return non_manifold_corners_; }
 

@@ -11,10 +11,10 @@
 
 namespace clsdf::polyhedra {
 
-/// Which faces meet at which edges.
+/// The faces that meet at each edge.
 struct PairedEdges {
-    /// Of each face what follows from the vertices' indices: edge_open, edge_non_manifold, edge_unoriented, and
-    /// edge_at_box of an edge from a vertex to itself; the faces across. No frame's base yet.
+    /// For each face, the data that follow from the vertices' indices: edge_open, edge_non_manifold, edge_unoriented,
+    /// edge_at_box of an edge from a vertex to itself, and the faces across. The frames' bases are not set yet.
     UninitializedVector<FaceEdges> faces;
     std::vector<std::uint32_t>
         non_manifold_ends;                 ///< lower ends of edges where three faces or more meet, in ascending order

@@ -8,8 +8,8 @@
 
 namespace clsdf::polyhedra {
 
-/// On which sides of planes points lie, as many at a time as a processor's vectors hold, in twice the precision of
-/// double: that tells for nearly all points that the roundings of double leave open.
+/// The sides of planes on which points lie, a vector of points at a time, in twice the precision of double. This
+/// decides nearly all points that double leaves open.
 class PlaneSides {
 public:
     static constexpr std::size_t capacity = 8;
@@ -23,7 +23,7 @@ public:
 private:
     using Components = std::array<std::array<double, capacity>, 3>;
 
-    std::array<Components, 4> points_{};  // what was not set is measured too, and of no use
+    std::array<Components, 4> points_{};  // lanes that were not set are padding
 };
 
 }  // namespace clsdf::polyhedra

@@ -2,7 +2,7 @@
 
 namespace clsdf::polyhedra {
 
-/// Starts to bring memory near the processor, where the compiler knows how.
+/// Prefetches memory, if the compiler has a built-in for it.
 inline void prefetch([[maybe_unused]] const void* memory) {
 #ifdef __GNUC__
     __builtin_prefetch(memory);

@@ -12,8 +12,8 @@
 /// The polyhedra as the device reads them, in a lattice's units.
 namespace clsdf::polyhedra {
 
-/// Kernels take up to so many records that follow each other together, from multiples of their number on. What is
-/// found for them together must not depend on which other records there are, so selections are made of whole groups.
+/// Kernels process up to this many consecutive records together, from multiples of their number on. The result of a
+/// group must not depend on other records, so records are selected in whole groups.
 inline constexpr std::size_t record_group = 16;
 
 /// The record of a polyhedron. corners: the face's vertices.

@@ -7,7 +7,7 @@
 /// Slopes of the lateral planes of a face's edges, above the face and below it (docs/method.md, 'Leaned frusta').
 namespace clsdf::polyhedra {
 
-/// Of one edge's plane, above the face and below it.
+/// The slopes of one edge's planes, above the face and below it.
 struct EdgeSlope {
     float above;
     float below;
@@ -24,8 +24,8 @@ inline float widened(double x) {
     return static_cast<float>(x * (1 + 1e-6));
 }
 
-/// Where the corner opposite the base is obtuse, its two planes lean outward so that each contains what the other
-/// contains: the obtuse corner's vertices are cut off otherwise. No other corner of a triangle is obtuse.
+/// If the corner opposite the base is obtuse, its two planes lean outward until each contains the wedge of the other;
+/// otherwise they would cut it off. No other corner of a triangle is obtuse.
 void lean(const TriangleFrame& frame, FaceSlopes& slopes);
 
 }  // namespace clsdf::polyhedra

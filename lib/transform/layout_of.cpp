@@ -147,7 +147,7 @@ std::size_t coarse_brick_count(const Layout& layout) {
 }
 
 std::size_t sign_bytes_of_slice(const Grid& grid) {
-    // Of each row of whole bricks: a word for 32 samples, a count and a start, and four crossings of three words.
+    // Each row of whole bricks takes a word for 32 samples, a count and a start, and four crossings of three words.
     const auto rows = static_cast<std::size_t>(grid.size[1] + std::int64_t{2} * CLSDF_BRICK);
     const auto words = static_cast<std::size_t>(grid.size[0] / 32 + 2);
     return rows * (words + 2 + 12) * sizeof(std::uint32_t);

@@ -19,7 +19,7 @@ namespace {
 
 // A vertex moves by at most 2^-21 of the smallest spacing on each axis.
 constexpr int snap_bits = 20;
-// Of the snapped coordinates, so that differences fit 63 bits with room for the grid's own.
+// The limit of snapped coordinates: their differences fit 63 bits, with room for the grid's.
 constexpr double snapped_limit = 0x1p61;
 
 /// Bits below a sample on an axis whose spacing is `ratio` voxels.
