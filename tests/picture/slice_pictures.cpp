@@ -84,8 +84,8 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(slice_pictures)
 
-// Where the look is to change: CLSDF_NEW_GOLDEN=FILE makes this test write the picture to FILE. Look at it, then let it
-// take the place of golden.png.
+// If the picture is meant to change: CLSDF_NEW_GOLDEN=FILE makes this test write the picture to FILE. Look at it, then
+// let it take the place of golden.png.
 BOOST_AUTO_TEST_CASE(look_as_they_did) {
     const TemporaryFolder folder;
     const std::string path = folder.file("mosaic.png");
@@ -97,7 +97,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     const Raster now = read_png(path);
     BOOST_REQUIRE(now.width == golden.width);
     BOOST_REQUIRE(now.height == golden.height);
-    // Another version of cairo or of the font may place what it draws a little differently.
+    // Another version of cairo or of the font may draw slightly different positions.
     BOOST_TEST(mean_difference(now, golden) < 1.5);
 }
 

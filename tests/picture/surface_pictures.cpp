@@ -45,8 +45,8 @@ Raster written(const Field& field, const SurfaceOptions& options) {
 
 BOOST_AUTO_TEST_SUITE(surface_pictures)
 
-// Where the look is to change: CLSDF_NEW_GOLDEN_SURFACE=FILE makes this test write the picture to FILE. Look at it,
-// then let it take the place of golden_surface.png.
+// If the picture is meant to change: CLSDF_NEW_GOLDEN_SURFACE=FILE makes this test write the picture to FILE. Look at
+// it, then let it take the place of golden_surface.png.
 BOOST_AUTO_TEST_CASE(look_as_they_did) {
     const TemporaryFolder folder;
     const std::string path = folder.file("surface.png");

@@ -174,7 +174,7 @@ inline Mesh with_caps(const Mesh& mesh, Random& random) {
     return {std::move(vertices), std::move(triangles), mesh.name() + " with caps"};
 }
 
-/// What happens to meshes on their way.
+/// Changes that meshes suffer in files and programs.
 inline Mesh spoiled(const Mesh& mesh, Random& random) {
     std::vector<Vec3> vertices = mesh.vertices();
     std::vector<Triangle> triangles = mesh.triangles();

@@ -12,7 +12,7 @@
 /// Whether every point near a mesh lies in the polyhedron of a triangle that is nearest to it.
 namespace clsdf::test {
 
-/// What was found at points within the half width.
+/// The counts of points within the half width.
 struct Coverage {
     std::size_t points = 0;
     std::size_t uncovered = 0;  ///< in no polyhedron

@@ -21,7 +21,7 @@ namespace {
 
 using polyhedra::LatticeView;
 
-/// What is measured of a mesh's faces in stretches of some size.
+/// The slopes of a mesh's faces, measured in sub-ranges of a given size.
 struct Edges {
     polyhedra::OneRings rings;
     polyhedra::PairedEdges paired;

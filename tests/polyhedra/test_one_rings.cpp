@@ -108,7 +108,7 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_where_rounding_would_decide) {
     BOOST_TEST(open == 0U);
 }
 
-// What is far smaller than the rest must not be taken for nothing.
+// A part that is far smaller than the rest must not count as empty.
 BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_for_coordinates_of_all_magnitudes) {
     const LatticeView lattice;
     for (const double length : {1.0, 1e100, 1e160})

@@ -23,7 +23,7 @@ using polyhedra::OneRings;
 using polyhedra::OrderedFaces;
 using Rings = std::vector<std::vector<std::uint32_t>>;
 
-/// Calls f() with as many threads, also where there are fewer cores.
+/// Calls f() with this number of threads, also if there are fewer cores.
 template <typename Function>
 void with_threads(std::size_t threads, const Function& f) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);

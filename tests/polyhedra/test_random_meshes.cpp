@@ -11,7 +11,7 @@
 #include <cstdlib>
 
 /// Environment: CLSDF_COVERAGE_MESHES, the number of random meshes (2000 unless set); CLSDF_COVERAGE_SEED, the first
-/// seed (1). A mesh depends on its own seed alone, which is printed where something is missed.
+/// seed (1). A mesh depends on its own seed alone, which is printed if a point is missed.
 namespace clsdf::test {
 namespace {
 

@@ -102,8 +102,8 @@ BOOST_AUTO_TEST_CASE(needles_and_caps_of_every_aspect_are_exact_near_and_far) {
             const double reach = std::pow(10, random.uniform(-14, 2));
             const Vec3 a = random.point(-1, 1);
             const Vec3 b = along(a, 1, random.direction());
-            // Where the third vertex stands over the long edge: near an end a needle, between them a cap, beside them
-            // an obtuse sliver.
+            // The position of the third vertex over the long edge: near an end a needle, between them a cap, beside
+            // them an obtuse sliver.
             const double t = i % 3 == 0 ? std::pow(10, random.uniform(-16, 0)) : random.uniform(-0.5, 1.5);
             const Vec3 foot{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
             const Vec3 c = along(foot, height, random.direction());

@@ -106,7 +106,7 @@ BOOST_AUTO_TEST_CASE(unequal_spacing_is_exact) {
         options.spacing = {h * ratio[0], h * ratio[1], h * ratio[2]};
         options.margin = Length::in_mesh_units(3 * h);
         Grid grid = Grid::around(mesh.box(), options);
-        // A part where the samples are dense: the whole would hold too many.
+        // A part of the grid: with dense samples the whole would have too many.
         Index3 first{}, size = grid.size;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             size[axis] = std::min<std::int64_t>(grid.size[axis], 48);

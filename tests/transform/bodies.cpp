@@ -22,7 +22,7 @@ void check_agreement(const Field& one, const Field& other) {
     }
 }
 
-/// Computed by groups: exact, and what the other body computes.
+/// A field by the group body is exact, and agrees with that of the vector body.
 void check_by_group(const Mesh& mesh, const Grid& grid, const Band& band, const Accuracy& accuracy = guaranteed) {
     const Field field = compute(mesh, grid, band, KernelBody::by_group);
     BOOST_TEST(check_exact(mesh, field, accuracy).band_samples > 0U);

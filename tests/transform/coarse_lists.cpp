@@ -29,7 +29,7 @@ namespace {
 /// The numbers of the polyhedra in the list of each coarse brick of the lattice.
 using Lists = std::map<Index3, std::vector<cl_uint>>;
 
-/// What the lists are made from, and what comes of it.
+/// The input of the lists, and the lists.
 struct Coarse {
     Layout layout;
     std::vector<Polyhedron> polyhedra;
@@ -86,7 +86,8 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     return found;
 }
 
-/// What the polyhedra of a brick's list are, whatever their numbers: a small part has records of what is near it alone.
+/// The polyhedra of a brick's list without their numbers, which differ in a small part: it has only the records near
+/// it.
 std::vector<Triangle> polyhedra_of(const Coarse& coarse, const Index3& brick) {
     std::vector<Triangle> names;
     for (const cl_uint number : coarse.lists.at(brick)) {
@@ -165,8 +166,7 @@ std::vector<cl_uint> missing_in(const Coarse& coarse, const Index3& brick, Rando
 
 }  // namespace
 
-// Also where a part is so thin that it has fewer coarse bricks on an axis than are taken together, and begins anywhere
-// among them.
+// Also if a part is so thin that it has fewer coarse bricks on an axis than a group, and begins anywhere among them.
 BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_part) {
     Random random(7);
     const Mesh mesh = random_sphere(random, "sphere4", 0.1);
@@ -205,11 +205,11 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_those_of_the_whole_in_every_
         }
 }
 
-// By brute force. More than what holds a sample may be in a list. The size of the buffer of pairs is guessed. If there
-// is no memory for the guess, they are counted first, and no more is needed than for what there is.
+// Compared with brute force. A list may contain polyhedra without a sample. The size of the buffer of pairs is guessed.
+// If there is no memory for the guess, they are counted first, and the buffer has just their size.
 BOOST_AUTO_TEST_CASE(coarse_lists_are_the_same_where_there_is_no_memory_for_a_guess) {
     const Mesh mesh = make_shape("sphere6");
-    // Few polyhedra touch this part, so that the guess is far too large.
+    // Few polyhedra overlap this part, so the guess is far too large.
     const Grid grid = grid_around(mesh, 40, 4).part({0, 0, 0}, {16, 16, 16});
     const auto coarse_within = [&](const std::string& bytes) {
         if (!bytes.empty()) setenv("CLSDF_MAX_MEMORY", bytes.c_str(), 1);

@@ -81,7 +81,7 @@ BOOST_AUTO_TEST_CASE(every_run_gives_the_same_bytes) {
     }
 }
 
-// Nothing depends on what is kept beside the distance, or on what was computed before.
+// The distance depends neither on the other outputs nor on earlier computations.
 BOOST_AUTO_TEST_CASE(other_outputs_and_other_grids_change_nothing) {
     const Grid grid = whole_grid(noisy(), 40);
     const Band band = Band::symmetric(4 * grid.voxel());

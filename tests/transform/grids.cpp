@@ -14,7 +14,7 @@ Grid sized(const Mesh& mesh, double h, const Index3& size, const Index3& first) 
     grid.spacing = {h, h, h};
     grid.size = size;
     grid.first = first;
-    // The block's middle at the mesh's, wherever its first sample is.
+    // The block's centre is that of the mesh, for every first sample.
     for (std::size_t axis = 0; axis < 3; ++axis)
         grid.origin[axis] = 0.5 * (mesh.box().lower[axis] + mesh.box().upper[axis]) -
                             h * (static_cast<double>(first[axis]) + 0.5 * static_cast<double>(size[axis] - 1));

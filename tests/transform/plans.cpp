@@ -98,7 +98,7 @@ BOOST_AUTO_TEST_CASE(a_plan_waits_for_the_callers_events) {
     }
 }
 
-// They share the plan's buffers: each waits for the one before, in whatever order queues run.
+// They share the plan's buffers: each waits for the one before, in any order of the queues.
 BOOST_AUTO_TEST_CASE(computations_of_a_plan_follow_one_another) {
     for (const KernelBody body : both_bodies) {
         const Field expected = compute(mesh(), grid(), band(), body);

@@ -94,7 +94,7 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
         BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 500U);
         const std::optional<std::string> difference = known.difference(field.distance, field.triangle);
         BOOST_TEST(!difference.has_value(), difference.value_or(""));
-        // What it is made for.
+        // The purpose of the self-test: wrong compilers.
         BOOST_TEST(statistics.point_sites == 1U);
         BOOST_TEST(statistics.saddle_vertices > 0U);
         BOOST_TEST(statistics.coarse_bricks == 8U);
@@ -146,7 +146,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
     }
 }
 
-// Each line of a kernel that is changed stands for what a wrong compiler makes of a right line.
+// Each changed line of a kernel stands for wrong code that a compiler makes of a right line.
 BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
     const TemporaryFolder folder;
     struct Mutation {
@@ -257,7 +257,7 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
         BOOST_TEST(transform.compile(grid, band));
         BOOST_TEST(!transform.compile(grid, band));
     }
-    // Again where that is asked for.
+    // Tested again on request.
     Changed nothing;
     const Device device = nothing.device(folder.file("cache"));
     device.forget_tests();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The tests' device as if it had less of what the variable limits.
+/// The tests' device with less of the resource that the variable limits.
 Device with_limit(const char* variable, std::size_t bytes) {
     setenv(variable, std::to_string(bytes).c_str(), 1);
     Device device = Device::best();
@@ -25,7 +25,7 @@ Device with_limit(const char* variable, std::size_t bytes) {
     return device;
 }
 
-/// The tests' device as if it allocated at most so many bytes at once.
+/// The tests' device with a largest allocation of this many bytes.
 Device with_largest_allocation(std::size_t bytes) {
     Device device = with_limit("CLSDF_MAX_ALLOCATION", bytes);
     BOOST_REQUIRE(device.internal().capabilities().largest_allocation == bytes);
@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     TransformStatistics unlimited;
     DistanceTransform(test_device(), fine)(grid, band, {.triangle = true}, {.statistics = &unlimited});
     BOOST_REQUIRE(unlimited.slabs == 1U);
-    // The polyhedra must fit, and with less and less of what else is needed the whole does not.
+    // The polyhedra fit, but with less and less other memory the whole field does not.
     const std::size_t polyhedra = fine.triangles().size() * sizeof(Polyhedron);
     std::size_t slabs = 1;
     for (std::size_t percent = 95; slabs == 1; percent -= 5) {

@@ -47,7 +47,7 @@ __kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __globa
 }
 )";
 
-/// What a sample's place in a polyhedron's frame says, in double.
+/// The position of a sample in a polyhedron's frame, in double.
 struct Place {
     double squared_distance;
     double outside;  ///< how far it lies beyond the polyhedron, without slack, at most; 0 within
@@ -159,7 +159,7 @@ struct Case {
     Index3 coarse;
     Vec3 spacing;
     double size, half_width, steepest;
-    std::size_t count = 61;  ///< of polyhedra; where they are few, most of them have samples nearest to them alone
+    std::size_t count = 61;  ///< of polyhedra; if they are few, most have samples that are nearest to them alone
 };
 
 /// Returns how many of the samples lie in a slender polyhedron.
@@ -187,7 +187,7 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
                                         polyhedra::FaceSlopes{{1, 1, 1}, {1, 1, 1}}, site, position, {0, 0, 0},
                                         lattice));
     std::string options = seed % 2 == 0 ? "" : "-DMOST_SAMPLES=8";  // lists that one polyhedron fills several times
-    if (seed / 2 % 2 == 0) options += " -DSCATTERED_ACCESS";        // matters where the processor has AVX-512
+    if (seed / 2 % 2 == 0) options += " -DSCATTERED_ACCESS";        // matters if the processor has AVX-512
     const bool has_nearest = seed % 3 == 0;
     if (has_nearest) options += " -DNEAREST";
     const Scanned scanned = scan(context, lanes, options, layout, c.coarse, polyhedra, layout.half_width);

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-// What a transform keeps between calls changes no byte of a field, and vertices can move.
+// The data that a transform keeps between calls change no byte of a field, and vertices can move.
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -58,7 +58,7 @@ std::vector<Grid> small_parts(const Grid& grid, Random& random, int count) {
     return parts;
 }
 
-/// Bent around the x axis, by more where x is larger: no rigid motion.
+/// Bent around the x axis, more with larger x: no rigid motion.
 std::vector<Vec3> twisted(const Mesh& mesh, double angle) {
     std::vector<Vec3> positions = mesh.vertices();
     for (Vec3& p : positions) {
@@ -133,7 +133,7 @@ BOOST_AUTO_TEST_CASE(moved_vertices_have_an_exact_field) {
             const Field field = transform(grid, band, {.triangle = true});
             BOOST_TEST(!same_bytes(field, before));
             BOOST_TEST(check_exact(moved, field).band_samples > 0U);
-            // A box of what has moved, without the rest.
+            // A box of the moved part, without the rest.
             const Grid part = grid.part({20, 20, 20}, {9, 9, 9});
             BOOST_TEST(same_bytes(transform(part, band, {.triangle = true}), part_of(field, part)));
         }
@@ -245,7 +245,7 @@ BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
     apart[5] = {0, 1, 0.5};
     check_throws(ErrorCode::invalid_argument, {"vertices 2 and 5 of hinge", "(0, 1, 0.5)"},
                  [&] { transform.move(apart); });
-    check_exact(mesh, transform(grid, band, {.triangle = true}));  // where it was
+    check_exact(mesh, transform(grid, band, {.triangle = true}));  // at the first positions
     std::vector<Vec3> together = apart;
     together[2] = together[5];
     together[6] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};  // which no triangle uses

@@ -10,7 +10,7 @@ using namespace clsdf::test;
 
 namespace {
 
-/// What a mesh is taken for, with the warnings given, and its field, which must be right at every sample.
+/// The topology of a mesh with the warnings, and its field, which must be right at every sample.
 struct Outcome {
     SignRule rule = SignRule::none;
     std::string warnings;
@@ -154,7 +154,7 @@ BOOST_AUTO_TEST_CASE(solids_that_touch_are_solids) {
                "");
 }
 
-// With parity, what is covered twice is outside.
+// With parity, regions that are covered twice are outside.
 BOOST_AUTO_TEST_CASE(a_surface_given_twice_encloses_twice) {
     const Mesh twice = together({tilted(cube(1)), tilted(cube(1))}, "cube given twice");
     BOOST_TEST(count_inside(compute_right(twice, SignRule::nonzero).field) > 0U);
@@ -205,7 +205,7 @@ BOOST_AUTO_TEST_CASE(solids_that_intersect_are_exact) {
     const Mesh sphere = tilted(make_shape("sphere2"));
     const Mesh pair = together({sphere, shifted(sphere, {0.9, 0.3, -0.2})}, "overlapping spheres");
     check_rule(pair, SignRule::nonzero, "");
-    // Where both are, parity says outside.
+    // Points inside both parts are outside by parity.
     BOOST_TEST(count_inside(compute_right(pair, SignRule::parity).field) < count_inside(compute_right(pair).field));
     // A ring so thick that it touches and intersects itself.
     check_rule(moved(make_shape("torus"),
