@@ -1,7 +1,7 @@
 // A grid that is divided among the ranks of a parallel simulation, each with a layer of ghost samples.
 //
-// A part of a grid keeps the grid's origin and spacing, and everything is anchored to the grid: a part has the very
-// bytes of the whole, so that ghost samples agree on both sides and need no exchange.
+// A part of a grid keeps the grid's origin and spacing, and has the same bytes as the whole. So ghost samples agree on
+// both sides and need no exchange.
 
 #include <clsdf/clsdf.hpp>
 
@@ -23,7 +23,7 @@ clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t 
     return domain.part({begin, 0, 0}, {end - begin, domain.size[1], domain.size[2]});
 }
 
-/// The number of samples that are not the very same float in the block as in the whole.
+/// The number of samples that differ between the block and the whole.
 std::size_t differences(const clsdf::Grid& grid, std::span<const float> distance, const clsdf::Field& whole) {
     const std::int64_t shift = grid.first[0] - whole.grid.first[0];
     std::size_t count = 0;
@@ -45,7 +45,7 @@ int main() {
         const clsdf::Band band = clsdf::Band::symmetric(0.03 * mesh.box().longest_side());
         const clsdf::Grid domain = clsdf::Grid::around(mesh, 100, band);
 
-        // Here in one process; in a real one every rank has a device and a transform of its own.
+        // This example is one process; in a simulation every rank has its own device and transform.
         clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
         const clsdf::Field whole = transform(domain, band);
         constexpr std::int64_t ranks = 3;
@@ -53,7 +53,7 @@ int main() {
         for (std::int64_t rank = 0; rank < ranks; ++rank) {
             const clsdf::Grid block = block_of(domain, rank, ranks);
 
-            // Into memory that the simulation has anyway.
+            // The simulation's own memory.
             std::vector<float> distance(block.sample_count());
             transform.compute(block, band, {.distance = distance});
 

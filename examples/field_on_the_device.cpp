@@ -1,4 +1,4 @@
-// The caller's own OpenCL context, queue, memory and kernels: the field is computed where the simulation needs it.
+// Computes a field in the caller's own OpenCL context, queue and memory, for the caller's own kernels.
 //
 // A plan allocates everything once. Plan::enqueue() then puts the field's computation into the caller's queue, between
 // the caller's own commands, and neither blocks nor copies. Here a kernel integrates the volume of a solid over the
@@ -44,7 +44,7 @@ __kernel void sum_all(__global const float* sums, int rows, double cell, __globa
 }
 )";
 
-/// What a simulation has anyway.
+/// The objects of the simulation.
 struct Simulation {
     cl_device_id device = nullptr;
     cl_context context = nullptr;
@@ -101,13 +101,13 @@ double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransfo
     cl_mem sums = simulation.buffer(static_cast<std::size_t>(rows) * sizeof(float));
     cl_mem volume = simulation.buffer(sizeof(double));
 
-    // May block and allocate: polyhedra, lists, the sign. What follows does neither.
+    // May block and allocate: polyhedra, lists, the sign. The next calls do neither.
     clsdf::Plan plan = transform.plan(grid, band);
 
     clsdf::OutputTargets outputs;
     outputs.distance = distance;
     cl_event computed = plan.enqueue(simulation.queue, outputs);
-    // This queue is in order, so that the kernels run after the field; another queue would wait for the event.
+    // This queue is in order, so the kernels run after the field; another queue would have to wait for the event.
     const auto width = static_cast<float>(band.outside);
     const double cell = grid.spacing[0] * grid.spacing[1] * grid.spacing[2];
     simulation.enqueue("sum_rows", static_cast<std::size_t>(rows), distance, row_length, width, sums);
@@ -134,7 +134,7 @@ int main() {
         const clsdf::Mesh mesh = clsdf::make_shape("sphere5");
         clsdf::DistanceTransform transform(device, mesh);
 
-        // Two samples on both sides of the surface are all that the integral looks at.
+        // The integral needs only two samples on both sides of the surface.
         clsdf::GridOptions options;
         options.resolution = 128;
         options.margin = clsdf::Length::in_voxels(2);

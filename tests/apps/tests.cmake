@@ -20,7 +20,7 @@ if(TARGET clsdf_command)
   endforeach()
 endif()
 
-# What the build makes from the options is what its readers understand; those that are not there cannot be asked.
+# The readers of the files that the build makes from the options must understand them; absent readers are skipped.
 if(TARGET clsdf_command_documents)
   set(made ${PROJECT_BINARY_DIR}/apps/clsdf)
   add_test(NAME completion_bash COMMAND bash ${CMAKE_CURRENT_LIST_DIR}/completion.bash ${made}/completions/clsdf

@@ -1,6 +1,6 @@
 # SOURCE: the source tree.
 #
-# A comment that cites a page of docs/, with a section's title in quotation marks behind it, cites what is there.
+# A comment that cites a page of docs/ and a section's title in quotation marks cites an existing section.
 cmake_minimum_required(VERSION 3.25)
 
 set(citation "docs/[a-z0-9-]+\\.md, '[^']+'")

@@ -1,6 +1,6 @@
 # Promises that the build itself makes.
 
-# Texts full of what CMake's lists and C++'s literals trip over come out of the embedding as they went in.
+# The embedding does not change texts with characters that are special in CMake's lists and C++'s literals.
 set(treacherous ${CMAKE_CURRENT_BINARY_DIR}/treacherous.cl)
 string(REPEAT "${CMAKE_CURRENT_LIST_DIR}/treacherous.txt;" 256 copies)
 execute_process(COMMAND ${CMAKE_COMMAND} -E cat ${copies} OUTPUT_FILE ${treacherous} COMMAND_ERROR_IS_FATAL ANY)
@@ -18,14 +18,14 @@ add_test(
 add_test(NAME citations COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P
                                 ${CMAKE_CURRENT_LIST_DIR}/citations.cmake)
 
-# A compiler that is told to compile C++17 says what is wrong, and nothing else.
+# A compiler in C++17 mode prints one message with the remedy.
 get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 add_test(
   NAME needs_cxx20
   COMMAND ${CMAKE_COMMAND} -DHEADERS=${PROJECT_SOURCE_DIR}/lib/include -DEIGEN=${eigen} -DCOMPILER=${CMAKE_CXX_COMPILER}
           -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/needs_cxx20 -P ${CMAKE_CURRENT_LIST_DIR}/needs_cxx20.cmake)
 
-# What users get who ask for nothing.
+# The build with default options.
 add_test(NAME users_build COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/users_build
                                   -P ${CMAKE_CURRENT_LIST_DIR}/users_build.cmake)
 add_test(NAME setup COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/setup -P

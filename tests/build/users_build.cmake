@@ -1,8 +1,8 @@
 # CLSDF: the sources; SCRATCH: a directory of this test's own.
 #
 # What a user gets who configures with the preset "release" and asks for nothing: no warning ends the build, the static
-# library can go into a shared one, and OpenVDB is not used, installed or not. Asked for and not there, it is an error that
-# says what to install.
+# library can go into a shared one, and OpenVDB is not used, installed or not. Asked for and not there, it is an error
+# that says what to install.
 cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE_RECURSE ${SCRATCH})
@@ -35,7 +35,7 @@ foreach(present "-Wall" "-fPIC" "vdb_absent.cpp")
   endif()
 endforeach()
 
-# As on a machine without OpenVDB: CMake does not look for what has a value.
+# As on a machine without OpenVDB: CMake does not search for a variable that has a value.
 configure(without status log -DCLSDF_WITH_OPENVDB=ON -DCLSDF_OPENVDB_INCLUDE=)
 string(REGEX REPLACE "[ \n]+" " " log "${log}")
 if(status EQUAL 0 OR NOT log MATCHES "CLSDF_WITH_OPENVDB is ON.*libopenvdb-dev.*scripts/setup --openvdb")

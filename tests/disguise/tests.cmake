@@ -1,5 +1,5 @@
-# A library between a program and the loader of OpenCL (disguise.hpp): a processor as a GPU with memory of its own, counts
-# of what is asked of the driver, and calls that fail on purpose.
+# A library between a program and the loader of OpenCL (disguise.hpp): a processor as a GPU with memory of its own,
+# counts of what is asked of the driver, and calls that fail on purpose.
 add_library(clsdf_disguise SHARED ${CMAKE_CURRENT_LIST_DIR}/record.cpp ${CMAKE_CURRENT_LIST_DIR}/gpu.cpp
                                   ${CMAKE_CURRENT_LIST_DIR}/memory.cpp ${CMAKE_CURRENT_LIST_DIR}/calls.cpp)
 target_include_directories(clsdf_disguise PUBLIC ${PROJECT_SOURCE_DIR}/tests)
@@ -15,7 +15,7 @@ clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
 target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference OpenCL::OpenCL)
 clsdf_between(disguise_promises)
 
-# What scripts/gpu-counts prints.
+# The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
 target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io fmt::fmt nlohmann_json::nlohmann_json)
 

@@ -23,7 +23,7 @@ foreach(format off obj stl ply nrrd nrrd_triangle npy npy_json vti h5 sdf)
   endif()
 endforeach()
 if(CLSDF_SANITIZE)
-  # As in tests/field/tests.cmake: what HDF5 forgets of damaged files.
+  # As in tests/field/tests.cmake: HDF5's leaks with damaged files.
   set_tests_properties(fuzz_h5 PROPERTIES ENVIRONMENT_MODIFICATION
                        "ASAN_OPTIONS=string_append::fast_unwind_on_malloc=0:malloc_context_size=12")
 endif()

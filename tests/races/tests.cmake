@@ -1,4 +1,4 @@
-# The kernels on a simulated device that watches every access to memory, where oclgrind is installed.
+# The kernels on a simulated device that watches every access to memory, if oclgrind is installed.
 find_program(CLSDF_OCLGRIND oclgrind)
 mark_as_advanced(CLSDF_OCLGRIND)
 if(CLSDF_OCLGRIND AND NOT CLSDF_SANITIZE)
