@@ -6,9 +6,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <functional>
+#include <locale>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <utility>
 
 namespace clsdf {
@@ -70,9 +72,11 @@ std::optional<double> plate_thickness(std::string_view name) {
     constexpr std::string_view prefix = "plate";
     if (!name.starts_with(prefix)) return {};
     name.remove_prefix(prefix.size());
+    // libc++ has no from_chars for numbers with a point.
+    std::istringstream text{std::string(name)};
+    text.imbue(std::locale::classic());
     double thickness = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), thickness);
-    if (error != std::errc() || end != name.data() + name.size()) return {};
+    if (!(text >> std::noskipws >> thickness) || text.peek() != std::istringstream::traits_type::eof()) return {};
     if (!(thickness > 0 && thickness <= 1))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("a plate's thickness is above 0 and at most 1, its longest side, but not {}", name));
