@@ -1,6 +1,5 @@
 // Exclusive prefix sums of 32-bit counts in three launches: each of `parts` work-items sums its range; one sums the
-// sums; each writes its range. (Measured: a tree in local memory is many times slower on a processor, one work-item on
-// a GPU.)
+// sums; each writes its range. (A tree in local memory is slower on a processor; GPUs have scan_by_group.cl.)
 
 static inline uint range_begin(uint count, uint part, uint parts) {
     return (uint)((ulong)count * part / parts);

@@ -13,4 +13,13 @@ inline bool has_ended(const cl::Event& event) noexcept {
             status <= CL_COMPLETE);
 }
 
+/// Waits for a command, unless it is known to have ended well. Throws cl::Error if it has failed.
+inline void wait_for(const cl::Event& event) {
+    cl_int status = CL_QUEUED;
+    if (clGetEventInfo(event(), CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof status, &status, nullptr) == CL_SUCCESS &&
+        status == CL_COMPLETE)
+        return;
+    event.wait();
+}
+
 }  // namespace clsdf::device

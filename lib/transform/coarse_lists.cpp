@@ -177,7 +177,7 @@ private:
             kernel.setArg(count_touches, *touches_);
             launch(kernel, count_step, count_steps, seconds);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
-            PrefixSums sums(context_, programs_.scan, pool_, *counts, starts, counters_,
+            PrefixSums sums(context_, programs_, pool_, *counts, starts, counters_,
                             "pairs of a triangle and a coarse brick");
             std::vector<cl::Event> read(2);
             {

@@ -7,11 +7,13 @@
 
 namespace clsdf::transform {
 
+struct Programs;
+
 /// Exclusive prefix sums of `count` 32-bit values into starts[0, count), and their total into starts[count].
 class PrefixSums {
 public:
     /// Throws Error(out_of_memory), naming `what`, where the values are too many to be counted in 32 bits.
-    PrefixSums(device::Context& context, const cl::Program& program, const std::shared_ptr<device::BufferPool>& pool,
+    PrefixSums(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what);
 
     PrefixSums(const PrefixSums&) = delete;
@@ -30,6 +32,8 @@ private:
     const device::Context& context_;
     cl::CommandQueue queue_;
     std::size_t parts_;
+    cl::NDRange one_part_;   ///< work-items of a launch that scans the parts' sums
+    cl::NDRange all_parts_;  ///< of the others
     device::BufferPool::Lease sums_;
     cl::Kernel sum_kernel_;
     cl::Kernel offset_kernel_;

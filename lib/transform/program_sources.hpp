@@ -43,7 +43,9 @@ struct ProgramSources {
     /// Throws Error(unsupported) if the device's work-groups are too small for the body.
     ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked);
 
-    ProgramSource scan_source() const { return {"scan.cl", common_options(lanes)}; }
+    ProgramSource scan_source() const {
+        return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
+    }
     ProgramSource coarse_lists_source() const { return {"coarse_lists.cl", common_options(lanes)}; }
     ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(lanes)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }

@@ -132,7 +132,7 @@ private:
     /// Of what was found so far. The scan does not wait until the totals show whether large triangles are left: to wake
     /// the host takes as long.
     SweepTotals add_up(Crossings& crossings) {
-        PrefixSums sums(context_, programs_.scan, pool_, *row_counts_, *crossings.starts, row_count_, listed);
+        PrefixSums sums(context_, programs_, pool_, *row_counts_, *crossings.starts, row_count_, listed);
         cl::Event totals_read;
         {
             CommandGate gate(context_);

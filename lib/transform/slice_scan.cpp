@@ -172,7 +172,7 @@ private:
             queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
             first = next;
         }
-        PrefixSums sums(context, programs.scan, pool, *cursors_, *starts_, cursor_count(),
+        PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
                         "intersections of a piece and a slice");
         sums.enqueue();
         sums.total();  // throws where the starts do not hold it

@@ -1,0 +1,76 @@
+// Exclusive prefix sums of 32-bit counts on a GPU, in three launches: each work-group sums a part of the counts, one
+// group sums the sums, and each group writes its part. A work-item takes a range of its group's part.
+
+#define ITEMS 64  // of a group
+
+typedef struct Range {
+    uint begin, end;
+} Range;
+
+static inline uint range_begin(uint count, uint part, uint parts) {
+    return (uint)((ulong)count * part / parts);
+}
+
+// A work-item's range of a part of `count` values.
+static inline Range range_of_item(uint count, uint part, uint parts) {
+    const uint begin = range_begin(count, part, parts), length = range_begin(count, part + 1, parts) - begin;
+    const uint item = get_local_id(0);
+    const Range range = {begin + range_begin(length, item, ITEMS), begin + range_begin(length, item + 1, ITEMS)};
+    return range;
+}
+
+// The sum of the values of the work-items before this one. sums: ITEMS of them, of which the last becomes the total.
+static inline ulong sum_before(ulong value, __local ulong* sums) {
+    const uint item = get_local_id(0);
+    sums[item] = value;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint step = 1; step < ITEMS; step *= 2) {
+        const ulong before = item >= step ? sums[item - step] : 0;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        sums[item] += before;
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    return sums[item] - value;
+}
+
+__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_sums(uint count, __global const uint* values,
+                                                                           __global ulong* sums) {
+    __local ulong item_sums[ITEMS];
+    const Range range = range_of_item(count, get_group_id(0), get_num_groups(0));
+    ulong sum = 0;
+    for (uint i = range.begin; i < range.end; ++i) sum += values[i];
+    sum_before(sum, item_sums);
+    if (get_local_id(0) == 0) sums[get_group_id(0)] = item_sums[ITEMS - 1];
+}
+
+// One group. sums[parts] becomes the total: 64 bits, so that the host can tell a list that is too long.
+__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_offsets(uint parts, __global ulong* sums) {
+    __local ulong item_sums[ITEMS];
+    const Range range = range_of_item(parts, 0, 1);
+    ulong sum = 0;
+    for (uint i = range.begin; i < range.end; ++i) sum += sums[i];
+    sum = sum_before(sum, item_sums);
+    for (uint i = range.begin; i < range.end; ++i) {
+        const ulong value = sums[i];
+        sums[i] = sum;
+        sum += value;
+    }
+    if (get_local_id(0) == 0) sums[parts] = item_sums[ITEMS - 1];
+}
+
+__kernel __attribute__((reqd_work_group_size(ITEMS, 1, 1))) void scan_write(uint count, __global const uint* values,
+                                                                            __global const ulong* sums,
+                                                                            __global uint* starts) {
+    __local ulong item_sums[ITEMS];
+    const uint part = get_group_id(0), parts = get_num_groups(0);
+    const Range range = range_of_item(count, part, parts);
+    ulong sum = 0;
+    for (uint i = range.begin; i < range.end; ++i) sum += values[i];
+    sum = sum_before(sum, item_sums) + sums[part];
+    for (uint i = range.begin; i < range.end; ++i) {
+        const uint value = values[i];
+        starts[i] = (uint)sum;
+        sum += value;
+    }
+    if (part + 1 == parts && get_local_id(0) + 1 == ITEMS) starts[count] = (uint)sum;
+}
