@@ -4,8 +4,24 @@
 
 namespace clsdf::device {
 
-HostFilling::HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose,
-                         bool in_place)
+namespace {
+
+void CL_CALLBACK release_array(cl_event, cl_int, void* array) {
+    delete[] static_cast<std::byte*>(array);
+}
+
+/// Keeps an array until the command that reads it has ended.
+void keep_until(const cl::Event& copied, std::unique_ptr<std::byte[]> array) {
+    std::byte* const kept = array.release();
+    if (clSetEventCallback(copied(), CL_COMPLETE, release_array, kept) == CL_SUCCESS) return;
+    copied.wait();  // the array is never released if the driver cannot tell
+    delete[] kept;
+}
+
+}  // namespace
+
+HostFilling::HostFilling(const Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes,
+                         const char* purpose, bool in_place)
     : context_(context), pool_(std::move(pool)), bytes_(bytes), purpose_(purpose) {
     if (bytes_ > 0 && in_place) {
         buffer_ = pool_->lease(bytes_, purpose_);
@@ -35,7 +51,13 @@ BufferPool::Lease HostFilling::finish() {
         return std::move(buffer_);
     }
     BufferPool::Lease buffer = pool_->lease(bytes_, purpose_);
-    if (bytes_ > 0) guarded([&] { context_.queue().enqueueWriteBuffer(*buffer, CL_TRUE, 0, bytes_, memory_); });
+    if (bytes_ == 0) return buffer;
+    guarded([&] {
+        cl::Event copied;
+        context_.queue().enqueueWriteBuffer(*buffer, CL_FALSE, 0, bytes_, memory_, nullptr, &copied);
+        keep_until(copied, std::move(array_));
+        context_.queue().flush();
+    });
     return buffer;
 }
 

@@ -12,9 +12,9 @@ namespace clsdf::device {
 /// copied at the end.
 class HostFilling {
 public:
-    HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose)
+    HostFilling(const Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose)
         : HostFilling(context, std::move(pool), bytes, purpose, context.capabilities().is_processor) {}
-    HostFilling(Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose,
+    HostFilling(const Context& context, std::shared_ptr<BufferPool> pool, std::size_t bytes, const char* purpose,
                 bool in_place);
     HostFilling(const HostFilling&) = delete;
     HostFilling& operator=(const HostFilling&) = delete;
@@ -23,14 +23,15 @@ public:
     /// `bytes` bytes, their contents undefined; what has been written can be read.
     void* memory() const { return memory_; }
 
-    /// Hands the filled buffer over, which is leased only now where it is not filled in place: of several fillings of
-    /// which all but the last are given up one is on the device. Nothing may be written to the memory any more.
+    /// Hands the filled buffer over. A buffer that is not filled in place is leased only now: of several fillings of
+    /// which all but the last are given up one is on the device. Does not wait: the array is kept until it is copied.
+    /// Nothing may be written to the memory any more.
     BufferPool::Lease finish();
 
 private:
     void unmap();
 
-    Context& context_;
+    const Context& context_;
     std::shared_ptr<BufferPool> pool_;
     std::size_t bytes_;
     const char* purpose_;

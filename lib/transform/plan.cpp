@@ -29,21 +29,34 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     device::Context& context = device.internal();
     const Layout layout = transform::layout_of(grid, band, sign);
     const transform::ShortLaunches launches(context, between_launches);
-    const Stopwatch sign_watch;
-    transform::SignBits signs =
-        transform::sweep_signs(context, programs, pool, layout, inputs.sweep_mesh.get(), sign, launches);
-    sign_bits_ = std::move(signs.bits);
-    has_large_triangles = signs.has_large_triangles;
-    statistics.sign_seconds = sign_watch.seconds();
+    Stopwatch sign_watch;
+    transform::SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), sign, launches);
+    const auto finish_sign = [&] {
+        transform::SignBits signs = sweep.finish();
+        sign_bits_ = std::move(signs.bits);
+        has_large_triangles = signs.has_large_triangles;
+        statistics.sign_seconds += sign_watch.seconds();
+    };
+    // To wait is dear on a GPU: there the host waits for the sign and the lists together.
+    const bool waits_once = programs.body == KernelBody::by_group;
+    if (waits_once)
+        statistics.sign_seconds = sign_watch.seconds();
+    else
+        finish_sign();
+    const cl::Buffer sign_bits = waits_once ? sweep.bits() : *sign_bits_;
     const transform::PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
         const transform::BrickVariant variant{outputs != Outputs{}, options.count, transform::has_long_bricks(grid)};
         scan_ = records.pieces
-                    ? transform::make_slice_scan(context, programs, pool, layout, records, *sign_bits_, variant,
+                    ? transform::make_slice_scan(context, programs, pool, layout, records, sign_bits, variant,
                                                  options.slice_minimum)
-                    : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points, *sign_bits_,
+                    : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points, sign_bits,
                                                  finishing_ ? &*finishing_ : nullptr, variant, launches);
+        if (waits_once) {
+            sign_watch = Stopwatch();
+            finish_sign();
+        }
         context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
         context.queue().flush();
     });

@@ -1,6 +1,7 @@
 #include "transform/sign_crossings.hpp"
 
 #include "core/keep.hpp"
+#include "device/has_ended.hpp"
 #include "sweep.h"
 #include "transform/command_gate.hpp"
 #include "transform/layout_of.hpp"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace clsdf::transform {
 
@@ -30,11 +32,13 @@ constexpr double seconds_per_triangle = 5e-7;  // of the first launch: with CLSD
 constexpr std::size_t rows_per_item = std::size_t{1} << 14;
 constexpr std::size_t most_strips = 64;
 
-/// The launches that find the crossings, for one size of the records' buffer.
-class Search {
+}  // namespace
+
+/// For one size of the records' buffer at a time.
+class CrossingSearch::Launches {
 public:
-    Search(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-           const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches)
+    Launches(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+             const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches)
         : context_(context),
           queue_(context.queue()),
           programs_(programs),
@@ -62,19 +66,20 @@ public:
         }
     }
 
-    Search(const Search&) = delete;
-    Search& operator=(const Search&) = delete;
-    ~Search() {
+    Launches(const Launches&) = delete;
+    Launches& operator=(const Launches&) = delete;
+    ~Launches() {
         // After an error: what is under way reads the mesh where the host has it.
         if (is_under_way_ && !context_.drain()) keep_for_good(totals_found_);
     }
 
+    device::BufferPool& pool() const { return *pool_; }
+
     /// Records that the work-items of a launch may leave over.
     std::size_t left_over() const { return std::min(parts_, triangle_count_) * CLSDF_RECORD_BLOCK; }
 
-    /// Counts the crossings, where each row's start, and the records that it took, also where there was room for fewer:
-    /// `capacity`.
-    void find(Crossings& crossings, std::size_t capacity) {
+    /// Enqueues the search for the crossings with room for `capacity` records, and what says where each row's start.
+    void begin(Crossings& crossings, std::size_t capacity) {
         is_under_way_ = true;
         queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
@@ -85,11 +90,17 @@ public:
         launches_.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
             enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
         });
-        SweepTotals totals = add_up(crossings);
+        add_up(crossings);
+    }
+
+    /// Waits, and sets the crossings' numbers: of the records those that it took, also if there was room for fewer.
+    void end(Crossings& crossings) {
+        SweepTotals totals = wait_for_totals(crossings);
         crossings.has_large_triangles = totals.large > 0;
         if (totals.large > 0) {
             find_large(totals);
-            totals = add_up(crossings);
+            add_up(crossings);
+            totals = wait_for_totals(crossings);
         }
         crossings.record_count = totals.records;
         is_under_way_ = false;
@@ -131,18 +142,18 @@ private:
 
     /// Of what was found so far. The scan does not wait until the totals show whether large triangles are left: to wake
     /// the host takes as long.
-    SweepTotals add_up(Crossings& crossings) {
-        PrefixSums sums(context_, programs_, pool_, *row_counts_, *crossings.starts, row_count_, listed);
-        cl::Event totals_read;
-        {
-            CommandGate gate(context_);
-            sums.enqueue();
-            queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_.get(), nullptr,
-                                     &totals_read);
-            gate.open();
-        }
-        totals_read.wait();
-        crossings.count = sums.total();
+    void add_up(Crossings& crossings) {
+        sums_.emplace(context_, programs_, pool_, *row_counts_, *crossings.starts, row_count_, listed);
+        CommandGate gate(context_);
+        sums_->enqueue();
+        queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_.get(), nullptr,
+                                 &totals_read_);
+        gate.open();
+    }
+
+    SweepTotals wait_for_totals(Crossings& crossings) {
+        device::wait_for(totals_read_);
+        crossings.count = sums_->total();
         return *totals_found_;
     }
 
@@ -160,37 +171,43 @@ private:
     cl::Kernel small_kernel_;
     cl::Kernel large_kernel_;
     std::unique_ptr<SweepTotals> totals_found_ = std::make_unique<SweepTotals>();
+    cl::Event totals_read_;
+    std::optional<PrefixSums> sums_;
     bool is_under_way_ = false;
 };
 
-}  // namespace
-
-Crossings find_crossings(device::Context& context, const Programs& programs,
-                         const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh& mesh,
-                         const ShortLaunches& launches) {
+CrossingSearch::CrossingSearch(device::Context& context, const Programs& programs,
+                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                               const SweepMesh& mesh, const ShortLaunches& launches)
+    : search_(std::make_unique<Launches>(context, programs, pool, layout, mesh, launches)) {
     const std::size_t rows = sign_row_count(layout);
-    Search search(context, programs, pool, layout, mesh, launches);
-    Crossings crossings;
-    crossings.starts = pool->lease((rows + 1) * sizeof(cl_uint), "starts of the sign's crossings");
+    crossings_.starts = pool->lease((rows + 1) * sizeof(cl_uint), "starts of the sign's crossings");
     const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),
                                                    std::numeric_limits<cl_uint>::max());
-    // The first capacity is a guess. Where there is no memory for it, crossings are only counted at first.
-    std::size_t capacity = std::min(records_per_row * rows + search.left_over(), most);
-    if (auto guess = pool->lease_if_it_fits(capacity * sizeof(SweepRecord), records_purpose))
-        crossings.records = std::move(*guess);
+    // The first capacity is a guess. If there is no memory for it, crossings are only counted at first.
+    capacity_ = std::min(records_per_row * rows + search_->left_over(), most);
+    if (auto guess = pool->lease_if_it_fits(capacity_ * sizeof(SweepRecord), records_purpose))
+        crossings_.records = std::move(*guess);
     else
-        crossings.records = pool->lease(capacity = 0, records_purpose);
+        crossings_.records = pool->lease(capacity_ = 0, records_purpose);
+    search_->begin(crossings_, capacity_);
+}
+
+CrossingSearch::~CrossingSearch() = default;
+
+Crossings CrossingSearch::finish() {
     for (;;) {
-        search.find(crossings, capacity);
+        search_->end(crossings_);
         // The counter of records has 32 bits and wraps; the scan's total shows it.
-        if (crossings.count > crossings.record_count)
+        if (crossings_.count > crossings_.record_count)
             throw Error(
                 ErrorCode::out_of_memory,
                 fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", listed));
-        if (crossings.record_count <= capacity) return crossings;
-        capacity = crossings.record_count;
-        crossings.records = {};  // the smaller one goes back first
-        crossings.records = pool->lease(capacity * sizeof(SweepRecord), records_purpose);
+        if (crossings_.record_count <= capacity_) return std::move(crossings_);
+        capacity_ = crossings_.record_count;
+        crossings_.records = {};  // the smaller one goes back first
+        crossings_.records = search_->pool().lease(capacity_ * sizeof(SweepRecord), records_purpose);
+        search_->begin(crossings_, capacity_);
     }
 }
 

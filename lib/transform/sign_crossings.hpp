@@ -5,6 +5,8 @@
 #include "transform/short_launches.hpp"
 #include "transform/sweep_mesh.hpp"
 
+#include <memory>
+
 namespace clsdf::transform {
 
 struct Programs;
@@ -18,9 +20,25 @@ struct Crossings {
     bool has_large_triangles = false;   ///< see SignBits
 };
 
-/// Throws Error(out_of_memory) where there are 2^32 crossings or more.
-Crossings find_crossings(device::Context& context, const Programs& programs,
-                         const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh& mesh,
-                         const ShortLaunches& launches);
+/// The launches that find the crossings.
+class CrossingSearch {
+public:
+    /// Enqueues the search and does not wait for it. What is given must outlive this.
+    CrossingSearch(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+                   const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches);
+    CrossingSearch(const CrossingSearch&) = delete;
+    CrossingSearch& operator=(const CrossingSearch&) = delete;
+    ~CrossingSearch();
+
+    /// Waits for what was found, unless the host has waited for later commands of the queue. Searches again if there
+    /// was too little room. Throws Error(out_of_memory) if there are 2^32 crossings or more.
+    Crossings finish();
+
+private:
+    class Launches;
+    std::unique_ptr<Launches> search_;
+    Crossings crossings_;
+    std::size_t capacity_;
+};
 
 }  // namespace clsdf::transform

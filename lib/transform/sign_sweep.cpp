@@ -2,7 +2,6 @@
 
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
-#include "transform/sign_crossings.hpp"
 
 namespace clsdf::transform {
 
@@ -47,41 +46,52 @@ device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& 
 
 }  // namespace
 
-SignBits sweep_signs(device::Context& context, const Programs& programs,
+SignSweep::SignSweep(device::Context& context, const Programs& programs,
                      const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh* mesh,
-                     SignRule rule, const ShortLaunches& launches) {
-    return device::guarded([&] {
-        const cl::CommandQueue& queue = context.queue();
-        const std::size_t rows = sign_row_count(layout);
-        const std::size_t bytes = rows * static_cast<std::size_t>(layout.sign_words) * sizeof(cl_uint);
-        SignBits result{pool->lease(bytes, "sign bits")};
-        if (mesh == nullptr || mesh->triangle_count == 0) {
-            queue.enqueueFillBuffer(*result.bits, cl_uint{0}, 0, bytes);
-            return result;
-        }
-        const Crossings crossings = find_crossings(context, programs, pool, layout, *mesh, launches);
-        result.has_large_triangles = crossings.has_large_triangles;
-        const auto keys = keys_by_row(context, programs, pool, crossings, launches);
+                     SignRule rule, const ShortLaunches& launches)
+    : context_(context), programs_(programs), pool_(pool), layout_(layout), rule_(rule), launches_(launches) {
+    device::guarded([&] {
+        const std::size_t bytes =
+            sign_row_count(layout) * static_cast<std::size_t>(layout.sign_words) * sizeof(cl_uint);
+        result_.bits = pool->lease(bytes, "sign bits");
+        if (mesh == nullptr || mesh->triangle_count == 0)
+            context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
+        else
+            search_ = std::make_unique<CrossingSearch>(context, programs, pool, layout, *mesh, launches);
+    });
+}
 
-        cl::Kernel sweep(programs.sign_sweep, "sign_rows");
-        const std::size_t item_rows = programs.body == KernelBody::by_group ? 1 : rows_of_a_core;
-        sweep.setArg(rows_layout, layout);
-        sweep.setArg(rows_per_item, static_cast<cl_uint>(item_rows));
-        sweep.setArg(rows_parity, cl_int{rule == SignRule::parity ? 1 : 0});
-        sweep.setArg(rows_starts, *crossings.starts);
-        sweep.setArg(rows_keys, *keys);
-        sweep.setArg(rows_sign_bits, *result.bits);
-        const double words_and_keys =
-            layout.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
-        launches.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
-            sweep.setArg(rows_begin, static_cast<cl_uint>(begin));
-            sweep.setArg(rows_end, static_cast<cl_uint>(end));
-            const std::size_t items = (end - begin + item_rows - 1) / item_rows;
-            const std::size_t items_of_group = programs.part_group();
-            queue.enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
-                                       cl::NDRange(items_of_group));
-        });
-        return result;
+SignBits SignSweep::finish() {
+    return device::guarded([&] {
+        if (search_) {
+            const Crossings crossings = search_->finish();
+            result_.has_large_triangles = crossings.has_large_triangles;
+            sweep_rows(crossings);
+        }
+        return std::move(result_);
+    });
+}
+
+void SignSweep::sweep_rows(const Crossings& crossings) {
+    const auto keys = keys_by_row(context_, programs_, pool_, crossings, launches_);
+    const std::size_t rows = sign_row_count(layout_);
+    cl::Kernel sweep(programs_.sign_sweep, "sign_rows");
+    const std::size_t item_rows = programs_.body == KernelBody::by_group ? 1 : rows_of_a_core;
+    sweep.setArg(rows_layout, layout_);
+    sweep.setArg(rows_per_item, static_cast<cl_uint>(item_rows));
+    sweep.setArg(rows_parity, cl_int{rule_ == SignRule::parity ? 1 : 0});
+    sweep.setArg(rows_starts, *crossings.starts);
+    sweep.setArg(rows_keys, *keys);
+    sweep.setArg(rows_sign_bits, *result_.bits);
+    const double words_and_keys =
+        layout_.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
+    launches_.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
+        sweep.setArg(rows_begin, static_cast<cl_uint>(begin));
+        sweep.setArg(rows_end, static_cast<cl_uint>(end));
+        const std::size_t items = (end - begin + item_rows - 1) / item_rows;
+        const std::size_t items_of_group = programs_.part_group();
+        context_.queue().enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
+                                              cl::NDRange(items_of_group));
     });
 }
 

@@ -5,7 +5,10 @@
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "transform/short_launches.hpp"
+#include "transform/sign_crossings.hpp"
 #include "transform/sweep_mesh.hpp"
+
+#include <memory>
 
 namespace clsdf::transform {
 
@@ -18,9 +21,32 @@ struct SignBits {
     bool has_large_triangles = false;  ///< a triangle of the sweep has more than CLSDF_LARGE_ROWS rows
 };
 
-/// Without a mesh all bits are 0.
-SignBits sweep_signs(device::Context& context, const Programs& programs,
-                     const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh* mesh,
-                     SignRule rule, const ShortLaunches& launches);
+/// The sweep, in two steps: between them the host may enqueue other work and wait for it, and so for the first step
+/// too.
+class SignSweep {
+public:
+    /// Enqueues the search for the crossings. Without a mesh all bits are 0. What is given must outlive this.
+    SignSweep(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+              const Layout& layout, const SweepMesh* mesh, SignRule rule, const ShortLaunches& launches);
+
+    /// Where the bits will be.
+    const cl::Buffer& bits() const { return *result_.bits; }
+
+    /// Waits for the numbers of crossings, if need be, and enqueues the rest.
+    SignBits finish();
+
+private:
+    /// Enqueues the launches that make bits of the crossings.
+    void sweep_rows(const Crossings& crossings);
+
+    device::Context& context_;
+    const Programs& programs_;
+    const std::shared_ptr<device::BufferPool>& pool_;
+    const Layout& layout_;
+    SignRule rule_;
+    const ShortLaunches& launches_;
+    SignBits result_;
+    std::unique_ptr<CrossingSearch> search_;
+};
 
 }  // namespace clsdf::transform

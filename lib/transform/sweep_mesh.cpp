@@ -1,6 +1,7 @@
 #include "transform/sweep_mesh.hpp"
 
 #include "core/parallel.hpp"
+#include "device/host_filling.hpp"
 #include "layout.h"
 #include "sweep.h"
 #include "transform/layout_of.hpp"
@@ -21,6 +22,7 @@ namespace {
 constexpr int snap_bits = 20;
 // The limit of snapped coordinates: their differences fit 63 bits, with room for the grid's.
 constexpr double snapped_limit = 0x1p61;
+constexpr const char* vertices_purpose = "vertices of the sign's sweep";
 
 /// Bits below a sample on an axis whose spacing is `ratio` voxels.
 int bits_of(double ratio) {
@@ -66,9 +68,9 @@ device::BufferPool::Lease sweep_triangles(const device::Context& context,
         auto* values = const_cast<Triangle*>(mesh.triangles().data());
         return {nullptr, cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_USE_HOST_PTR, bytes, values), bytes};
     }
-    auto triangles = pool->lease(bytes, "triangles");
-    if (bytes > 0) context.queue().enqueueWriteBuffer(*triangles, CL_TRUE, 0, bytes, mesh.triangles().data());
-    return triangles;
+    device::HostFilling filling(context, pool, bytes, "triangles");
+    std::copy(mesh.triangles().begin(), mesh.triangles().end(), static_cast<Triangle*>(filling.memory()));
+    return filling.finish();
 }
 
 /// A lattice as the sweep sees it.
@@ -105,13 +107,12 @@ struct SweepLattice {
     double scale_y, scale_z;
 };
 
-device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const std::shared_ptr<device::BufferPool>& pool,
-                                         const SweepLattice& lattice, const Mesh& mesh) {
+device::BufferPool::Lease sweep_vertices(const device::Context& context,
+                                         const std::shared_ptr<device::BufferPool>& pool, const SweepLattice& lattice,
+                                         const Mesh& mesh) {
     const std::vector<Vec3>& positions = mesh.vertices();
-    const std::size_t bytes = positions.size() * sizeof(SweepVertex);
-    auto lease = pool->lease(bytes, "vertices of the sign's sweep");
-    auto* vertices =
-        static_cast<SweepVertex*>(queue.enqueueMapBuffer(*lease, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes));
+    device::HostFilling filling(context, pool, positions.size() * sizeof(SweepVertex), vertices_purpose);
+    auto* const vertices = static_cast<SweepVertex*>(filling.memory());
     std::atomic<std::size_t> too_far{positions.size()};
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
         for (std::size_t v = range.begin(); v != range.end(); ++v)
@@ -120,7 +121,6 @@ device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const st
                 std::isfinite(positions[v][2]))
                 lower(too_far, v);
     });
-    queue.enqueueUnmapMemObject(*lease, vertices);
     if (too_far < positions.size())
         throw Error(
             ErrorCode::unsupported,
@@ -128,7 +128,7 @@ device::BufferPool::Lease sweep_vertices(const cl::CommandQueue& queue, const st
                 "vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an exact sign; use a "
                 "larger spacing or an unsigned field",
                 too_far.load(), mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
-    return lease;
+    return filling.finish();
 }
 
 }  // namespace
@@ -158,7 +158,7 @@ SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
         return SweepMesh{sweep_triangles(context, pool, mesh),
-                         sweep_vertices(context.queue(), pool, lattice, mesh),
+                         sweep_vertices(context, pool, lattice, mesh),
                          mesh.triangles().size(),
                          lattice.bits_y,
                          lattice.bits_z,
@@ -180,17 +180,11 @@ SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<
         const SweepLattice lattice(grid, mesh);
         std::size_t count = 0;
         for (const polyhedra::RecordRange& range : faces) count += range.end - range.begin;
-        SweepMesh result{pool->lease(count * sizeof(Triangle), "triangles"),
-                         pool->lease(3 * count * sizeof(SweepVertex), "vertices of the sign's sweep"),
-                         count,
-                         lattice.bits_y,
-                         lattice.bits_z,
-                         lattice.first_x,
-                         true};
-        if (count == 0) return result;
         // Each face has vertices of its own.
-        std::vector<Triangle> triangles(count);
-        std::vector<SweepVertex> vertices(3 * count);
+        device::HostFilling triangle_filling(context, pool, count * sizeof(Triangle), "triangles");
+        device::HostFilling vertex_filling(context, pool, 3 * count * sizeof(SweepVertex), vertices_purpose);
+        auto* const triangles = static_cast<Triangle*>(triangle_filling.memory());
+        auto* const vertices = static_cast<SweepVertex*>(vertex_filling.memory());
         std::size_t begin = 0;
         for (const polyhedra::RecordRange& range : faces) {
             for_each_range(range.end - range.begin, [&](std::size_t from, std::size_t to) {
@@ -205,10 +199,13 @@ SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<
             });
             begin += range.end - range.begin;
         }
-        const cl::CommandQueue& queue = context.queue();
-        queue.enqueueWriteBuffer(*result.triangles, CL_FALSE, 0, count * sizeof(Triangle), triangles.data());
-        queue.enqueueWriteBuffer(*result.vertices, CL_TRUE, 0, vertices.size() * sizeof(SweepVertex), vertices.data());
-        return result;
+        return SweepMesh{triangle_filling.finish(),
+                         vertex_filling.finish(),
+                         count,
+                         lattice.bits_y,
+                         lattice.bits_z,
+                         lattice.first_x,
+                         true};
     });
 }
 

@@ -27,6 +27,7 @@ const std::set<std::string> passed_over{
     "clBuildProgram",             // likewise, if it was a stored one; otherwise it is an error
     "clGetProgramInfo",           // its binary is not kept
     "clGetEventInfo",             // the library waits for the event
+    "clSetEventCallback",         // likewise
 };
 
 // The time limit on a busy machine.
