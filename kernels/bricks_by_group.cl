@@ -1,19 +1,25 @@
-// The seven-site distance of every sample near the mesh, for GPUs: a work-group computes a brick of 8 x 8 x 8 samples
-// from the list of its coarse brick.
+// The seven-site distance of every sample near the mesh, for GPUs.
 //
-// 1. An upper bound of the brick's distances (cap), by a reduction over the list.
-// 2. GROUP polyhedra of the list at a time, one a work-item: does it touch the brick, and which of its 16 sub-blocks of
-//    4 x 4 x 2 samples? Those that do are compacted into local memory, in the order of the list.
-// 3. When local memory is full, or the list ends: each work-item carries its samples through the compacted polyhedra.
-//    The 32 work-items of a sub-block are neighbours, so that they take the same branches.
+// brick_masks, a work-group for each coarse brick: an upper bound (cap) of the distances in each of its 64 bricks, and
+// for each polyhedron of its list the bricks that it overlaps, 64 bits.
 //
-// Nothing is atomic, and every group's order is that of its list: the result does not depend on how groups are
-// scheduled.
+// bricks_by_group, a work-group for each brick of 8 x 8 x 8 samples:
+// 1. The polyhedra of the coarse brick's list that overlap the brick are chosen into local memory, in the order of the
+//    list.
+// 2. When that is full, or the list ends: a cap for each of the brick's 64 sub-blocks of 2 x 2 x 2 samples.
+// 3. BATCH polyhedra at a time: which octants of the brick does each of them overlap, and which of their sub-blocks?
+//    The answers are bits, by sub-block.
+// 4. The eight work-items of a sub-block take its polyhedra one after the other, each at its own sample. If there are
+//    more batches, the caps are lowered to the distances that were found.
+//
+// Atomics in local memory only set bits and take minima and maxima, and every group keeps the order of its list. So the
+// result does not depend on the order in which groups and work-items run.
 //
 // Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest polyhedron
-// and finishes what else is asked for (finish.h); LONG_BRICKS where spacing is so unequal that distances take double
+// and finishes what else is asked for (finish.h); LONG_BRICKS if spacing is so unequal that distances take double
 // (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
 
+#include "bits.h"
 #include "blocks.h"
 #include "distance.h"
 #ifdef NEAREST
@@ -21,65 +27,258 @@
 #endif
 #include "signed_distance.h"
 
-#define SUBBLOCKS 16
-#define SUBBLOCK_SAMPLES 32
+#define BRICKS 64  // of a coarse brick
+#define SUBBLOCKS 64
+#define SUBBLOCK_SAMPLES 8
 #define SAMPLES_PER_ITEM (512 / GROUP)
-#define CAPACITY (2 * GROUP)
+#define BRICK_CENTRE (0.5f * (CLSDF_BRICK - 1))
+#define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
 
-// Sample `lane` of sub-block b, from the brick's first sample.
-static inline int3 sample_of(uint b, uint lane) {
-    return (int3)((b & 1u) * 4 + (lane & 3u), ((b >> 1) & 1u) * 4 + ((lane >> 2) & 3u), (b >> 2) * 2 + (lane >> 4));
+#define BATCH 64                  // polyhedra that are evaluated together
+#define BATCH_WORDS (BATCH / 32)  // of a bit each
+#define WINDOW (4 * GROUP)        // entries of a list that are looked at together
+#define WINDOW_WORDS (WINDOW / 32)
+#define ROOM (WINDOW + 2 * GROUP)  // for chosen polyhedra
+#define OCTANTS 8                  // of a brick, of 4 x 4 x 4 samples: eight sub-blocks each
+#define PAIRS (BATCH * OCTANTS)
+
+INLINE int3 coarse_brick_at(Layout layout, uint number) {
+    const int3 size = vload3(0, layout.coarse_bricks);
+    return vload3(0, layout.coarse_first) +
+           (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
 }
 
-// The sub-blocks that a polyhedron touches, 16 bits.
-static inline uint touched_subblocks(__global const Polyhedron* p, Place place, Slopes slopes, float cap, float slack) {
-    const Reach reach = widened(reach_of(p, 1.5f, 1.5f, 0.5f), slack);
-    uint touched = 0;
-    for (uint b = 0; b < SUBBLOCKS; ++b) {
-        const float i = (float)((b & 1u) * 4) - 2.0f, j = (float)(((b >> 1) & 1u) * 4) - 2.0f,
-                    k = (float)((b >> 2) * 2) - 3.0f;
-        touched |= touched_near_blocks(p, place, slopes, centres_of(p, place, i, j, k), reach, cap) << b;
+// The bricks of a coarse brick, the sub-blocks of a brick: number b of 4 x 4 x 4.
+INLINE int3 four_cubed(uint b) {
+    return (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
+}
+
+// The least distance from a list's feet of altitudes, points of the surface, to the centre of each brick: at most this
+// far from its samples. Of work-item i: brick i % BRICKS, and every GROUP / BRICKS-th foot. feet: to the centre of the
+// coarse brick.
+static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_begin, uint list_end,
+                                         __global const uint* entries, __global const Polyhedron* polyhedra,
+                                         __local float3* feet) {
+    const uint item = get_local_id(0);
+    const int3 first = coarse * CLSDF_COARSE;
+    const float3 centre = (convert_float3(four_cubed(item % BRICKS)) - 1.5f) * CLSDF_BRICK * vload3(0, layout.spacing);
+    float least = INFINITY;
+    for (uint begin = list_begin; begin < list_end; begin += GROUP) {
+        const uint count = min(list_end - begin, (uint)GROUP);
+        if (item < count)
+            feet[item] =
+                from_foot_to(layout, polyhedra + entries[begin + item], first.x, first.y, first.z, COARSE_CENTRE);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint n = item / BRICKS; n < count; n += GROUP / BRICKS) {
+            const float3 from_foot = feet[n] + centre;
+            const float square = dot(from_foot, from_foot);
+            least = LESSER(square, least);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    return least;
+}
+
+// The bricks of a coarse brick that a polyhedron overlaps, 64 bits.
+static inline ulong touched_bricks(__global const Polyhedron* p, int3 coarse, __local const float* caps, float slack) {
+    const int3 first = coarse * CLSDF_COARSE;
+    const Place place = place_at(p, first.x, first.y, first.z, COARSE_CENTRE);
+    const Reach reach = widened(reach_of_cube(p, BRICK_CENTRE), slack);
+    ulong touched = 0;
+    for (uint b = 0; b < BRICKS; ++b) {
+        const float3 centre = (convert_float3(four_cubed(b)) - 1.5f) * CLSDF_BRICK;
+        touched |= (ulong)touched_blocks(p, place, centres_of(p, place, centre.x, centre.y, centre.z), reach, caps[b])
+                   << b;
     }
     return touched;
 }
 
-// Exclusive prefix sum of one value a work-item, and the total. Each step reads one half of `sums`, of 2 GROUP values,
-// and writes the other: no value read before a barrier is used after it. The next scan may begin after a barrier.
-static inline uint group_scan(uint value, __local uint* sums, __private uint* total) {
-    const uint item = get_local_id(0);
-    uint from = 0;
-    sums[item] = value;
+// Global size: a group for each coarse brick order[begin, ...) of the launch. caps: BRICKS for each of `order`; masks:
+// as entries.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_masks(
+    Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
+    __global const uint* restrict entries, __global const float* restrict coarse_caps,
+    __global const Polyhedron* restrict polyhedra, __global float* restrict brick_caps,
+    __global ulong* restrict masks) {
+    __local float3 feet[GROUP];
+    __local float least_squares[GROUP];
+    __local float caps[BRICKS];
+    const uint item = get_local_id(0), turn = begin + get_group_id(0);
+    const uint number = order[turn], list_begin = starts[number * parts], list_end = starts[(number + 1) * parts];
+    const int3 coarse = coarse_brick_at(layout, number);
+    const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
+    least_squares[item] = least_square_of_feet(layout, coarse, list_begin, list_end, entries, polyhedra, feet);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint step = 1; step < GROUP; step *= 2) {
-        const uint other = item >= step ? sums[from + item - step] : 0;
-        sums[(GROUP - from) + item] = sums[from + item] + other;
-        from = GROUP - from;
-        barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < BRICKS) {
+        float least = least_squares[item];
+        for (uint other = item + BRICKS; other < GROUP; other += BRICKS) least = LESSER(least_squares[other], least);
+        const float bound = sqrt(least) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
+        caps[item] = LESSER(bound, coarse_cap);
+        brick_caps[turn * BRICKS + item] = caps[item];
     }
-    *total = sums[from + GROUP - 1];
-    return sums[from + item] - value;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
+    for (uint e = list_begin + item; e < list_end; e += GROUP)
+        masks[e] = touched_bricks(polyhedra + entries[e], coarse, caps, slack);
 }
 
-// The least of one value a work-item.
-static inline float group_least(float value, __local float* values) {
-    const uint item = get_local_id(0);
-    values[item] = value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint half_size = GROUP / 2; half_size > 0; half_size /= 2) {
-        if (item < half_size) values[item] = LESSER(values[item], values[item + half_size]);
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    const float least = values[0];
-    barrier(CLK_LOCAL_MEM_FENCE);
-    return least;
+// Sample `lane` of sub-block b, from the brick's first sample.
+INLINE int3 sample_of(uint b, uint lane) {
+    return 2 * four_cubed(b) + (int3)(lane & 1u, (lane >> 1) & 1u, lane >> 2);
 }
 
-// Polyhedra of the brick, compacted.
-typedef struct Compacted {
-    Offsets offsets[CAPACITY];
-    uint polyhedron[CAPACITY];
-    uint subblocks[CAPACITY];
-} Compacted;
+// Where sub-block b's centre lies from the brick's.
+INLINE float3 subblock_centre(uint b) {
+    return convert_float3(four_cubed(b)) * 2.0f - 3.0f;
+}
+// An octant's first sub-block, and its n-th.
+INLINE uint first_subblock(uint octant) {
+    return (octant & 1u) * 2 + (octant >> 1 & 1u) * 8 + (octant >> 2) * 32;
+}
+INLINE uint subblock_of(uint octant, uint n) {
+    return first_subblock(octant) + (n & 1u) + (n >> 1 & 1u) * 4 + (n >> 2) * 16;
+}
+
+// How many bits are set below bit n, and how many of all.
+INLINE uint bits_below(__local const uint* words, uint n) {
+    uint count = popcount(words[n / 32] & ((1u << n % 32) - 1));
+    for (uint w = 0; w < n / 32; ++w) count += popcount(words[w]);
+    return count;
+}
+INLINE uint count_bits(__local const uint* words, uint word_count) {
+    uint count = 0;
+    for (uint w = 0; w < word_count; ++w) count += popcount(words[w]);
+    return count;
+}
+
+// A brick's work in local memory.
+typedef struct Work {
+    uint chosen[ROOM];                      // polyhedra
+    uint words[WINDOW_WORDS];               // bits of a window's entries
+    uint caps[SUBBLOCKS];                   // floats as bits, so that atomics know them
+    uint touched[SUBBLOCKS * BATCH_WORDS];  // by sub-block, bits of a batch's polyhedra
+    float3 feet[BATCH];                     // from the foot of the altitude to the brick's centre
+    Offsets offsets[BATCH];                 // at the brick's centre
+    Steps steps[BATCH];
+    Reach reach[BATCH];        // of a sub-block, without slack
+    uint octants[PAIRS / 32];  // bits of a polyhedron and an octant that overlap
+    ushort pairs[PAIRS];       // the same, listed
+} Work;
+
+// What the functions below know of a brick.
+typedef struct Brick {
+    int3 first;  // sample
+    float3 spacing;
+    float cap, slack;
+    float radius;  // of a sub-block, with slack
+} Brick;
+
+// Chooses those of entries [begin, end), a window at most, that overlap brick b; returns how many are chosen now. A
+// window that follows may begin at once.
+static inline uint choose(uint begin, uint end, uint b, __global const ulong* masks, __global const uint* entries,
+                          uint count, __local Work* work) {
+    const uint item = get_local_id(0);
+    if (item < WINDOW_WORDS) work->words[item] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint n = item; n < WINDOW; n += GROUP)
+        if (begin + n < end && (masks[begin + n] >> b & 1u)) atomic_or(work->words + n / 32, 1u << n % 32);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint n = item; n < WINDOW; n += GROUP)
+        if (work->words[n / 32] >> n % 32 & 1u) work->chosen[count + bits_below(work->words, n)] = entries[begin + n];
+    const uint all = count + count_bits(work->words, WINDOW_WORDS);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return all;
+}
+
+// Lowers the sub-blocks' caps by the feet of the chosen polyhedra.
+static inline void lower_caps_by_feet(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
+                                      __local Work* work) {
+    const uint item = get_local_id(0), b = item % SUBBLOCKS;
+    const float3 centre = subblock_centre(b) * brick.spacing;
+    float least = INFINITY;
+    for (uint begin = 0; begin < count; begin += BATCH) {
+        const uint length = min(count - begin, (uint)BATCH);
+        if (item < length)
+            work->feet[item] = from_foot_to(layout, polyhedra + work->chosen[begin + item], brick.first.x,
+                                            brick.first.y, brick.first.z, BRICK_CENTRE);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint n = item / SUBBLOCKS; n < length; n += GROUP / SUBBLOCKS) {
+            const float3 from_foot = work->feet[n] + centre;
+            const float square = dot(from_foot, from_foot);
+            least = LESSER(square, least);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+    atomic_min(work->caps + b, as_uint(sqrt(least) * (1.0f + 1.0e-5f) + brick.radius));
+}
+
+// Prepares `length` chosen polyhedra for tests and distances.
+static inline void load_batch(Brick brick, __local const uint* chosen, uint length,
+                              __global const Polyhedron* polyhedra, __local Work* work) {
+    const uint item = get_local_id(0);
+    const double centre = 0.5 * (CLSDF_BRICK - 1);
+    if (item < length) {
+        __global const Polyhedron* p = polyhedra + chosen[item];
+        work->offsets[item] = offsets_at(p, brick.first.x + centre, brick.first.y + centre, brick.first.z + centre);
+        work->steps[item] = steps_of(p);
+        work->reach[item] = reach_of_cube(p, 0.5f);
+    }
+    for (uint n = item; n < SUBBLOCKS * BATCH_WORDS; n += GROUP) work->touched[n] = 0;
+    for (uint n = item; n < PAIRS / 32; n += GROUP) work->octants[n] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+INLINE Reach scaled(Reach r, float factor) {
+    const Reach product = {factor * r.x,    factor * r.y,         factor * r.z,        factor * r.right,
+                           factor * r.left, factor * r.right_end, factor * r.left_end, factor * r.apex};
+    return product;
+}
+
+// Lists the pairs of a polyhedron of the batch and an octant that overlap; returns how many. A work-item tests one pair
+// at a time.
+static inline uint list_octants(Brick brick, __local const uint* chosen, uint length,
+                                __global const Polyhedron* polyhedra, __local Work* work) {
+    const uint item = get_local_id(0);
+    for (uint pair = item; pair < length * OCTANTS; pair += GROUP) {
+        const uint n = pair / OCTANTS, octant = pair % OCTANTS;
+        __global const Polyhedron* p = polyhedra + chosen[n];
+        const Place place = place_of(work->offsets[n]);
+        const Reach reach = scaled(work->reach[n], 3.0f);
+        const float3 centre = subblock_centre(first_subblock(octant)) + 1.0f;
+        const Centres c = centres_of(p, place, centre.x, centre.y, centre.z);
+        float cap = 0.0f;
+        for (uint b = 0; b < 8; ++b) cap = GREATER(as_float(work->caps[subblock_of(octant, b)]), cap);
+        if (touched_near_blocks(p, place, slopes_of(p, c.z, reach.z, brick.slack), c, widened(reach, brick.slack), cap))
+            atomic_or(work->octants + pair / 32, 1u << pair % 32);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint pair = item; pair < length * OCTANTS; pair += GROUP)
+        if (work->octants[pair / 32] >> pair % 32 & 1u) work->pairs[bits_below(work->octants, pair)] = (ushort)pair;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return count_bits(work->octants, PAIRS / 32);
+}
+
+// Sets the bits of the sub-blocks that the polyhedra overlap. A work-item takes one listed pair at a time.
+static inline void find_subblocks(Brick brick, __local const uint* chosen, uint pairs,
+                                  __global const Polyhedron* polyhedra, __local Work* work) {
+    for (uint listed = get_local_id(0); listed < pairs; listed += GROUP) {
+        const uint n = work->pairs[listed] / OCTANTS, octant = work->pairs[listed] % OCTANTS;
+        __global const Polyhedron* p = polyhedra + chosen[n];
+        const Place place = place_of(work->offsets[n]);
+        const Reach reach = work->reach[n], wide = widened(reach, brick.slack);
+        const float3 first = subblock_centre(first_subblock(octant));
+        const Centres middle = centres_of(p, place, first.x + 1.0f, first.y + 1.0f, first.z + 1.0f);
+        const Slopes slopes = slopes_of(p, middle.z, 3.0f * reach.z, brick.slack);
+        for (uint i = 0; i < 8; ++i) {
+            const uint b = subblock_of(octant, i);
+            const float3 at = subblock_centre(b);
+            if (touched_near_blocks(p, place, slopes, centres_of(p, place, at.x, at.y, at.z), wide,
+                                    as_float(work->caps[b])))
+                atomic_or(work->touched + b * BATCH_WORDS + n / 32, 1u << n % 32);
+        }
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
 
 // A work-item's samples.
 typedef struct Minimum {
@@ -98,44 +297,50 @@ static inline bool is_nearer(float squared, uint polyhedron, float least, uint n
 }
 #endif
 
-static inline void evaluate(uint count, __local const Compacted* compacted, __global const Polyhedron* polyhedra,
-                            double3 centre, __private Minimum* minimum
+// The distances from the work-item's samples to a batch's polyhedra, in the sub-blocks that they overlap.
+static inline void evaluate(Brick brick, __local const uint* chosen, __local const Work* work,
+                            __global const Polyhedron* polyhedra, __private Minimum* minimum
 #ifdef COUNT
                             ,
                             float half_width, float slack, __private uint* counters
 #endif
 ) {
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
-        const uint number = s * GROUP + get_local_id(0);
-        const uint b = number / SUBBLOCK_SAMPLES;
-        const float3 from_centre = convert_float3(sample_of(b, number % SUBBLOCK_SAMPLES)) - 3.5f;
+        const uint number = s * GROUP + get_local_id(0), b = number / SUBBLOCK_SAMPLES;
+        const float3 from_centre = convert_float3(sample_of(b, number % SUBBLOCK_SAMPLES)) - BRICK_CENTRE;
         float least = minimum->squared[s];
 #ifdef NEAREST
         uint nearest = minimum->polyhedron[s];
 #endif
-        for (uint n = 0; n < count; ++n) {
-            if (!((compacted->subblocks[n] >> b) & 1u)) continue;
-            const Offsets o = compacted->offsets[n];
-            __global const Polyhedron* p = polyhedra + compacted->polyhedron[n];
+        for (uint w = 0; w < BATCH_WORDS; ++w)
+            for (uint rest = work->touched[b * BATCH_WORDS + w]; rest; rest &= rest - 1) {
+                const uint n = w * 32 + lowest_bit(rest);
+                const Offsets o = work->offsets[n];
+#if defined(LONG_BRICKS) || defined(NEAREST) || defined(COUNT)
+                __global const Polyhedron* p = polyhedra + chosen[n];
+#endif
 #ifdef LONG_BRICKS
-            const float squared = squared_distance_long_brick(p, frame_at(p, centre.x, centre.y, centre.z),
-                                                              from_centre.x, from_centre.y, from_centre.z);
+                const double centre = 0.5 * (CLSDF_BRICK - 1);
+                const double4 frame =
+                    frame_at(p, brick.first.x + centre, brick.first.y + centre, brick.first.z + centre);
+                const float squared =
+                    squared_distance_long_brick(p, frame, from_centre.x, from_centre.y, from_centre.z);
 #else
-            const float squared = squared_distance(steps_of(p), o, from_centre.x, from_centre.y, from_centre.z);
+                const float squared = squared_distance(work->steps[n], o, from_centre.x, from_centre.y, from_centre.z);
 #endif
 #ifdef NEAREST
-            const bool better = is_nearer(squared, compacted->polyhedron[n], least, nearest, polyhedra);
-            nearest = better ? compacted->polyhedron[n] : nearest;
-            least = better ? squared : least;
+                const bool better = is_nearer(squared, chosen[n], least, nearest, polyhedra);
+                nearest = better ? chosen[n] : nearest;
+                least = better ? squared : least;
 #else
-            least = LESSER(squared, least);
+                least = LESSER(squared, least);
 #endif
 #ifdef COUNT
-            ++counters[CLSDF_COUNT_LANES];
-            counters[CLSDF_COUNT_COVERED] +=
-                covered_samples(p, o, from_centre.x, from_centre.y, from_centre.z, half_width, slack) & 1u;
+                ++counters[CLSDF_COUNT_LANES];
+                counters[CLSDF_COUNT_COVERED] +=
+                    covered_samples(p, o, from_centre.x, from_centre.y, from_centre.z, half_width, slack) & 1u;
 #endif
-        }
+            }
         minimum->squared[s] = least;
 #ifdef NEAREST
         minimum->polyhedron[s] = nearest;
@@ -143,11 +348,90 @@ static inline void evaluate(uint count, __local const Compacted* compacted, __gl
     }
 }
 
+// Lowers the sub-blocks' caps to the distances that were found.
+static inline void lower_caps_by_minima(__private const Minimum* minimum, __local Work* work) {
+    const uint item = get_local_id(0);
+    __local uint* greatest = work->touched;  // which has been evaluated
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < SUBBLOCKS) greatest[item] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s)
+        atomic_max(greatest + (s * GROUP + item) / SUBBLOCK_SAMPLES, as_uint(minimum->squared[s]));
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < SUBBLOCKS) {
+        const float reached = sqrt(as_float(greatest[item])), cap = as_float(work->caps[item]);
+        work->caps[item] = as_uint(LESSER(reached, cap));
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// Takes all chosen polyhedra into the minima.
+static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
+                                   __local Work* work, __private Minimum* minimum
+#ifdef COUNT
+                                   ,
+                                   __private uint* counters
+#endif
+) {
+    lower_caps_by_feet(layout, brick, count, polyhedra, work);
+    for (uint begin = 0; begin < count; begin += BATCH) {
+        if (begin > 0) lower_caps_by_minima(minimum, work);
+        const uint length = min(count - begin, (uint)BATCH);
+        load_batch(brick, work->chosen + begin, length, polyhedra, work);
+        const uint pairs = list_octants(brick, work->chosen + begin, length, polyhedra, work);
+        find_subblocks(brick, work->chosen + begin, pairs, polyhedra, work);
+        evaluate(brick, work->chosen + begin, work, polyhedra, minimum
+#ifdef COUNT
+                 ,
+                 layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
+#endif
+        );
+    }
+}
+
+// Writes the work-item's samples. relative_brick: the brick's place in the part.
+static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, __global const uint* sign_bits,
+                                 __private const Minimum* minimum, __global float* distance
+#ifdef NEAREST
+                                 ,
+                                 __private const Finishing* finishing
+#endif
+#ifdef COUNT
+                                 ,
+                                 __private uint* counters
+#endif
+) {
+    const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size), bricks = vload3(0, layout.bricks);
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        const uint sample = s * GROUP + get_local_id(0);
+        const int3 in_brick = sample_of(sample / SUBBLOCK_SAMPLES, sample % SUBBLOCK_SAMPLES);
+        const int3 to = brick.first + in_brick - part_first;
+        if (any(to < 0) || any(to >= size)) continue;
+        const size_t bit_row = (size_t)(relative_brick.z * CLSDF_BRICK + in_brick.z) * (bricks.y * CLSDF_BRICK) +
+                               (relative_brick.y * CLSDF_BRICK + in_brick.y);
+        const uint bit = relative_brick.x * CLSDF_BRICK + in_brick.x;
+        const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
+        const size_t offset = ((size_t)to.z * size.y + to.y) * size.x + to.x;
+        bool in_band;
+        distance[offset] = signed_distance(layout, negative, minimum->squared[s], &in_band);
+#ifdef NEAREST
+        if (in_band && minimum->polyhedron[s] != CLSDF_NO_POLYHEDRON)
+            finish_sample(finishing, to + part_first, minimum->polyhedron[s], negative, offset);
+        else
+            leave_sample(finishing, offset);
+#endif
+#ifdef COUNT
+        counters[CLSDF_COUNT_BAND] += in_band;
+#endif
+    }
+}
+
 // Global size: 64 groups for each coarse brick order[begin, ...) of the launch.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group(
-    Layout layout, uint begin, __global const uint* order, __global const uint* starts, uint parts,
-    __global const uint* entries, __global const float* coarse_caps, __global const Polyhedron* polyhedra,
-    __global const uint* sign_bits, __global uchar* computed, __global float* distance
+    Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
+    __global const uint* restrict entries, __global const float* restrict brick_caps,
+    __global const ulong* restrict masks, __global const Polyhedron* restrict polyhedra,
+    __global const uint* restrict sign_bits, __global uchar* restrict computed, __global float* restrict distance
 #ifdef NEAREST
     ,
     FINISHING_PARAMETERS
@@ -157,38 +441,21 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     __global ulong* all_counters  // a set for each group, numbered over all launches
 #endif
 ) {
-    __local Compacted compacted;
-    __local uint sums[2 * GROUP];
-    __local float least_values[GROUP];
-    const uint item = get_local_id(0);
-    const uint number = order[begin + get_group_id(0) / 64], b = get_group_id(0) % 64;
-    const int3 first_coarse = vload3(0, layout.coarse_first), coarse_bricks = vload3(0, layout.coarse_bricks);
+    __local Work work;
+    const uint item = get_local_id(0), turn = begin + get_group_id(0) / BRICKS, b = get_group_id(0) % BRICKS;
+    const uint number = order[turn], list_end = starts[(number + 1) * parts];
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
-    const int3 coarse = first_coarse + (int3)(number % coarse_bricks.x, number / coarse_bricks.x % coarse_bricks.y,
-                                              number / (coarse_bricks.x * coarse_bricks.y));
-    const int3 brick = coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
-    const int3 relative_brick = brick - brick_first;
+    const int3 at = coarse_brick_at(layout, number) * CLSDF_BRICKS_PER_COARSE + four_cubed(b);
+    const int3 relative_brick = at - brick_first;
     if (any(relative_brick < 0) || any(relative_brick >= bricks)) return;
 
-    const uint list_begin = starts[number * parts], list_end = starts[(number + 1) * parts];
-    const int3 first = brick * CLSDF_BRICK;
-    const double centre = 0.5 * (CLSDF_BRICK - 1);
-    const double x = first.x + centre, y = first.y + centre, z = first.z + centre;
-
-    // The nearest of the surface points that the brick knows: the feet of the altitudes.
-    float least_square = INFINITY;
-    for (uint e = list_begin + item; e < list_end; e += GROUP) {
-        const float3 from_foot =
-            from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
-        const float square = dot(from_foot, from_foot);
-        least_square = LESSER(square, least_square);
-    }
-    const float bound =
-        sqrt(group_least(least_square, least_values)) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
-    const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
-    const float cap = LESSER(bound, coarse_cap);
-    const float slack = cap * layout.slack_rate + layout.brick_slack;
-
+    Brick brick;
+    brick.first = at * CLSDF_BRICK;
+    brick.spacing = vload3(0, layout.spacing);
+    brick.cap = brick_caps[turn * BRICKS + b];
+    brick.slack = brick.cap * layout.slack_rate + layout.brick_slack;
+    brick.radius = 0.5f * sqrt(dot(brick.spacing, brick.spacing)) * (1.0f + 1.0e-5f) + layout.brick_slack;
+    if (item < SUBBLOCKS) work.caps[item] = as_uint(brick.cap);
     Minimum minimum;
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         minimum.squared[s] = INFINITY;
@@ -202,66 +469,31 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     if (item < CLSDF_COUNTERS) group_counters[item] = 0;
 #endif
     uint count = 0;
-    for (uint e = list_begin; e < list_end; e += GROUP) {
-        uint subblocks = 0;
-        uint polyhedron = 0;
-        if (e + item < list_end) {
-            polyhedron = entries[e + item];
-            __global const Polyhedron* p = polyhedra + polyhedron;
-            const Place place = place_at(p, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
-            const Reach reach = reach_of_cube(p, 0.5f * (CLSDF_BRICK - 1));
-            if (touched_blocks(p, place, centres_of(p, place, 0.0f, 0.0f, 0.0f), widened(reach, slack), cap))
-                subblocks = touched_subblocks(p, place, slopes_of(p, place.z, reach.z, slack), cap, slack);
-        }
-        uint total;
-        const uint slot = count + group_scan(subblocks != 0, sums, &total);
-        if (subblocks != 0) {
-            compacted.offsets[slot] = offsets_at(polyhedra + polyhedron, x, y, z);
-            compacted.polyhedron[slot] = polyhedron;
-            compacted.subblocks[slot] = subblocks;
-        }
-        count += total;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (count + GROUP > CAPACITY || e + GROUP >= list_end) {
+    for (uint e = starts[number * parts]; e < list_end; e += WINDOW) {
+        count = choose(e, list_end, b, masks, entries, count, &work);
+        if (count == 0 || (count + WINDOW <= ROOM && e + WINDOW < list_end)) continue;
 #ifdef COUNT
-            if (item == 0) counters[CLSDF_COUNT_BRICK_PAIRS] += count;
+        counters[CLSDF_COUNT_BRICK_PAIRS] += item == 0 ? count : 0;
+        evaluate_chosen(layout, brick, count, polyhedra, &work, &minimum, counters);
+#else
+        evaluate_chosen(layout, brick, count, polyhedra, &work, &minimum);
 #endif
-            evaluate(count, &compacted, polyhedra, (double3)(x, y, z), &minimum
-#ifdef COUNT
-                     ,
-                     layout.half_width, layout.half_width * layout.slack_rate + layout.brick_slack, counters
-#endif
-            );
-            count = 0;  // the next scan's barriers come before what is compacted next
-        }
+        count = 0;
     }
 
 #ifdef NEAREST
     SET_FINISHING(finishing)
 #endif
-    const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size);
-    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
-        const uint sample = s * GROUP + item;
-        const int3 in_brick = sample_of(sample / SUBBLOCK_SAMPLES, sample % SUBBLOCK_SAMPLES);
-        const int3 at = brick * CLSDF_BRICK + in_brick - part_first;
-        if (any(at < 0) || any(at >= size)) continue;
-        const size_t bit_row = (size_t)(relative_brick.z * CLSDF_BRICK + in_brick.z) * (bricks.y * CLSDF_BRICK) +
-                               (relative_brick.y * CLSDF_BRICK + in_brick.y);
-        const uint bit = relative_brick.x * CLSDF_BRICK + in_brick.x;
-        const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
-        const size_t offset = ((size_t)at.z * size.y + at.y) * size.x + at.x;
-        bool in_band;
-        distance[offset] = signed_distance(layout, negative, minimum.squared[s], &in_band);
+    write_samples(layout, brick, relative_brick, sign_bits, &minimum, distance
 #ifdef NEAREST
-        if (in_band && minimum.polyhedron[s] != CLSDF_NO_POLYHEDRON)
-            finish_sample(&finishing, at + part_first, minimum.polyhedron[s], negative, offset);
-        else
-            leave_sample(&finishing, offset);
+                  ,
+                  &finishing
 #endif
 #ifdef COUNT
-        counters[CLSDF_COUNT_BAND] += in_band;
+                  ,
+                  counters
 #endif
-    }
+    );
     if (item == 0) computed[((size_t)relative_brick.z * bricks.y + relative_brick.y) * bricks.x + relative_brick.x] = 1;
 #ifdef COUNT
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);

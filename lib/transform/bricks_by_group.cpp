@@ -17,20 +17,28 @@ public:
                       variant.count ? inputs.lists.order.size() * groups_per_coarse_brick : 0),
           finishing_(inputs.finishing),
           group_size_(programs.group_size),
-          kernel_(programs.bricks(context, variant), "bricks_by_group") {
+          program_(programs.bricks(context, variant)),
+          caps_(
+              pool->lease(inputs.lists.order.size() * groups_per_coarse_brick * sizeof(float), "bounds of the bricks")),
+          masks_(pool->lease(inputs.lists.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
+          kernel_(program_, "bricks_by_group") {
         const CoarseLists& lists = inputs.lists;
         kernel_.setArg(arg_layout, inputs.layout);
         kernel_.setArg(arg_order, order_);
         kernel_.setArg(arg_starts, *lists.starts);
         kernel_.setArg(arg_parts, static_cast<cl_uint>(lists.parts));
         kernel_.setArg(arg_entries, *lists.entries);
-        kernel_.setArg(arg_caps, *lists.caps);
+        kernel_.setArg(arg_caps, *caps_);
+        kernel_.setArg(arg_masks, *masks_);
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
         kernel_.setArg(arg_computed, inputs.computed);
         if (variant.count)
             kernel_.setArg(variant.nearest ? arg_optional + Finishing::argument_count : arg_optional, *counters_);
+        enqueue_masks(context.queue(), inputs);
     }
+
+    std::size_t device_bytes() const override { return BrickKernel::device_bytes() + caps_.bytes() + masks_.bytes(); }
 
     void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
         kernel_.setArg(arg_distance, outputs.distance);
@@ -48,6 +56,37 @@ public:
     }
 
 private:
+    /// What the bricks read, once for all computations.
+    void enqueue_masks(const cl::CommandQueue& queue, const BrickInputs& inputs) const {
+        cl::Kernel kernel(program_, "brick_masks");
+        kernel.setArg(masks_layout, inputs.layout);
+        kernel.setArg(masks_order, order_);
+        kernel.setArg(masks_starts, *inputs.lists.starts);
+        kernel.setArg(masks_parts, static_cast<cl_uint>(inputs.lists.parts));
+        kernel.setArg(masks_entries, *inputs.lists.entries);
+        kernel.setArg(masks_coarse_caps, *inputs.lists.caps);
+        kernel.setArg(masks_polyhedra, *inputs.mesh.polyhedra);
+        kernel.setArg(masks_caps, *caps_);
+        kernel.setArg(masks_masks, *masks_);
+        for (const Launch& launch : launches_) {
+            kernel.setArg(masks_begin, launch.begin);
+            queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange((launch.end - launch.begin) * group_size_),
+                                       cl::NDRange(group_size_));
+        }
+    }
+
+    enum MasksArgument : cl_uint {
+        masks_layout,
+        masks_begin,
+        masks_order,
+        masks_starts,
+        masks_parts,
+        masks_entries,
+        masks_coarse_caps,
+        masks_polyhedra,
+        masks_caps,
+        masks_masks
+    };
     enum Argument : cl_uint {
         arg_layout,
         arg_begin,
@@ -56,6 +95,7 @@ private:
         arg_parts,
         arg_entries,
         arg_caps,
+        arg_masks,
         arg_polyhedra,
         arg_sign_bits,
         arg_computed,
@@ -65,6 +105,9 @@ private:
 
     const Finishing* finishing_;
     std::size_t group_size_;
+    cl::Program program_;
+    device::BufferPool::Lease caps_;   ///< float a brick of the coarse bricks in their order
+    device::BufferPool::Lease masks_;  ///< of each entry, the bricks that the polyhedron touches
     cl::Kernel kernel_;
 };
 
