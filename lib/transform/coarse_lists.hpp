@@ -27,6 +27,22 @@ struct CoarseLists {
     std::vector<cl_uint> lengths;
 };
 
+/// What the lists are made with, for either body. What it refers to must outlive it.
+struct ListJob {
+    device::Context& context;
+    const Programs& programs;
+    const std::shared_ptr<device::BufferPool>& pool;
+    const Layout& layout;
+    const PreparedMesh& records;
+    const ShortLaunches& launches;
+
+    const cl::CommandQueue& queue() const { return context.queue(); }
+};
+
+/// The lists of the group body, whose bounds are known. Returns where each brick's list begins, and behind the last one
+/// the end of all. `seconds`: of a core, for a polyhedron.
+std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, CoarseLists& lists);
+
 /// Whether all coarse bricks are bounded by the half width alone: in a narrow band hardly any bound of their own is
 /// below it.
 bool has_uniform_caps(const Layout& layout);

@@ -46,7 +46,9 @@ struct ProgramSources {
     ProgramSource scan_source() const {
         return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
     }
-    ProgramSource coarse_lists_source() const { return {"coarse_lists.cl", common_options(lanes)}; }
+    ProgramSource coarse_lists_source() const {
+        return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
+    }
     ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(lanes)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;

@@ -5,6 +5,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_group.cpp
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/coarse_lists_by_group.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
           ${CMAKE_CURRENT_LIST_DIR}/finishing.cpp
           ${CMAKE_CURRENT_LIST_DIR}/known_field.cpp

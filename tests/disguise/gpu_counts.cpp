@@ -25,7 +25,7 @@ constexpr double megabyte = 1e6;
 
 /// The numbers of a call, in the order in which they are shown.
 std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Counts& counts) {
-    const auto list_kernel = counts.kernels.find("coarse_count");
+    const auto list_kernel = counts.kernels.find("coarse_pairs");
     return {{"bytes_up", counts.bytes_up},
             {"bytes_down", counts.bytes_down},
             {"transfers_up", counts.transfers_up},
