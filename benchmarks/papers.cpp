@@ -39,8 +39,7 @@ class Scanned final : public PapersMethod {
 public:
     Scanned(Device device, std::string name, Polyhedra polyhedra, Scan scan)
         : device_(std::move(device)), name_(std::move(name)) {
-        options_.polyhedra = polyhedra;
-        options_.scan = scan;
+        options_.method = papers_method({.polyhedra = polyhedra, .scan = scan});
     }
 
     std::string name() const override { return name_; }

@@ -2,6 +2,8 @@
 
 #include "benchmarks/method.hpp"
 
+#include <clsdf/papers.hpp>
+
 #include <memory>
 #include <string>
 #include <vector>

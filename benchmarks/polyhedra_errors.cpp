@@ -3,6 +3,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/papers.hpp>
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
@@ -101,7 +102,9 @@ int main(int argc, char** argv) {
                 const clsdf::Grid grid = clsdf::Grid::around(mesh, resolution, band);
                 const auto field_by = [&](Polyhedra polyhedra, Scan scan, bool close_gaps = true) {
                     clsdf::DistanceTransform transform(
-                        device, mesh, {.polyhedra = polyhedra, .scan = scan, .close_gaps = close_gaps});
+                        device, mesh,
+                        {.method =
+                             clsdf::papers_method({.polyhedra = polyhedra, .scan = scan, .close_gaps = close_gaps})});
                     return transform(grid, band, {.triangle = true});
                 };
                 const Field bricks = field_by(Polyhedra::leaned, Scan::bricks);

@@ -1,5 +1,5 @@
 # clsdf_embed_kernels(<target> <file>...): the kernels' sources become strings of the library, so that nothing is looked
-# for at run time: clsdf::kernels::files in "kernel_sources.hpp", a table of file names and texts.
+# for at run time: clsdf::kernels::files in its "kernel_sources.hpp", a table of file names and texts.
 set(CLSDF_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels_script.cmake)
 
 function(clsdf_embed_kernels target)

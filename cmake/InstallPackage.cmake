@@ -1,5 +1,5 @@
 # The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, io,
-# picture, reference), and so is the command; headers, package files and what else a compiler needs are in development.
+# papers, picture, reference), and so is the command; headers, package files and what else a compiler needs are in development.
 include(CMakePackageConfigHelpers)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/clsdf)
@@ -72,6 +72,10 @@ if(CLSDF_BUILD_IO)
   endif()
   clsdf_install_library(clsdf_io io "Files of meshes and fields, for clsdf" "tbb fmt expat" "${libraries}")
 endif()
+if(CLSDF_BUILD_PAPERS)
+  list(APPEND CLSDF_COMPONENTS papers)
+  clsdf_install_library(clsdf_papers papers "The published methods that clsdf is compared with" "OpenCL tbb fmt mpfr gmp" "")
+endif()
 if(CLSDF_BUILD_PICTURE)
   list(APPEND CLSDF_COMPONENTS picture)
   clsdf_install_library(clsdf_picture picture "Pictures of clsdf's fields" "OpenCL tbb fmt cairo" "")
@@ -98,7 +102,7 @@ install(
   COMPONENT development)
 
 # The licence goes with every component.
-foreach(component core io picture reference command development)
+foreach(component core io papers picture reference command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)

@@ -19,8 +19,8 @@ function(clsdf_library target)
   endif()
 endfunction()
 
-# clsdf_internals(<target>): <target>_internals, for tests of what is inside a library and for the libraries beside it. Whoever
-# links it sees the library's own headers. A static library has all the code; a shared one hides it, so here it is once more,
+# clsdf_internals(<target> [<folder>...]): <target>_internals, for tests of what is inside a library and for the libraries beside it. Whoever
+# links it sees the library's own headers, those in the folders included. A static library has all the code; a shared one hides it, so here it is once more,
 # in a static library that is not installed. Link the library itself first, so that what it shows is taken from it.
 function(clsdf_internals target)
   set(internals ${target}_internals)
@@ -43,6 +43,6 @@ function(clsdf_internals target)
     target_compile_definitions(${internals} PRIVATE CLSDF_STATIC_BUILD)
     set(scope PUBLIC)
   endif()
-  target_include_directories(${internals} ${scope} ${PROJECT_SOURCE_DIR}/lib ${PROJECT_SOURCE_DIR}/kernels
+  target_include_directories(${internals} ${scope} ${PROJECT_SOURCE_DIR}/lib ${PROJECT_SOURCE_DIR}/kernels ${ARGN}
                                                    $<TARGET_PROPERTY:clsdf,CLSDF_KERNEL_SOURCES>)
 endfunction()

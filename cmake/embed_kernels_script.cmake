@@ -20,16 +20,12 @@ file(WRITE "${OUTPUT}" "#pragma once
 // Made from kernels/ by the build. No warnings: the standard promises literals of 65,536 characters only.
 #pragma GCC system_header
 
-#include <string_view>
+#include \"device/kernel_text.hpp\"
 
 namespace clsdf::kernels {
 
-struct File {
-    std::string_view name;
-    std::string_view text;
-};
-
-inline constexpr File files[] = {
+// Of this library: others have files of their own.
+constexpr device::KernelFile files[] = {
 ${table}};
 
 }  // namespace clsdf::kernels

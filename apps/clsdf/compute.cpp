@@ -69,8 +69,7 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     const clsdf::Device device = named ? *named : clsdf::Device::preferred();
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
-    transform_options.polyhedra = request.polyhedra;
-    transform_options.scan = request.scan;
+    transform_options.method = clsdf::papers_method({.polyhedra = request.polyhedra, .scan = request.scan});
     transform_options.log = [&](const std::string& message) {
         if (message == layout.sign_warning) return;  // has been said
         progress.clear();

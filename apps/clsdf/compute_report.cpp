@@ -244,13 +244,9 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"box_polyhedra", statistics.box_polyhedra},
         {"saddle_vertices", statistics.saddle_vertices},
         {"point_sites", statistics.point_sites},
-        {"closed_gaps", statistics.closed_gaps},
         {"coarse_pairs", statistics.coarse_pairs},
         {"coarse_bricks", statistics.coarse_bricks},
         {"brick_pairs", statistics.brick_pairs},
-        {"active_pieces", statistics.active_pieces},
-        {"slice_intersections", statistics.slice_intersections},
-        {"empty_intersections", statistics.empty_intersections},
         {"samples_covered", statistics.samples_covered},
         {"lanes_evaluated", statistics.lanes_evaluated},
         {"slabs", statistics.slabs},
@@ -259,6 +255,10 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
         {"samples_covered_per_band_sample", ratio(statistics.samples_covered, computation.band_samples)},
         {"lanes_evaluated_per_band_sample", ratio(statistics.lanes_evaluated, computation.band_samples)},
         {"box_polyhedra_per_triangle", ratio(statistics.box_polyhedra, statistics.triangles)}};
+    for (const char* name : {"closed_gaps", "active_pieces", "slice_intersections", "empty_intersections"}) {
+        const auto count = statistics.method_counts.find(name);
+        result["statistics"][name] = count != statistics.method_counts.end() ? count->second.value : 0;
+    }
     result["output"] = computation.output;
     return result;
 }

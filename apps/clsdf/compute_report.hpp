@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clsdf/clsdf.hpp>
+#include <clsdf/papers.hpp>
 
 #include <nlohmann/json.hpp>
 

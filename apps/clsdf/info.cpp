@@ -3,6 +3,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/papers.hpp>
 #include <clsdf/reference.hpp>
 
 #include <algorithm>

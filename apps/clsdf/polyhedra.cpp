@@ -4,6 +4,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/papers.hpp>
 
 #include <fmt/format.h>
 

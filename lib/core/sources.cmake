@@ -3,7 +3,6 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/atomic_file.cpp
           ${CMAKE_CURRENT_LIST_DIR}/grid.cpp
           ${CMAKE_CURRENT_LIST_DIR}/large_memory.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/method.cpp
           ${CMAKE_CURRENT_LIST_DIR}/parallel_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/quoted.cpp
           ${CMAKE_CURRENT_LIST_DIR}/unfinished_files.cpp

@@ -158,15 +158,30 @@ BuildRecords Context::records() const {
     return records_;
 }
 
-cl::Program Context::program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch) {
+bool Context::is_tested(const std::string& test_case) const {
+    const std::scoped_lock lock(tested_mutex_);
+    return tested_.contains(test_case);
+}
+void Context::set_tested(const std::string& test_case) {
+    const std::scoped_lock lock(tested_mutex_);
+    tested_.insert(test_case);
+}
+void Context::forget_tests() {
+    const std::scoped_lock lock(tested_mutex_);
+    tested_.clear();
+}
+
+cl::Program Context::program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
+                             KernelFiles beside) {
     const std::scoped_lock lock(programs_mutex_);
     const std::string name = fmt::format("{} {}", kernel_file, options);
     if (const auto found = programs_.find(name); found != programs_.end()) return found->second.program;
-    return programs_.emplace(name, build(kernel_file, options, watch)).first->second.program;
+    return programs_.emplace(name, build(kernel_file, options, watch, beside)).first->second.program;
 }
 
-Context::Built Context::build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch) const {
-    std::string source = kernel_text(kernel_file);
+Context::Built Context::build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
+                              KernelFiles beside) const {
+    std::string source = kernel_text(kernel_file, beside);
     if (text_edit_) text_edit_(kernel_file, source);
     const std::string key = fmt::format("{} {} {:016x}", kernel_file, options, hash_of(source));
     const std::string name = fmt::format("{} with the options \"{}\"", kernel_file, options);

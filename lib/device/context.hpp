@@ -1,10 +1,10 @@
 #pragma once
 
 #include "device/build_records.hpp"
+#include "device/kernel_text.hpp"
 #include "device/opencl.hpp"
 #include "device/program_cache.hpp"
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <functional>
@@ -42,10 +42,11 @@ public:
     };
     const Capabilities& capabilities() const { return capabilities_; }
 
-    /// Builds one of the library's kernel files, once per options, or takes it from the cache. Of several processes
-    /// that build the same, one does while the others wait. Throws Error(device_failure) with the build log, or if
-    /// earlier builds ended their processes.
-    cl::Program program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch = {});
+    /// Builds an embedded kernel file, of the core or of `beside`, once per options, or takes it from the cache. Of
+    /// several processes that build the same, one does while the others wait. Throws Error(device_failure) with the
+    /// build log, or if earlier builds ended their processes.
+    cl::Program program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch = {},
+                        KernelFiles beside = {});
 
     /// All that the code of a program depends on beside the device, in a line: file, options, a hash of the text, and
     /// whether it was built from source or from a stored binary.
@@ -54,13 +55,10 @@ public:
     /// Platform, device and driver with their versions, a line each, the last one ended.
     const std::string& identity() const { return identity_; }
 
-    /// Which cases of the self-test (transform/self_test.hpp) this process need not run any more.
-    static constexpr std::size_t test_cases = 512;
-    bool is_tested(std::size_t test_case) const { return tested_[test_case].load(std::memory_order_acquire); }
-    void set_tested(std::size_t test_case) { tested_[test_case].store(true, std::memory_order_release); }
-    void forget_tests() {
-        for (std::atomic<bool>& tested : tested_) tested.store(false, std::memory_order_release);
-    }
+    /// Which cases of the self-test (transform/self_test.hpp), by name, this process need not run any more.
+    bool is_tested(const std::string& test_case) const;
+    void set_tested(const std::string& test_case);
+    void forget_tests();
     /// Held while a case is tested: other threads wait.
     std::mutex& test_mutex() const { return test_mutex_; }
 
@@ -92,7 +90,8 @@ private:
         std::string key;
     };
 
-    Built build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch) const;
+    Built build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
+                KernelFiles beside) const;
     cl::Program compile(std::string_view kernel_file, const std::string& source, const std::string& options) const;
 
     cl::Context context_;
@@ -108,7 +107,8 @@ private:
     std::string identity_;
     TextEdit text_edit_;
     mutable std::mutex test_mutex_;
-    std::array<std::atomic<bool>, test_cases> tested_{};
+    mutable std::mutex tested_mutex_;
+    std::set<std::string> tested_;
     mutable std::atomic<bool> lost_ = false;
 };
 

@@ -13,10 +13,17 @@ namespace clsdf::device {
 
 namespace {
 
-void append_file(std::string_view file_name, std::set<std::string_view>& included, std::string& text) {
-    const auto* file = std::find_if(std::begin(kernels::files), std::end(kernels::files),
-                                    [&](const kernels::File& candidate) { return candidate.name == file_name; });
-    if (file == std::end(kernels::files))
+const KernelFile* find_file(std::string_view name, KernelFiles files) {
+    const auto found =
+        std::find_if(files.begin(), files.end(), [&](const KernelFile& candidate) { return candidate.name == name; });
+    return found != files.end() ? &*found : nullptr;
+}
+
+void append_file(std::string_view file_name, KernelFiles beside, std::set<std::string_view>& included,
+                 std::string& text) {
+    const KernelFile* file = find_file(file_name, beside);
+    if (file == nullptr) file = find_file(file_name, kernels::files);
+    if (file == nullptr)
         throw Error(ErrorCode::device_failure, fmt::format("the kernel file {} is not part of this build", file_name));
     if (!included.insert(file->name).second) return;
     constexpr std::string_view directive = "#include \"";
@@ -26,7 +33,7 @@ void append_file(std::string_view file_name, std::set<std::string_view>& include
         rest.remove_prefix(end + 1);
         if (line.starts_with(directive)) {
             const std::string_view named = line.substr(directive.size());
-            append_file(named.substr(0, named.find('"')), included, text);
+            append_file(named.substr(0, named.find('"')), beside, included, text);
         } else {
             text += line;
         }
@@ -35,10 +42,10 @@ void append_file(std::string_view file_name, std::set<std::string_view>& include
 
 }  // namespace
 
-std::string kernel_text(std::string_view file_name) {
+std::string kernel_text(std::string_view file_name, KernelFiles beside) {
     std::set<std::string_view> included;
     std::string text;
-    append_file(file_name, included, text);
+    append_file(file_name, beside, included, text);
     return text;
 }
 

@@ -6,6 +6,7 @@
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
 #include "transform/coarse_lists.hpp"
+#include "transform/field_method.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/output_targets.hpp"
 #include "transform/plan_state.hpp"
@@ -14,7 +15,6 @@
 #include "transform/self_test.hpp"
 #include "transform/slab_pipeline.hpp"
 #include "transform/slabs.hpp"
-#include "transform/slice_scan.hpp"
 #include "transform/stages.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +26,6 @@
 #include <list>
 #include <mutex>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 namespace clsdf {
@@ -39,14 +38,10 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.box_polyhedra = slab.box_polyhedra;
     total.saddle_vertices = slab.saddle_vertices;
     total.point_sites = slab.point_sites;
-    total.closed_gaps = slab.closed_gaps;
     total.coarse_pairs += slab.coarse_pairs;
     total.coarse_bricks += slab.coarse_bricks;
     ++total.slabs;
     total.brick_pairs += slab.brick_pairs;
-    total.active_pieces += slab.active_pieces;
-    total.slice_intersections += slab.slice_intersections;
-    total.empty_intersections += slab.empty_intersections;
     total.lanes_evaluated += slab.lanes_evaluated;
     total.samples_covered += slab.samples_covered;
     total.band_samples += slab.band_samples;
@@ -55,6 +50,10 @@ void add(TransformStatistics& total, const TransformStatistics& slab) {
     total.field_seconds += slab.field_seconds;
     total.bricks_seconds += slab.bricks_seconds;
     total.fill_seconds += slab.fill_seconds;
+    for (const auto& [name, count] : slab.method_counts) {
+        MethodCount& sum = total.method_counts[name];
+        sum = {count.of_mesh ? count.value : sum.value + count.value, count.of_mesh};
+    }
 }
 
 /// Of several calls, one after the other.
@@ -142,7 +141,6 @@ struct DistanceTransform::State {
     TransformOptions options;
     Topology topology;
     SignRule sign = SignRule::none;
-    Scan scan = Scan::bricks;
     std::size_t vertex_count = 0;       // of the caller's mesh
     std::vector<std::uint32_t> welded;  // of each of them its index here, or no_vertex; empty if they are the same
     transform::Programs programs;
@@ -161,7 +159,6 @@ struct DistanceTransform::State {
         : device(std::move(device_in)),
           options(std::move(options_in)),
           topology(describe_topology(mesh)),
-          scan(resolve_scan(options.polyhedra, options.scan)),
           vertex_count(mesh.vertices().size()),
           programs(build_programs(call)),
           pool(std::make_shared<device::BufferPool>(device.shared())) {
@@ -176,7 +173,7 @@ struct DistanceTransform::State {
         const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
         sign = resolved.rule;
         if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
-        stages = std::make_unique<transform::Stages>(device.internal(), pool, std::move(mesh), options, scan);
+        stages = std::make_unique<transform::Stages>(device.internal(), pool, std::move(mesh), options.method);
     }
 
     State(const State&) = delete;
@@ -191,7 +188,7 @@ struct DistanceTransform::State {
         throw_if_stopped(call);
         const Stopwatch watch;
         transform::TestCase any;
-        any.scan = scan;
+        any.method = options.method;
         Compiling compiling(call, options.log);
         transform::Programs result = device::guarded([&] {
             return transform::Programs(device.internal(), options.body, compiling.watch(transform::step_count(any)));
@@ -278,31 +275,17 @@ struct DistanceTransform::State {
 
     transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
         transform::Inputs inputs = stages->inputs(grid, transform::layout_of(grid, band, sign), sign);
-        if (outputs == Outputs{} || scan == Scan::slices) return inputs;
+        if (outputs == Outputs{} || options.method) return inputs;
         inputs.sites = stages->sites(outputs.gradient);
         inputs.is_inside_out = topology.balanced && inputs.sites->encloses_negative_volume;
         return inputs;
     }
 
-    /// Throws Error(unsupported) for outputs that the scan does not know.
-    void check_outputs(const Outputs& outputs) const {
-        if (scan != Scan::slices) return;
-        visit_extras(
-            [](const char* name, bool wanted) {
-                if (wanted && std::string_view(name) != "triangle")
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("the scan by slices does not know the output {}; use the scan by bricks, "
-                                            "or do without",
-                                            name));
-            },
-            outputs);
-    }
-
     std::unique_ptr<Plan::State> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
                                            const Outputs& outputs, const CallOptions& call, Compiling& compiling) {
-        auto plan = std::make_unique<Plan::State>(device, pool, programs, std::move(inputs), grid, band, sign, outputs,
-                                                  PlanOptions{call.count, options.slice_minimum},
-                                                  [&call] { throw_if_stopped(call); });
+        auto plan =
+            std::make_unique<Plan::State>(device, pool, programs, std::move(inputs), grid, band, sign, outputs,
+                                          PlanOptions{call.count, options.method}, [&call] { throw_if_stopped(call); });
         // Only the sweep sees whether triangles are large.
         if (plan->has_large_triangles) {
             transform::TestCase large = test_case_of(grid, band, outputs, call.count);
@@ -327,7 +310,7 @@ struct DistanceTransform::State {
 
     /// Keeps a plan for the next call, and what it and others are made of, within the budget.
     void keep(std::unique_ptr<Plan::State> plan, bool count) {
-        if (scan == Scan::bricks) plans.push_front({count, std::move(plan)});
+        if (!options.method) plans.push_front({count, std::move(plan)});
         plan.reset();
         if (plans.size() > most_plans) plans.pop_back();
         const std::size_t budget =
@@ -398,20 +381,18 @@ transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, con
     const Layout layout = transform::layout_of(grid, band, sign);
     transform::TestCase test_case;
     test_case.body = programs.body;
-    test_case.scan = scan;
-    test_case.variant.brick = {outputs != Outputs{}, count, transform::has_long_bricks(grid)};
+    test_case.variant = {outputs != Outputs{}, count, transform::has_long_bricks(grid)};
     test_case.is_signed = sign != SignRule::none;
-    if (scan == Scan::slices)
-        test_case.variant.key_64 = device::guarded([&] {
-            return transform::takes_64_bits(device.internal(), layout, outputs.triangle, options.slice_minimum);
-        });
+    if (options.method)
+        test_case.method =
+            device::guarded([&] { return options.method->tested_as(device.internal(), layout, test_case.variant); });
     else
         test_case.is_wide = !transform::has_uniform_caps(layout);
     return test_case;
 }
 
 bool DistanceTransform::State::test(const transform::TestCase& test_case, Compiling& compiling) const {
-    if (device.internal().is_tested(test_case.index())) return false;
+    if (device.internal().is_tested(test_case.name())) return false;
     const Stopwatch watch;
     const bool is_tested_here =
         transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
@@ -422,12 +403,12 @@ bool DistanceTransform::State::test(const transform::TestCase& test_case, Compil
 
 bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
                                        Compiling& compiling) const {
-    check_outputs(outputs);
+    if (options.method) options.method->check_outputs(outputs);
     transform::TestCase test_case = test_case_of(grid, band, outputs, count);
     transform::TestCase large = test_case;
     large.is_large = true;
     // It runs all that the other one runs.
-    if (device.internal().is_tested(large.index())) return false;
+    if (device.internal().is_tested(large.name())) return false;
     return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
 }
 

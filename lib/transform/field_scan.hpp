@@ -7,7 +7,7 @@
 
 namespace clsdf::transform {
 
-/// Computes every sample of a plan's part, in launches of bounded length: by bricks, or slice by slice.
+/// Computes every sample of a plan's part, in launches of bounded length: by bricks, or as another method does.
 class FieldScan {
 public:
     virtual ~FieldScan() = default;

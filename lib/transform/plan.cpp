@@ -5,11 +5,11 @@
 #include "core/stopwatch.hpp"
 #include "device/has_ended.hpp"
 #include "transform/brick_scan.hpp"
+#include "transform/field_method.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/output_targets.hpp"
 #include "transform/programs.hpp"
 #include "transform/sign_sweep.hpp"
-#include "transform/slice_scan.hpp"
 
 #include <fmt/format.h>
 
@@ -48,9 +48,8 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
         const transform::BrickVariant variant{outputs != Outputs{}, options.count, transform::has_long_bricks(grid)};
-        scan_ = records.pieces
-                    ? transform::make_slice_scan(context, programs, pool, layout, records, sign_bits, variant,
-                                                 options.slice_minimum)
+        scan_ = options.method
+                    ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
                     : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points, sign_bits,
                                                  finishing_ ? &*finishing_ : nullptr, variant, launches);
         if (waits_once) {
@@ -66,7 +65,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     statistics.box_polyhedra = records.boxes;
     statistics.saddle_vertices = records.saddle_vertices;
     statistics.point_sites = records.point_sites;
-    statistics.closed_gaps = records.closed_gaps;
+    statistics.method_counts = records.method_counts;
     statistics.lists_seconds = watch.seconds();
     statistics.device_bytes = records.device_bytes() + sign_bits_.bytes();
     scan_->describe(statistics);

@@ -14,7 +14,7 @@ namespace clsdf {
 
 struct PlanOptions {
     bool count = false;  ///< see CallOptions::count
-    SliceMinimum slice_minimum = SliceMinimum::automatic;
+    std::shared_ptr<const FieldMethod> method{};
 };
 
 /// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.

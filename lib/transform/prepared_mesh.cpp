@@ -2,10 +2,6 @@
 
 #include "core/parallel.hpp"
 #include "device/host_filling.hpp"
-#include "slices/leaned_pieces.hpp"
-#include "slices/mauch_pieces.hpp"
-#include "slices/peikert_sigg_pieces.hpp"
-#include "transform/layout_of.hpp"
 
 #include <fmt/format.h>
 
@@ -24,44 +20,6 @@ constexpr std::size_t most_surface_points = 4096;
 
 // Squares of distances stay far inside a float's range.
 constexpr double farthest = 1e14;
-
-/// No sample is farther from the mesh than from its box's farthest point.
-double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
-    double squared = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double low = grid.origin[axis] + static_cast<double>(grid.first[axis]) * grid.spacing[axis];
-        const double high = low + static_cast<double>(grid.size[axis] - 1) * grid.spacing[axis];
-        const double side = std::max(mesh.box().upper[axis] - low, high - mesh.box().lower[axis]) / unit;
-        squared += side * side;
-    }
-    return std::sqrt(squared);
-}
-
-/// A slice has no bounds of its own for the distance as bricks have, so that an infinite band ends where the grid does.
-PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
-    PolyhedronWidths widths = polyhedron_widths(layout);
-    if (std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared)) return widths;
-    return polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
-}
-
-device::BufferPool::Lease upload(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                 const void* values, std::size_t bytes, const char* purpose) {
-    auto lease = pool->lease(bytes, purpose);
-    if (bytes > 0) device::guarded([&] { context.queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
-    return lease;
-}
-
-PreparedPieces prepare_pieces(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                              const slices::ConvexPieces& pieces) {
-    PreparedPieces prepared;
-    prepared.pieces = upload(context, pool, pieces.pieces.data(), pieces.pieces.size() * sizeof(Piece), "pieces");
-    prepared.planes =
-        upload(context, pool, pieces.planes.data(), pieces.planes.size() * sizeof(PiecePlane), "planes of the pieces");
-    prepared.slices.reserve(pieces.pieces.size());
-    for (std::size_t i = 0; i < pieces.pieces.size(); ++i)
-        prepared.slices.push_back({pieces.pieces[i].slice_begin, pieces.pieces[i].slice_end, pieces.costs[i]});
-    return prepared;
-}
 
 /// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.
 std::size_t spare_records(std::size_t faces) {
@@ -151,10 +109,6 @@ void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     }
 }
 
-std::size_t PreparedMesh::device_bytes() const {
-    return polyhedra.bytes() + (pieces ? pieces->pieces.bytes() + pieces->planes.bytes() : 0);
-}
-
 FirstGeometry first_geometry(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                              const polyhedra::MeshTopology& topology, const Mesh& mesh,
                              const polyhedra::LatticeView& lattice) {
@@ -222,46 +176,6 @@ SurfacePoints surface_points(const polyhedra::MeshTopology& topology, const poly
                      {record.foot[0], record.foot[1], record.foot[2]}};
     });
     return points;
-}
-
-PreparedMesh records_with_pieces(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                 const Mesh& mesh, const Grid& grid, const Layout& layout,
-                                 const TransformOptions& options, const polyhedra::MeshTopology* topology,
-                                 const polyhedra::Frusta* frusta) {
-    const polyhedra::LatticeView lattice = lattice_of(grid);
-    const PolyhedronWidths widths = widths_for_slices(mesh, grid, layout);
-    PreparedMesh prepared;
-    const auto upload_polyhedra = [&](std::span<const Polyhedron> records) {
-        prepared.triangle_count = mesh.triangles().size();
-        prepared.record_count = prepared.polyhedron_count = records.size();
-        prepared.polyhedra = upload(context, pool, records.data(), records.size_bytes(), "polyhedra");
-    };
-    if (options.polyhedra == Polyhedra::peikert_sigg) {
-        const slices::PeikertSiggPieces paper =
-            slices::peikert_sigg_pieces(mesh, lattice, widths.half_width, options.close_gaps, layout);
-        upload_polyhedra(paper.polyhedra);
-        prepared.closed_gaps = paper.closed_gaps;
-        prepared.pieces = prepare_pieces(context, pool, paper.pieces);
-    } else if (options.polyhedra == Polyhedra::mauch) {
-        const slices::MauchPieces mauch = slices::mauch_pieces(mesh, lattice, widths.half_width, layout);
-        upload_polyhedra(mauch.polyhedra);
-        prepared.polyhedron_count = mauch.count();
-        prepared.boxes = mauch.boxes;
-        prepared.pieces = prepare_pieces(context, pool, mauch.pieces);
-    } else {
-        const std::size_t faces = topology->order.size();
-        UninitializedVector<Polyhedron> records(faces + frusta->sites.size());
-        const std::span<Polyhedron> all(records);
-        for_each_range(faces, [&](std::size_t begin, std::size_t end) {
-            write_face_records(*topology, *frusta, lattice, begin, all.subspan(begin, end - begin));
-        });
-        write_site_records(*topology, *frusta, lattice, 0, all.subspan(faces));
-        upload_polyhedra(records);
-        set_counts(*topology, *frusta, prepared);
-        prepared.pieces =
-            prepare_pieces(context, pool, slices::leaned_pieces(records, widths.half_width, widths.slack, layout));
-    }
-    return prepared;
 }
 
 }  // namespace clsdf::transform

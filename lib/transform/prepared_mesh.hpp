@@ -9,45 +9,37 @@
 #include "layout.h"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/records.hpp"
-#include "slices/convex_pieces.hpp"
 
 #include <cstdint>
-#include <optional>
+#include <map>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace clsdf::transform {
 
-/// The convex pieces of the polyhedra, for the scan by slices.
-struct PreparedPieces {
-    /// What the host keeps of a piece.
-    struct Slices {
-        std::int32_t begin = 0;
-        std::int32_t end = 0;
-        slices::PieceCost cost;
-    };
-
-    device::BufferPool::Lease pieces;
-    device::BufferPool::Lease planes;
-    std::vector<Slices> slices;  ///< of each piece
-};
-
 /// A fixed sample of the surface's points, in a lattice's units, that distances are bounded with.
 using SurfacePoints = std::vector<SurfacePoint>;
 
-/// Polyhedra on the device, as a lattice sees them: those of the whole mesh, or of what is near a box.
+/// Polyhedra on the device, as a lattice sees them: those of the whole mesh, or of what is near a box. Another method
+/// may add to them.
 struct PreparedMesh {
-    device::BufferPool::Lease polyhedra;   ///< Polyhedron: faces in Morton order, in whole groups (the last face is
-                                           ///< repeated), then point sites
-    std::optional<PreparedPieces> pieces;  ///< for the scan by slices
+    device::BufferPool::Lease polyhedra;  ///< Polyhedron: faces in Morton order, in whole groups (the last face is
+                                          ///< repeated), then point sites
     std::size_t record_count = 0;
     std::size_t triangle_count = 0;    ///< of the mesh
-    std::size_t polyhedron_count = 0;  ///< of the whole mesh; of Mauch's kind more than records
+    std::size_t polyhedron_count = 0;  ///< of the whole mesh
     std::size_t saddle_vertices = 0;
     std::size_t point_sites = 0;
-    std::size_t closed_gaps = 0;
     std::size_t boxes = 0;
+    std::map<std::string, MethodCount> method_counts;  ///< see TransformStatistics
 
-    std::size_t device_bytes() const;
+    PreparedMesh() = default;
+    PreparedMesh(PreparedMesh&&) = default;
+    PreparedMesh& operator=(PreparedMesh&&) = default;
+    virtual ~PreparedMesh() = default;
+
+    virtual std::size_t device_bytes() const { return polyhedra.bytes(); }
 };
 
 /// Frusta, and their records for a lattice: made in one pass over the mesh.
@@ -74,11 +66,5 @@ SurfacePoints surface_points(const polyhedra::MeshTopology& topology, const poly
 
 /// Throws Error(invalid_argument) if squares of distances would leave a float's range.
 void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice);
-
-/// The records and pieces of a scan by slices. Leaned frusta and their records are given.
-PreparedMesh records_with_pieces(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                 const Mesh& mesh, const Grid& grid, const Layout& layout,
-                                 const TransformOptions& options, const polyhedra::MeshTopology* topology,
-                                 const polyhedra::Frusta* frusta);
 
 }  // namespace clsdf::transform

@@ -21,12 +21,20 @@ std::size_t lanes_for(const device::Context::Capabilities& capabilities, KernelB
     return capabilities.float_width >= 16 ? 16 : 8;
 }
 
+}  // namespace
+
+std::vector<BrickVariant> every_variant() {
+    std::vector<BrickVariant> variants;
+    for (const bool nearest : {false, true})
+        for (const bool count : {false, true})
+            for (const bool long_bricks : {false, true}) variants.push_back({nearest, count, long_bricks});
+    return variants;
+}
+
 std::string options_of(const BrickVariant& variant) {
     return fmt::format("{}{}{}", variant.nearest ? " -DNEAREST" : "", variant.count ? " -DCOUNT" : "",
                        variant.long_bricks ? " -DLONG_BRICKS" : "");
 }
-
-}  // namespace
 
 ProgramSources::ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked)
     : body(body_for(capabilities, asked)),
@@ -55,29 +63,9 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
             common_options(lanes) + options_of(variant) + (scattered_access_ ? " -DSCATTERED_ACCESS" : "")};
 }
 
-SliceShape ProgramSources::slice_shape() const {
-    return body == KernelBody::by_vector ? SliceShape{1, 8} : SliceShape{64, 64};
-}
-
-ProgramSource ProgramSources::slices_source(const char* kernel_file, const SliceVariant& variant) const {
-    // Rows of a piece are short: a vector is one brick's at most.
-    const std::size_t brick_lanes = std::min<std::size_t>(lanes, CLSDF_BRICK);
-    return {kernel_file,
-            fmt::format("{} -DGROUP={} -DBATCH={}{}{}", common_options(brick_lanes), slice_shape().group,
-                        slice_shape().batch, options_of(variant.brick), variant.key_64 ? " -DKEY_64" : "")};
-}
-
 std::vector<ProgramSource> ProgramSources::every_source() const {
     std::vector<ProgramSource> sources{scan_source(), coarse_lists_source(), sign_sweep_source(), fill_source()};
-    for (const bool nearest : {false, true})
-        for (const bool count : {false, true})
-            for (const bool long_bricks : {false, true}) {
-                const BrickVariant variant{nearest, count, long_bricks};
-                sources.push_back(bricks_source(variant));
-                for (const bool key_64 : {false, true})
-                    for (const char* file : {"slices_active.cl", "slices_scan.cl", "slices_finish.cl"})
-                        if (nearest || !key_64) sources.push_back(slices_source(file, {variant, key_64}));
-            }
+    for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }
 

@@ -3,6 +3,7 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "device/context.hpp"
+#include "device/kernel_text.hpp"
 
 #include <string>
 #include <vector>
@@ -16,22 +17,16 @@ struct BrickVariant {
     bool long_bricks = false;  ///< spacing so unequal that distances take double
 };
 
-/// What the kernels of the scan by slices are compiled for.
-struct SliceVariant {
-    BrickVariant brick;   ///< the same options as there
-    bool key_64 = false;  ///< distance and triangle in one 64-bit number
-};
-
-/// A group of `group` work-items takes `batch` intersections of a piece and a slice.
-struct SliceShape {
-    std::size_t group;
-    std::size_t batch;
-};
+/// All that there are.
+std::vector<BrickVariant> every_variant();
+/// The options that a variant adds.
+std::string options_of(const BrickVariant& variant);
 
 /// A program before it is compiled.
 struct ProgramSource {
     const char* kernel_file;
-    std::string options;  ///< of clBuildProgram
+    std::string options;          ///< of clBuildProgram
+    device::KernelFiles files{};  ///< of another library, beside the core's
 };
 
 /// The kernel files and options of one body on devices with the same capabilities.
@@ -52,16 +47,13 @@ struct ProgramSources {
     ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(lanes)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
-    /// Of one of the scan's three kernel files.
-    ProgramSource slices_source(const char* kernel_file, const SliceVariant& variant) const;
-    SliceShape slice_shape() const;
-
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;
 
-private:
+    /// The options of every program, for vectors of so many lanes.
     std::string common_options(std::size_t of_lanes) const;
 
+private:
     bool scattered_access_;
     std::string device_options_;
 };

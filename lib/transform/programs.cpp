@@ -45,11 +45,6 @@ cl::Program Programs::bricks(device::Context& context, const BrickVariant& varia
     return compiled(context, bricks_source(variant), watch);
 }
 
-cl::Program Programs::slices(device::Context& context, const char* kernel_file, const SliceVariant& variant,
-                             const device::BuildWatch& watch) const {
-    return compiled(context, slices_source(kernel_file, variant), watch);
-}
-
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {
     if (body == KernelBody::by_vector) {
         const std::size_t most = std::max<std::size_t>(histogram_budget / histogram, 1);

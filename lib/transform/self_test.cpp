@@ -22,15 +22,6 @@ bool is_switched_off() {
     return value != nullptr && std::string_view(value) == "0";
 }
 
-TransformOptions options_of(const TestCase& test_case) {
-    TransformOptions options;
-    options.sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
-    options.scan = test_case.scan;
-    options.body = test_case.body;
-    options.slice_minimum = test_case.variant.key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes;
-    return options;
-}
-
 /// The counters that a counting variant must agree with the field in.
 std::optional<std::string> wrong_counts(const KnownField& known, const std::vector<float>& distance,
                                         const TransformStatistics& statistics) {
@@ -56,15 +47,6 @@ std::string key_of(const device::Context& context, const Programs& programs, con
 
 }  // namespace
 
-std::size_t TestCase::index() const {
-    std::size_t index = 0;
-    for (const bool bit :
-         {body == KernelBody::by_group, scan == Scan::slices, variant.brick.nearest, variant.brick.count,
-          variant.brick.long_bricks, variant.key_64, is_signed, is_wide, is_large})
-        index = 2 * index + static_cast<std::size_t>(bit);
-    return index;
-}
-
 TestCase TestCase::with_small_triangles() const {
     TestCase result = *this;
     result.is_large = false;
@@ -72,45 +54,40 @@ TestCase TestCase::with_small_triangles() const {
 }
 
 std::string TestCase::name() const {
-    return fmt::format("{} {}{}{}{}{} {} {}{}", body == KernelBody::by_group ? "by_group" : "by_vector",
-                       scan == Scan::slices ? "slices" : "bricks", variant.brick.nearest ? " NEAREST" : "",
-                       variant.brick.count ? " COUNT" : "", variant.brick.long_bricks ? " LONG_BRICKS" : "",
-                       variant.key_64 ? " KEY_64" : "", is_signed ? "signed" : "unsigned", is_wide ? "wide" : "narrow",
-                       is_large ? " large" : "");
+    return fmt::format("{} {}{}{}{} {} {}{}", body == KernelBody::by_group ? "by_group" : "by_vector",
+                       method ? method->name() : "bricks", variant.nearest ? " NEAREST" : "",
+                       variant.count ? " COUNT" : "", variant.long_bricks ? " LONG_BRICKS" : "",
+                       is_signed ? "signed" : "unsigned", is_wide ? "wide" : "narrow", is_large ? " large" : "");
 }
 
 std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
                                           const device::BuildWatch& watch) {
-    if (test_case.scan != Scan::slices) return {programs.bricks(context, test_case.variant.brick, watch)};
-    std::vector<cl::Program> result;
-    for (const char* file : {"slices_active.cl", "slices_scan.cl", "slices_finish.cl"})
-        result.push_back(programs.slices(context, file, test_case.variant, watch));
-    return result;
+    if (test_case.method) return test_case.method->build(context, programs, test_case.variant, watch);
+    return {programs.bricks(context, test_case.variant, watch)};
 }
 
 std::size_t step_count(const TestCase& test_case) {
-    const std::size_t variants = test_case.scan == Scan::slices ? 3 : 1;
     const std::size_t sweep = test_case.is_signed ? (test_case.is_large ? 4 : 3) : 0;
-    // The first buffer is too small for this mesh's pairs, so the counting pass runs twice.
-    const std::size_t lists = test_case.scan == Scan::slices ? 0 : test_case.is_wide ? 4 : 3;
-    const std::size_t scan = test_case.scan == Scan::slices && !test_case.variant.key_64 ? 2 : 1;
-    return variants + sweep + lists + scan;
+    if (test_case.method) return test_case.method->step_count() + sweep;
+    // The program, the lists and the scan. The first buffer is too small for this mesh's pairs, so the counting pass
+    // runs twice.
+    const std::size_t lists = test_case.is_wide ? 4 : 3;
+    return 1 + sweep + lists + 1;
 }
 
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
                                          const device::BuildWatch& watch) {
-    const KnownField known(
-        {test_case.is_wide, test_case.is_signed, test_case.variant.brick.long_bricks, test_case.is_large});
-    const TransformOptions options = options_of(test_case);
-    const Outputs outputs{.triangle = test_case.variant.brick.nearest};
+    const KnownField known({test_case.is_wide, test_case.is_signed, test_case.variant.long_bricks, test_case.is_large});
+    const SignRule sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
+    const Outputs outputs{.triangle = test_case.variant.nearest};
     device::Context& context = device.internal();
     const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device.shared());
-    Stages stages(context, pool, known.mesh(), options, test_case.scan);
-    Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), options.sign), options.sign);
-    if (outputs.triangle && test_case.scan != Scan::slices) inputs.sites = stages.sites(true);
-    Plan::State plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), options.sign, outputs,
-                     {test_case.variant.brick.count, options.slice_minimum}, watch.begins);
+    Stages stages(context, pool, known.mesh(), test_case.method);
+    Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
+    if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true);
+    Plan::State plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
+                     {test_case.variant.count, test_case.method}, watch.begins);
     return device::guarded([&] {
         std::vector<float> distance(known.grid().sample_count());
         std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);
@@ -128,7 +105,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
             queue.enqueueReadBuffer(*triangles, CL_TRUE, 0, triangle.size() * sizeof(std::uint32_t), triangle.data());
         plan.read_counters();
         std::optional<std::string> difference = known.difference(distance, triangle);
-        if (!difference && test_case.variant.brick.count) difference = wrong_counts(known, distance, plan.statistics);
+        if (!difference && test_case.variant.count) difference = wrong_counts(known, distance, plan.statistics);
         return difference;
     });
 }
@@ -136,9 +113,9 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
 bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
                    const device::BuildWatch& watch) {
     device::Context& context = device.internal();
-    if (context.is_tested(test_case.index())) return false;
+    if (context.is_tested(test_case.name())) return false;
     const std::scoped_lock lock(context.test_mutex());
-    if (context.is_tested(test_case.index())) return false;
+    if (context.is_tested(test_case.name())) return false;
     const std::vector<cl::Program> variants =
         device::guarded([&] { return variant_programs(context, programs, test_case, watch); });
     bool is_run = false;
@@ -161,8 +138,8 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
                             device::one_line(context.identity()), test_case.name(), *difference));
         });
     }
-    context.set_tested(test_case.index());
-    if (test_case.is_large) context.set_tested(test_case.with_small_triangles().index());
+    context.set_tested(test_case.name());
+    if (test_case.is_large) context.set_tested(test_case.with_small_triangles().name());
     return is_run;
 }
 

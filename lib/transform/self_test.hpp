@@ -1,7 +1,9 @@
 #pragma once
 
+#include "transform/field_method.hpp"
 #include "transform/programs.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,18 +12,16 @@ namespace clsdf::transform {
 
 /// What decides which code a computation runs on the device.
 struct TestCase {
-    KernelBody body = KernelBody::by_vector;  ///< never automatic
-    Scan scan = Scan::bricks;                 ///< never automatic
-    SliceVariant variant;                     ///< of the scan by bricks, its part `brick`
-    bool is_signed = true;                    ///< the sign is swept
-    bool is_wide = false;                     ///< coarse bricks have bounds of their own
+    KernelBody body = KernelBody::by_vector;      ///< never automatic
+    std::shared_ptr<const FieldMethod> method{};  ///< as FieldMethod::tested_as() gives it; null: by bricks
+    BrickVariant variant{};
+    bool is_signed = true;  ///< the sign is swept
+    bool is_wide = false;   ///< coarse bricks have bounds of their own
     bool is_large = false;  ///< triangles with many rows of samples are swept by a kernel of their own
 
-    /// Below device::Context::test_cases.
-    std::size_t index() const;
     /// A case with large triangles runs all that this one runs.
     TestCase with_small_triangles() const;
-    /// For messages and records, e.g. "by_vector bricks NEAREST signed narrow".
+    /// For messages and records, different for each case, e.g. "by_vector bricks NEAREST signed narrow".
     std::string name() const;
 };
 

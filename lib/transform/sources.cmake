@@ -22,7 +22,5 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slab_pipeline.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slabs.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/slice_launches.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/slice_scan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/stages.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sweep_mesh.cpp)

@@ -1,6 +1,7 @@
 #include "transform/stages.hpp"
 
 #include "transform/coarse_lists.hpp"
+#include "transform/field_method.hpp"
 #include "transform/layout_of.hpp"
 
 #include <fmt/format.h>
@@ -74,11 +75,11 @@ std::size_t Stages::Lattice::bytes() const {
 }
 
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
-               const TransformOptions& options, Scan scan)
-    : context_(context), pool_(std::move(pool)), mesh_(std::move(mesh)), options_(options), scan_(scan) {}
+               std::shared_ptr<const FieldMethod> method)
+    : context_(context), pool_(std::move(pool)), mesh_(std::move(mesh)), method_(std::move(method)) {}
 
 void Stages::move(std::vector<Vec3> positions) {
-    if (has_leaned_frusta()) topology();  // of the first positions
+    topology();  // of the first positions
     mesh_.move(std::move(positions));
     lattices_.clear();
     frusta_.reset();
@@ -115,14 +116,10 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign) {
     try {
         check_distance(mesh_, lattice_of(grid));
         Inputs inputs;
-        if (scan_ == Scan::slices) {
-            const bool is_leaned = has_leaned_frusta();
-            inputs.records = std::make_shared<const PreparedMesh>(
-                records_with_pieces(context_, pool_, mesh_, grid, layout, options_, is_leaned ? &topology() : nullptr,
-                                    is_leaned ? &frusta() : nullptr));
-        } else {
+        if (method_)
+            inputs.records = method_->prepare(*this, grid, layout);
+        else
             set_records(grid, layout, inputs);
-        }
         if (sign != SignRule::none) set_sweep_mesh(grid, layout, inputs);
         return inputs;
     } catch (const std::bad_alloc&) {
@@ -163,7 +160,7 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inpu
     Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
     box.lower[0] = -std::numeric_limits<double>::infinity();
     box = widened(box, grid.voxel());
-    if (has_leaned_frusta() && is_small(share_of(mesh_.box(), box)) && is_within_sweep(mesh_, grid)) {
+    if (frusta_ && is_small(share_of(mesh_.box(), box)) && is_within_sweep(mesh_, grid)) {
         const polyhedra::NearRecords near = index().near(box);
         if (is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count()))) {
             inputs.sweep_mesh = std::make_shared<const SweepMesh>(

@@ -17,6 +17,10 @@
 #include <memory>
 #include <optional>
 
+namespace clsdf {
+class FieldMethod;
+}
+
 namespace clsdf::transform {
 
 /// What the computation of a grid reads.
@@ -40,11 +44,15 @@ struct Inputs {
 /// bytes either way. For one thread at a time.
 class Stages {
 public:
-    /// `options` and `scan` say which polyhedra; the others of the options do not matter.
+    /// `method` is null for leaned polyhedra scanned by bricks.
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
-           const TransformOptions& options, Scan scan);
+           std::shared_ptr<const FieldMethod> method = {});
 
+    device::Context& context() const { return context_; }
+    const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
     const Mesh& mesh() const { return mesh_; }
+    const polyhedra::MeshTopology& topology();
+    const polyhedra::Frusta& frusta();
 
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
@@ -74,9 +82,6 @@ private:
         std::size_t bytes() const;
     };
 
-    bool has_leaned_frusta() const { return options_.polyhedra == Polyhedra::leaned; }
-    const polyhedra::MeshTopology& topology();
-    const polyhedra::Frusta& frusta();
     const polyhedra::ClusterIndex& index();
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
@@ -86,8 +91,7 @@ private:
     device::Context& context_;
     std::shared_ptr<device::BufferPool> pool_;
     Mesh mesh_;
-    TransformOptions options_;
-    Scan scan_;
+    std::shared_ptr<const FieldMethod> method_;
     std::optional<polyhedra::MeshTopology> topology_;
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none

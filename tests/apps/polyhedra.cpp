@@ -2,6 +2,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/papers.hpp>
 
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>

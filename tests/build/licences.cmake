@@ -1,7 +1,7 @@
 # BUILD: the build tree; SCRATCH: a directory of this test's own.
 #
 # 1. With the library's own compiler command, a GPL header of CGAL does not compile, an LGPL one does.
-# 2. No source of the library sees a file of CGAL whose licence is the GPL. That also finds what 1 cannot: headers
+# 2. No source of the library, or of clsdf::papers, sees a file of CGAL whose licence is the GPL. That also finds what 1 cannot: headers
 #    without the guard, and sources that get around it.
 cmake_minimum_required(VERSION 3.25)
 
@@ -14,7 +14,7 @@ math(EXPR last "${count} - 1")
 set(sources "")
 foreach(index RANGE ${last})
   string(JSON command GET "${database}" ${index} command)
-  if(command MATCHES "CMakeFiles/clsdf\\.dir/")
+  if(command MATCHES "CMakeFiles/clsdf(_papers)?\\.dir/")
     string(JSON source GET "${database}" ${index} file)
     # What remains of the command: the compiler, definitions, directories and options.
     string(REGEX REPLACE " -o [^ ]+ -c .*$" "" command "${command}")

@@ -78,15 +78,17 @@ if(WAY STREQUAL "find_package" OR WAY STREQUAL "clang")
     set(COMPILER ${clang})
   endif()
   install_package()
-  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,reference -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,papers,reference -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
             -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
   build_and_run()
   check_readme_program()
+  run(${build}/consumer_papers)
   run(${build}/consumer_reference)
 
 elseif(WAY STREQUAL "add_subdirectory")
   configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF})
   build_and_run()
+  run(${build}/consumer_papers)
   check_readme_program()
 
 elseif(WAY STREQUAL "components")
@@ -94,7 +96,7 @@ elseif(WAY STREQUAL "components")
   install_package(core development)
   configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=core)
   build_and_run()
-  foreach(missing io nonsense)
+  foreach(missing io papers nonsense)
     execute_process(
       COMMAND ${CMAKE_COMMAND} -S ${source} -B ${build} -DCOMPONENTS=${missing}
       RESULT_VARIABLE status
@@ -105,9 +107,10 @@ elseif(WAY STREQUAL "components")
       message(FATAL_ERROR "find_package(clsdf COMPONENTS ${missing}) does not name what is missing: ${log}")
     endif()
   endforeach()
-  install_package(io)
-  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io)
+  install_package(io papers)
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,papers)
   build_and_run()
+  run(${build}/consumer_papers)
   check_readme_program()
 
 elseif(WAY STREQUAL "pkg_config")
@@ -127,6 +130,9 @@ elseif(WAY STREQUAL "pkg_config")
   flags_of(reference_flags --cflags --libs clsdf-reference)
   run(${COMPILER} -std=c++20 ${source}/reference.cpp ${reference_flags} -o ${program}_reference)
   run(${program}_reference)
+  flags_of(papers_flags --cflags --libs clsdf-papers)
+  run(${COMPILER} -std=c++20 ${source}/papers.cpp ${papers_flags} -o ${program}_papers)
+  run(${program}_papers)
 
   # Linked by a C compiler, with what its description says of a static library.
   flags_of(static_flags --static --libs clsdf)

@@ -2,7 +2,7 @@
 // text and NAME.options are the options that clBuildProgram gets. scripts/gpu-compile and the test without_inlining
 // read them.
 #include "device/kernel_text.hpp"
-#include "transform/program_sources.hpp"
+#include "papers/slice_scan.hpp"
 #ifdef CLSDF_TEST_PICTURE
 #include "picture/tracer.hpp"
 #endif
@@ -47,9 +47,14 @@ std::vector<transform::ProgramSource> sources_of_gpus() {
         device::Context::Capabilities gpu;
         gpu.rounds_roots = true;
         gpu.largest_group = largest_group;
-        const std::vector<transform::ProgramSource> added =
-            transform::ProgramSources(gpu, KernelBody::automatic).every_source();
+        const transform::ProgramSources programs(gpu, KernelBody::automatic);
+        const std::vector<transform::ProgramSource> added = programs.every_source();
         sources.insert(sources.end(), added.begin(), added.end());
+        for (const transform::BrickVariant& variant : transform::every_variant())
+            for (const bool key_64 : {false, true})
+                for (const char* file : papers::slice_files)
+                    if (variant.nearest || !key_64)
+                        sources.push_back(papers::slices_source(programs, file, {variant, key_64}));
     }
 #ifdef CLSDF_TEST_PICTURE
     sources.push_back({picture::tracer_kernel_file, picture::tracer_options});
@@ -68,7 +73,7 @@ int main(int argc, char** argv) {
         const fs::path folder = argv[1];
         fs::create_directories(folder);
         for (const transform::ProgramSource& source : sources_of_gpus()) {
-            write(folder / (name_of(source) + ".cl"), device::kernel_text(source.kernel_file));
+            write(folder / (name_of(source) + ".cl"), device::kernel_text(source.kernel_file, source.files));
             write(folder / (name_of(source) + ".options"), source.options);
         }
     } catch (const std::exception& error) {

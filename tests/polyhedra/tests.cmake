@@ -3,4 +3,3 @@ foreach(name counterexamples random_meshes records cone_search one_rings morton_
   clsdf_test(polyhedra_${name} ${CMAKE_CURRENT_LIST_DIR}/test_${name}.cpp)
   target_link_libraries(test_polyhedra_${name} PRIVATE TBB::tbb)
 endforeach()
-clsdf_test(polyhedra_convex_polyhedron ${CMAKE_CURRENT_LIST_DIR}/test_convex_polyhedron.cpp)

@@ -33,11 +33,10 @@ inline constexpr Accuracy nearly_aimed{1.5e-6, 2};
 /// The contract of every field, also if distances of many voxels round more than twice.
 inline constexpr Accuracy guaranteed{1e-5, 2};
 
-/// All that there is beside the distance, or what a scan knows of it.
+/// All that there is beside the distance; other methods than ours know the triangle alone.
 inline Outputs all_outputs(const TransformOptions& options = {}) {
     Outputs outputs;
-    const bool by_slices = resolve_scan(options.polyhedra, options.scan) == Scan::slices;
-    visit_extras([&](const char*, bool& wanted) { wanted = !by_slices; }, outputs);
+    visit_extras([&](const char*, bool& wanted) { wanted = !options.method; }, outputs);
     outputs.triangle = true;
     return outputs;
 }

@@ -62,7 +62,7 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     const auto pool = std::make_shared<device::BufferPool>(device.shared());
     Coarse found{transform::layout_of(grid, band, SignRule::nonzero), {}, {}, {}};
     const Layout& layout = found.layout;
-    transform::Stages stages(context, pool, mesh, {}, Scan::bricks);
+    transform::Stages stages(context, pool, mesh);
     const transform::Inputs inputs = stages.inputs(grid, layout, SignRule::none);
     const transform::PreparedMesh& prepared = *inputs.records;
     found.polyhedra = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);

@@ -2,6 +2,8 @@
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/papers.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -162,8 +164,11 @@ BOOST_AUTO_TEST_CASE(a_lattice_that_begins_a_billion_samples_away_is_exact_by_ev
         const Grid grid = lattice.block({29, 27, 25});
         const Band band = Band::symmetric(2 * *std::max_element(grid.spacing.begin(), grid.spacing.end()));
         check_exact(mesh, compute(mesh, grid, band, KernelBody::by_group), guaranteed);
-        check_exact(mesh, compute(mesh, grid, band, TransformOptions{.scan = Scan::slices}), guaranteed);
-        check_exact(mesh, compute(mesh, grid, band, TransformOptions{.polyhedra = Polyhedra::mauch}), guaranteed);
+        check_exact(mesh, compute(mesh, grid, band, TransformOptions{.method = papers_method({.scan = Scan::slices})}),
+                    guaranteed);
+        check_exact(
+            mesh, compute(mesh, grid, band, TransformOptions{.method = papers_method({.polyhedra = Polyhedra::mauch})}),
+            guaranteed);
     }
 }
 

@@ -3,6 +3,8 @@
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/papers.hpp>
+
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -272,6 +274,6 @@ BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
     uneven.offset = 4;
     check_throws(ErrorCode::invalid_argument, {"output distance", "from byte 4"},
                  [&] { plan.enqueue(nullptr, {.distance = uneven}); });
-    DistanceTransform slices(test_device(), mesh, {.scan = Scan::slices});
+    DistanceTransform slices(test_device(), mesh, {.method = papers_method({.scan = Scan::slices})});
     check_throws(ErrorCode::unsupported, {"slices", "site"}, [&] { slices(grid, band, {.site = true}); });
 }

@@ -2,6 +2,8 @@
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/papers.hpp>
+
 #include "device/context.hpp"
 #include "transform/known_field.hpp"
 #include "transform/self_test.hpp"
@@ -24,14 +26,14 @@ constexpr KernelBody vector_body = KernelBody::by_vector, group_body = KernelBod
 TestCase bricks(KernelBody body, bool triangle, bool count, bool long_bricks = false) {
     TestCase test_case;
     test_case.body = body;
-    test_case.variant.brick = {triangle, count, long_bricks};
+    test_case.variant = {triangle, count, long_bricks};
     return test_case;
 }
 
 TestCase slices(KernelBody body, bool triangle, bool count, bool key_64) {
     TestCase test_case = bricks(body, triangle, count);
-    test_case.scan = Scan::slices;
-    test_case.variant.key_64 = key_64;
+    test_case.method = papers_method(
+        {.scan = Scan::slices, .slice_minimum = key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes});
     return test_case;
 }
 
@@ -281,8 +283,8 @@ BOOST_AUTO_TEST_CASE(is_run_for_large_triangles_also_where_a_sweep_finds_them_fi
     transform(Grid::around(mesh, 64, band), band);
     TestCase test_case = bricks(KernelBody::automatic, false, false);
     test_case.body = transform::Programs(device.internal(), KernelBody::automatic).body;
-    BOOST_TEST(device.internal().is_tested(test_case.index()));
-    BOOST_TEST(device.internal().is_tested(large(test_case).index()));
+    BOOST_TEST(device.internal().is_tested(test_case.name()));
+    BOOST_TEST(device.internal().is_tested(large(test_case).name()));
 }
 
 BOOST_AUTO_TEST_SUITE_END()

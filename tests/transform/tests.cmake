@@ -9,6 +9,9 @@ foreach(name counterexamples shapes bands grids accuracy topology ties extremes 
              slender_polyhedra self_test stages requests)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
+foreach(name extremes outputs self_test)
+  target_link_libraries(test_transform_${name} PRIVATE clsdf::papers)
+endforeach()
 # Kernels that are made wrong on purpose are compiled anew.
 set_tests_properties(transform_self_test PROPERTIES TIMEOUT 900)
 

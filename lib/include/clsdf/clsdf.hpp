@@ -1,9 +1,7 @@
 #pragma once
 
-/// The core library, clsdf::clsdf. Files (clsdf/io.hpp), pictures (clsdf/picture.hpp) and the reference
-/// (clsdf/reference.hpp) are separate targets. clsdf/eigen.hpp needs Eigen.
-#include <clsdf/bounding_solids.hpp>
-#include <clsdf/classification.hpp>
+/// The core library, clsdf::clsdf. Files (clsdf/io.hpp), pictures (clsdf/picture.hpp), the published methods
+/// (clsdf/papers.hpp) and the reference (clsdf/reference.hpp) are separate targets. clsdf/eigen.hpp needs Eigen.
 #include <clsdf/device.hpp>
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>
@@ -12,7 +10,6 @@
 #include <clsdf/field_array.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
-#include <clsdf/method.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 #include <clsdf/version.hpp>

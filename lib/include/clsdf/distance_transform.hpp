@@ -4,15 +4,16 @@
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
-#include <clsdf/method.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
 #include <array>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 typedef struct _cl_event* cl_event;
@@ -26,6 +27,8 @@ enum class KernelBody {
     by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
 };
 
+class FieldMethod;
+
 /// How far the device's programs are, see TransformOptions::compiling.
 struct Compilation {
     std::size_t step = 0;     ///< from 1
@@ -36,11 +39,9 @@ struct Compilation {
 /// The method, how the sign is decided, and what is kept.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
-    Polyhedra polyhedra = Polyhedra::leaned;
-    Scan scan = Scan::automatic;
-    bool close_gaps = true;  ///< of Peikert & Sigg's polyhedra, as they do; else as they are before that
     KernelBody body = KernelBody::automatic;
-    SliceMinimum slice_minimum = SliceMinimum::automatic;
+    /// Another way to the distances, made by a library beside the core; null: ours.
+    std::shared_ptr<const FieldMethod> method{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
     /// What may be kept on the device between calls, in bytes: the polyhedra of the lattices, and the lists of the
     /// grids, that were used last. By default the polyhedra of two lattices, 280 bytes a triangle each, or 256 MiB if
@@ -48,17 +49,21 @@ struct TransformOptions {
     std::optional<std::size_t> kept_bytes{};
 };
 
+/// A count that only another method has.
+struct MethodCount {
+    std::size_t value = 0;
+    bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
+};
+
 /// What a computation was made of. Counts are exact; times are host wall-clock seconds.
 struct TransformStatistics {
     std::size_t triangles = 0;
-    std::size_t polyhedra = 0;        ///< of the triangles and point sites; of Mauch's kind towers, wedges and cones
+    std::size_t polyhedra = 0;        ///< of the triangles and point sites
     std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
     std::size_t saddle_vertices = 0;  ///< vertices with convex and concave edges
     std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
-    std::size_t closed_gaps = 0;      ///< vertices whose gap was closed as in the paper
     std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
-    std::size_t active_pieces = 0;    ///< (piece of a polyhedron, slice), in the scan by slices
     std::size_t slabs = 0;            ///< parts of the grid that were computed one after the other; 1: all at once
     /// The most that buffers on the device took at once; of a Plan, its own buffers. A field that is computed in place,
     /// on a processor, is not among them.
@@ -67,12 +72,13 @@ struct TransformStatistics {
     std::size_t host_bytes = 0;
 
     // Counted on the device with CallOptions::count.
-    std::size_t brick_pairs = 0;          ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
-    std::size_t slice_intersections = 0;  ///< intersections of a piece and a slice that were visited
-    std::size_t empty_intersections = 0;  ///< of these, empty ones: none
-    std::size_t lanes_evaluated = 0;      ///< distances computed, of a triangle or a site
-    std::size_t samples_covered = 0;      ///< of these, with the sample inside the polyhedron
-    std::size_t band_samples = 0;         ///< samples that carry their distance, exact with leaned polyhedra
+    std::size_t brick_pairs = 0;      ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
+    std::size_t lanes_evaluated = 0;  ///< distances computed, of a triangle or a site
+    std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
+    std::size_t band_samples = 0;     ///< samples that carry their distance
+
+    /// By name, if TransformOptions::method is given.
+    std::map<std::string, MethodCount> method_counts;
 
     /// Building or loading the device's programs and testing them, since the transform was made or computed last; in
     /// none of the times below.
@@ -86,7 +92,7 @@ struct TransformStatistics {
     double sign_seconds = 0;   ///< of these, the sweep
     double field_seconds = 0;
     // Of these, the kernels' own times by the device's clock; 0 unless its queue was made with profiling enabled.
-    double bricks_seconds = 0;  ///< the scan by bricks, or by slices
+    double bricks_seconds = 0;  ///< the scan
     double fill_seconds = 0;
 };
 
@@ -166,7 +172,7 @@ struct KeptMemory {
 class CLSDF_EXPORT DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
-    /// Throws Error(invalid_mesh, no_device or device_failure; unsupported for a scan that the polyhedra do not have).
+    /// Throws Error(invalid_mesh, no_device or device_failure).
     DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {}, const CallOptions& call = {});
     DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {}, const CallOptions& call = {});
     DistanceTransform(DistanceTransform&&) noexcept;

@@ -1,0 +1,179 @@
+#pragma once
+
+#include <clsdf/export.hpp>
+#include <clsdf/mesh.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+/// What the papers that clsdf comes from have published, to be compared with: a library of its own, clsdf::papers.
+///
+/// R. Peikert and C. Sigg, Optimized Bounding Polyhedra for GPU-Based Distance Transform, 2006; S. Mauch, Efficient
+/// Algorithms for Solving Static Hamilton-Jacobi Equations, 2003.
+namespace clsdf {
+
+class FieldMethod;
+
+/// The polyhedra that bound the samples a triangle is nearest to. A triangle counts only for samples it may be nearest
+/// to; with `bricks` that is decided for whole blocks of samples, with `slices` for each sample.
+enum class Polyhedra {
+    leaned,        ///< exact for every mesh
+    peikert_sigg,  ///< as Peikert & Sigg published them, gaps closed; not exact: to be compared with
+    mauch,         ///< Mauch's towers of faces, wedges of edges and cones of vertices; exact: to be compared with
+};
+
+/// How the samples of the polyhedra are found.
+enum class Scan {
+    automatic,  ///< bricks for leaned polyhedra, slices for the others
+    bricks,     ///< bricks of 8 x 8 x 8 samples, each with a list of polyhedra; for leaned polyhedra only
+    slices,     ///< slice by slice, each polyhedron's samples row by row, as in Peikert & Sigg
+};
+
+/// How the scan by slices keeps the least distance and its triangle; the result is the same.
+enum class SliceMinimum {
+    automatic,  ///< in one pass if the device has 64-bit atomics and memory for a slice of them
+    one_pass,   ///< an ordered key of distance and triangle: 64-bit atomics
+    two_passes  ///< first the distances, then the triangles of the least ones: 32-bit atomics
+};
+
+/// "leaned", "peikert-sigg", "mauch".
+CLSDF_EXPORT const char* name_of(Polyhedra polyhedra);
+
+/// "auto", "bricks", "slices".
+CLSDF_EXPORT const char* name_of(Scan scan);
+
+/// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned
+/// ones.
+CLSDF_EXPORT Scan resolve_scan(Polyhedra polyhedra, Scan asked);
+
+struct PapersOptions {
+    Polyhedra polyhedra = Polyhedra::leaned;
+    Scan scan = Scan::automatic;
+    bool close_gaps = true;  ///< of Peikert & Sigg's polyhedra, as they do; else as they are before that
+    SliceMinimum slice_minimum = SliceMinimum::automatic;
+};
+
+/// A method for TransformOptions::method; null for leaned polyhedra by bricks, which is what a transform does without
+/// one. The scan by slices gives the distance and the triangle; other outputs are Error(unsupported). Mauch's towers,
+/// wedges and cones count as TransformStatistics::polyhedra. TransformStatistics::method_counts has:
+///
+///     closed_gaps          vertices whose gap was closed as in the paper
+///     active_pieces        (convex piece of a polyhedron, slice)
+///     slice_intersections  intersections of a piece and a slice that were visited   with CallOptions::count
+///     empty_intersections  of these, empty ones: none                               with CallOptions::count
+///
+/// Throws Error(unsupported) for bricks of other polyhedra than leaned ones; computations throw it if the device has no
+/// 64-bit atomics and `slice_minimum` asks for them. May be shared by transforms and by threads.
+CLSDF_EXPORT std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options);
+
+// What Peikert & Sigg ask of a mesh, decided exactly on the coordinates as given. Vertices of equal coordinates count
+// as one, and faces with repeated vertices drop out.
+
+enum class EdgeKind : std::uint8_t {
+    convex,
+    concave,
+    flat,          ///< its two faces lie in one plane
+    boundary,      ///< one face
+    unoriented,    ///< two faces that run along it in the same direction
+    non_manifold,  ///< three faces or more
+};
+inline constexpr std::size_t edge_kinds = 6;
+
+enum class VertexKind : std::uint8_t {
+    convex,   ///< convex edges, and no concave one
+    concave,  ///< concave edges, and no convex one
+    flat,     ///< neither
+    saddle,   ///< both
+    boundary,
+    non_manifold,  ///< an edge that is unoriented or not manifold, or several fans of faces
+    unused,        ///< no face
+};
+inline constexpr std::size_t vertex_kinds = 7;
+
+/// "convex", "non-manifold", ...
+CLSDF_EXPORT const char* name_of(EdgeKind kind);
+CLSDF_EXPORT const char* name_of(VertexKind kind);
+
+struct Classification {
+    std::vector<VertexKind> vertices;  ///< by vertex; equal ones are of one kind
+
+    std::size_t count(EdgeKind kind) const { return edge_counts[static_cast<std::size_t>(kind)]; }
+    std::size_t count(VertexKind kind) const { return vertex_counts[static_cast<std::size_t>(kind)]; }
+
+    std::array<std::size_t, edge_kinds> edge_counts{};
+    std::array<std::size_t, vertex_kinds> vertex_counts{};  ///< equal vertices count as one
+};
+
+CLSDF_EXPORT Classification classify(const Mesh& mesh);
+
+/// What is found at the saddle vertices, the lower vertex first.
+struct SaddleReport {
+    /// A face is flipped when seen along the average of the incident faces' unit normals: Peikert & Sigg presuppose
+    /// that none is. A face that is seen edgewise, or has no area, counts as flipped.
+    std::vector<std::uint32_t> irregular;
+    /// The published test fails: a line in which two successive bisector planes meet lies strictly on one side of all
+    /// others.
+    std::vector<std::uint32_t> adjacent_gaps;
+    /// The complete test fails: there are points strictly on one side of all bisector planes. Holds for all of the
+    /// former.
+    std::vector<std::uint32_t> gaps;
+
+    std::size_t saddles = 0;
+    std::size_t decisions = 0;        ///< signs that were asked for
+    std::size_t exact_decisions = 0;  ///< of these, the ones that interval arithmetic left open
+};
+
+/// Decided by interval arithmetic, and where that does not suffice by exact numbers with square roots: there are no
+/// tolerances. Parallel planes give no test point; neither does the plane of an edge whose faces are folded onto each
+/// other exactly, or one of which has no area.
+CLSDF_EXPORT SaddleReport examine_saddles(const Mesh& mesh);
+
+struct RegularMesh {
+    Mesh mesh;
+    std::size_t irregular_vertices = 0;  ///< saddle vertices that still are not regular
+    std::size_t added_vertices = 0;
+};
+
+/// Peikert & Sigg's remedy for irregular saddle vertices: the same surface with some triangles cut in two, through the
+/// middle of an edge. A face flipped at a vertex counts twice in the average of its normals after the cut, which is one
+/// step of the perceptron, so that the cuts end wherever there is a direction from which no face is flipped; elsewhere
+/// nothing is cut. Middles are rounded to double, so that a flat edge can become convex or concave by that much. Stops
+/// after `rounds`, with at most one cut a vertex in each.
+CLSDF_EXPORT RegularMesh subdivide_irregular(const Mesh& mesh, std::size_t rounds = 32);
+
+// Bounding polyhedra as closed meshes, to look at.
+
+enum class SolidPart : std::uint8_t {
+    both_sides,  ///< of the triangle
+    front,       ///< the side from which the triangle is counter-clockwise
+    back,
+    point_site,  ///< of a vertex whose triangles' polyhedra leave a gap
+};
+
+/// A polyhedron without the slack that the device's rounding takes.
+struct BoundingSolid {
+    std::uint32_t triangle = 0;  ///< index in the mesh; of a point site, one of the vertex's
+    SolidPart part = SolidPart::both_sides;
+    Mesh mesh;  ///< closed, convex, faces counter-clockwise from outside; in the mesh's units
+};
+
+/// The triangles with a corner where the vertex is, in order: equal vertices count as one. Throws
+/// Error(invalid_argument) where there is no such vertex, or none of its triangles.
+CLSDF_EXPORT std::vector<std::uint32_t> triangles_at(const Mesh& mesh, std::uint32_t vertex);
+
+/// The leaned frusta (docs/method.md) of selected triangles of a mesh, in the order given, front and back; then the
+/// point sites at those of their vertices that have no other triangles. `half_width` > 0 in the mesh's units. Parts
+/// without volume are left out. Throws Error(invalid_argument) for a half width or a triangle out of range.
+CLSDF_EXPORT std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
+                                                      double half_width);
+
+/// The same of Peikert & Sigg's polyhedra, before or after their gaps were closed. What reaches farther than eight half
+/// widths from the triangle's box is cut off: planes that are nearly parallel to the triangle meet anywhere.
+CLSDF_EXPORT std::vector<BoundingSolid> peikert_sigg_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
+                                                            double half_width, bool close_gaps = true);
+
+}  // namespace clsdf

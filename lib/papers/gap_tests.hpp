@@ -1,0 +1,112 @@
+#pragma once
+
+#include "papers/surface.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+/// Points beyond the bisector planes of all faces of a fan, in the same rotational sense, are in none of its polyhedra
+/// (Peikert & Sigg, section 3.2). The planes pass through the vertex, so they form a cone; its antipode is the one of
+/// the other sense.
+namespace clsdf::papers {
+
+/// A vertex with a closed fan of faces around it, counter-clockwise seen from outside: face i lies between neighbours i
+/// and i + 1.
+struct Fan {
+    Vec3 vertex{};
+    std::vector<Vec3> neighbours;
+    std::vector<std::uint8_t> is_flat;  ///< the faces i - 1 and i, at the edge to neighbour i, lie in one plane
+
+    std::size_t size() const { return neighbours.size(); }
+    std::size_t before(std::size_t i) const { return i == 0 ? size() - 1 : i - 1; }
+    std::size_t after(std::size_t i) const { return i + 1 == size() ? 0 : i + 1; }
+};
+
+/// The planes at a fan: one at each edge, or those of the faces.
+enum class PlaneKind { bisector, face };
+
+/// The direction A_i x A_j times `weight`, A_i and A_j the normals of two planes.
+struct PlaneLine {
+    std::size_t i;
+    std::size_t j;
+    double weight;
+};
+
+/// Signs that the bisector planes of one fan decide, each exact for the coordinates as given: by interval arithmetic,
+/// and where that leaves one open by numbers with square roots. To be used, and destroyed, by the thread that made it.
+class FanSigns {
+public:
+    /// The fan must outlive it.
+    explicit FanSigns(const Fan& fan);
+    ~FanSigns();
+
+    const Fan& fan() const { return fan_; }
+
+    /// On which side of bisector plane k the direction A_i x A_j lies: 1, -1, or 0 on the plane or where the planes i
+    /// and j are parallel. The normal A_k points out of face k.
+    int side(std::size_t i, std::size_t j, std::size_t k);
+
+    /// The same of the faces' planes, moved to the vertex, with their normals.
+    int side_of_face(std::size_t i, std::size_t j, std::size_t k);
+
+    /// A power of two by which the line in which two planes of a kind meet is about as long as others.
+    double line_weight(PlaneKind kind, std::size_t i, std::size_t j) const;
+
+    /// Chooses a direction for side_of_direction(): the sum of lines in which planes of a kind meet.
+    void set_direction(PlaneKind kind, std::span<const PlaneLine> lines);
+
+    /// On which side of plane k of that kind the chosen direction lies: 1 where the normal points, -1, or 0 on it.
+    int side_of_direction(std::size_t k);
+
+    /// Whether face i is seen from its front (1), from its back (-1) or edgewise (0) along the average of the faces'
+    /// unit normals.
+    int facing(std::size_t i);
+
+    std::size_t decisions() const { return decisions_; }
+    std::size_t exact_decisions() const { return exact_decisions_; }
+
+private:
+    struct Filter;
+    struct Exact;
+    struct Direction;
+
+    /// The sign of what `value` computes from the planes in either arithmetic.
+    template <typename Value>
+    int decide(const Value& value);
+    const Exact& exact();
+
+    const Fan& fan_;
+    std::unique_ptr<Filter> filter_;
+    std::unique_ptr<Exact> exact_;  // made when it is needed
+    std::unique_ptr<Direction> direction_;
+    std::size_t decisions_ = 0;
+    std::size_t exact_decisions_ = 0;
+};
+
+/// The fan of a vertex that has one, closed and of faces oriented alike. `fans` is memory to work in.
+Fan fan_at(const Surface& surface, std::size_t vertex, polyhedra::VertexFans& fans);
+
+/// A line in which the bisector planes i and i + 1 meet, and which lies strictly on one side of all other planes.
+struct FailingLine {
+    std::size_t i;
+    int direction;  ///< 1 where A_i x A_(i+1) points beyond the planes of all faces in the sense of increasing i, or -1
+};
+
+/// The published test: it passes where there are none.
+std::vector<FailingLine> failing_lines(FanSigns& signs);
+
+/// The complete test: whether there are points strictly beyond all planes. The cone of such points, if there are any,
+/// is spanned by lines in which two planes meet, not necessarily successive ones.
+bool has_gap(FanSigns& signs);
+
+/// Whether there is a direction along which every face is seen from its front. False also where all normals lie in one
+/// plane.
+bool has_view(FanSigns& signs);
+
+/// Indices of the faces that are not seen from their front along the average normal.
+std::vector<std::size_t> flipped_faces(FanSigns& signs);
+
+}  // namespace clsdf::papers

@@ -1,0 +1,193 @@
+#include <clsdf/error.hpp>
+#include <clsdf/papers.hpp>
+
+#include "core/parallel.hpp"
+#include "papers/mauch.hpp"
+#include "papers/peikert_sigg.hpp"
+#include "papers/slice_scan.hpp"
+#include "transform/layout_of.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+using namespace papers;
+using transform::PreparedMesh;
+
+constexpr std::array<std::pair<Polyhedra, const char*>, 3> polyhedra_names{
+    {{Polyhedra::leaned, "leaned"}, {Polyhedra::peikert_sigg, "peikert-sigg"}, {Polyhedra::mauch, "mauch"}}};
+constexpr std::array<std::pair<Scan, const char*>, 3> scan_names{
+    {{Scan::automatic, "auto"}, {Scan::bricks, "bricks"}, {Scan::slices, "slices"}}};
+
+/// No sample is farther from the mesh than from its box's farthest point.
+double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double low = grid.origin[axis] + static_cast<double>(grid.first[axis]) * grid.spacing[axis];
+        const double high = low + static_cast<double>(grid.size[axis] - 1) * grid.spacing[axis];
+        const double side = std::max(mesh.box().upper[axis] - low, high - mesh.box().lower[axis]) / unit;
+        squared += side * side;
+    }
+    return std::sqrt(squared);
+}
+
+/// A slice has no bounds of its own for the distance as bricks have, so that an infinite band ends where the grid does.
+transform::PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
+    if (std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared))
+        return transform::polyhedron_widths(layout);
+    return transform::polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
+}
+
+device::BufferPool::Lease upload(const transform::Stages& stages, const void* values, std::size_t bytes,
+                                 const char* purpose) {
+    auto lease = stages.pool()->lease(bytes, purpose);
+    if (bytes > 0)
+        device::guarded([&] { stages.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
+    return lease;
+}
+
+/// Polyhedra of any kind, slice by slice.
+class SliceMethod final : public FieldMethod {
+public:
+    explicit SliceMethod(const PapersOptions& options) : options_(options) {}
+
+    void check_outputs(const Outputs& outputs) const override {
+        visit_extras(
+            [](const char* name, bool wanted) {
+                if (wanted && std::string_view(name) != "triangle")
+                    throw Error(ErrorCode::unsupported,
+                                fmt::format("the scan by slices does not know the output {}; use the scan by bricks, "
+                                            "or do without",
+                                            name));
+            },
+            outputs);
+    }
+
+    std::shared_ptr<const PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+                                                const Layout& layout) const override {
+        const Mesh& mesh = stages.mesh();
+        const polyhedra::LatticeView lattice = transform::lattice_of(grid);
+        const transform::PolyhedronWidths widths = widths_for_slices(mesh, grid, layout);
+        auto prepared = std::make_shared<PreparedPieces>();
+        prepared->triangle_count = mesh.triangles().size();
+        const auto upload_records = [&](std::span<const Polyhedron> records) {
+            prepared->record_count = prepared->polyhedron_count = records.size();
+            prepared->polyhedra = upload(stages, records.data(), records.size_bytes(), "polyhedra");
+        };
+        std::size_t closed_gaps = 0;
+        if (options_.polyhedra == Polyhedra::peikert_sigg) {
+            const PeikertSiggPieces paper =
+                peikert_sigg_pieces(mesh, lattice, widths.half_width, options_.close_gaps, layout);
+            upload_records(paper.polyhedra);
+            upload_pieces(stages, paper.pieces, *prepared);
+            closed_gaps = paper.closed_gaps;
+        } else if (options_.polyhedra == Polyhedra::mauch) {
+            const MauchPieces mauch = mauch_pieces(mesh, lattice, widths.half_width, layout);
+            upload_records(mauch.polyhedra);
+            upload_pieces(stages, mauch.pieces, *prepared);
+            prepared->polyhedron_count = mauch.count();  // more than records
+            prepared->boxes = mauch.boxes;
+        } else {
+            const UninitializedVector<Polyhedron> records = leaned_records(stages, lattice);
+            upload_records(records);
+            upload_pieces(stages, leaned_pieces(records, widths.half_width, widths.slack, layout), *prepared);
+            const polyhedra::Frusta& frusta = stages.frusta();
+            prepared->saddle_vertices = frusta.saddle_vertices;
+            prepared->point_sites = frusta.sites.size();
+            prepared->boxes = frusta.boxes;
+        }
+        prepared->method_counts["closed_gaps"] = {closed_gaps, true};
+        return prepared;
+    }
+
+    std::unique_ptr<transform::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
+        return make_slice_scan(inputs, options_.slice_minimum);
+    }
+
+    std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
+                                                 const transform::BrickVariant& variant) const override {
+        const bool key_64 = takes_64_bits(context, layout, variant.nearest, options_.slice_minimum);
+        return std::make_shared<SliceMethod>(PapersOptions{
+            .scan = Scan::slices, .slice_minimum = key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes});
+    }
+
+    std::string name() const override { return has_one_pass() ? "slices KEY_64" : "slices"; }
+
+    std::vector<cl::Program> build(device::Context& context, const transform::Programs& programs,
+                                   const transform::BrickVariant& variant,
+                                   const device::BuildWatch& watch) const override {
+        std::vector<cl::Program> result;
+        for (const char* file : slice_files)
+            result.push_back(slices_program(context, programs, file, {variant, has_one_pass()}, watch));
+        return result;
+    }
+
+    std::size_t step_count() const override { return slice_files.size() + (has_one_pass() ? 1 : 2); }
+
+private:
+    bool has_one_pass() const { return options_.slice_minimum == SliceMinimum::one_pass; }
+
+    static UninitializedVector<Polyhedron> leaned_records(transform::Stages& stages,
+                                                          const polyhedra::LatticeView& lattice) {
+        const polyhedra::MeshTopology& topology = stages.topology();
+        const polyhedra::Frusta& frusta = stages.frusta();
+        const std::size_t faces = topology.order.size();
+        UninitializedVector<Polyhedron> records(faces + frusta.sites.size());
+        const std::span<Polyhedron> all(records);
+        for_each_range(faces, [&](std::size_t begin, std::size_t end) {
+            write_face_records(topology, frusta, lattice, begin, all.subspan(begin, end - begin));
+        });
+        write_site_records(topology, frusta, lattice, 0, all.subspan(faces));
+        return records;
+    }
+
+    static void upload_pieces(const transform::Stages& stages, const ConvexPieces& pieces, PreparedPieces& prepared) {
+        prepared.pieces = upload(stages, pieces.pieces.data(), pieces.pieces.size() * sizeof(Piece), "pieces");
+        prepared.planes =
+            upload(stages, pieces.planes.data(), pieces.planes.size() * sizeof(PiecePlane), "planes of the pieces");
+        prepared.slices.reserve(pieces.pieces.size());
+        for (std::size_t i = 0; i < pieces.pieces.size(); ++i)
+            prepared.slices.push_back({pieces.pieces[i].slice_begin, pieces.pieces[i].slice_end, pieces.costs[i]});
+    }
+
+    PapersOptions options_;
+};
+
+}  // namespace
+
+const char* name_of(Polyhedra polyhedra) {
+    for (const auto& [kind, name] : polyhedra_names)
+        if (kind == polyhedra) return name;
+    return "";
+}
+
+const char* name_of(Scan scan) {
+    for (const auto& [kind, name] : scan_names)
+        if (kind == scan) return name;
+    return "";
+}
+
+Scan resolve_scan(Polyhedra polyhedra, Scan asked) {
+    if (polyhedra == Polyhedra::leaned) return asked == Scan::automatic ? Scan::bricks : asked;
+    if (asked == Scan::bricks)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the scan \"bricks\" is for leaned polyhedra: in a brick a triangle would count for "
+                                "samples beyond its {} polyhedron; use the scan \"slices\"",
+                                name_of(polyhedra)));
+    return Scan::slices;
+}
+
+std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
+    if (resolve_scan(options.polyhedra, options.scan) == Scan::bricks) return nullptr;
+    return std::make_shared<SliceMethod>(options);
+}
+
+}  // namespace clsdf

@@ -1,0 +1,159 @@
+#pragma once
+
+#include "piece.h"
+#include "polyhedra/vector.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+/// Bounding polyhedra of any kind as convex pieces, for the scan by slices.
+namespace clsdf::papers {
+
+/// What a piece costs in each of its slices, on average.
+struct PieceCost {
+    float rows = 0;
+    float samples = 0;
+};
+
+struct ConvexPieces {
+    std::vector<Piece> pieces;
+    std::vector<PiecePlane> planes;
+    std::vector<PieceCost> costs;  ///< of each piece
+
+    void append(const ConvexPieces& other);
+};
+
+/// Keeps the pieces that cut a slice of a grid within the grid, each with its slices.
+class PieceCollector {
+public:
+    PieceCollector(const Layout& grid, ConvexPieces& kept) : grid_(grid), kept_(kept) {}
+
+    /// A piece of `planes` (unit normals in the metric frame, CLSDF_MOST_PLANES at most; the slack not yet added) for
+    /// the polyhedron's record, and the site of it that gives the distance.
+    void add(const std::array<std::int32_t, 3>& origin, std::uint32_t polyhedron, std::span<const PiecePlane> planes,
+             std::uint32_t site = CLSDF_SITE_NEAREST);
+
+private:
+    const Layout& grid_;
+    ConvexPieces& kept_;
+};
+
+/// Calls make_pieces(source, collector) for each source, on all cores; the pieces are in the order of the sources.
+template <typename MakePieces>
+ConvexPieces collect_pieces(std::size_t source_count, const Layout& grid, const MakePieces& make_pieces) {
+    constexpr std::size_t batch = 1024;
+    std::vector<ConvexPieces> batches((source_count + batch - 1) / batch);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batches.size(), 1), [&](const auto& range) {
+        for (std::size_t b = range.begin(); b != range.end(); ++b) {
+            PieceCollector collector(grid, batches[b]);
+            const std::size_t end = std::min(source_count, (b + 1) * batch);
+            for (std::size_t source = b * batch; source < end; ++source) make_pieces(source, collector);
+        }
+    });
+    ConvexPieces all;
+    for (ConvexPieces& part : batches) {
+        all.append(part);
+        part = {};
+    }
+    return all;
+}
+
+/// A length in units, affine in a sample's offset from an integer origin.
+struct Affine {
+    polyhedra::Vector gradient;
+    double constant = 0;
+
+    friend Affine operator*(double factor, const Affine& a) { return {factor * a.gradient, factor * a.constant}; }
+    friend Affine operator+(const Affine& a, const Affine& b) {
+        return {a.gradient + b.gradient, a.constant + b.constant};
+    }
+    friend Affine operator-(const Affine& a, double length) { return {a.gradient, a.constant - length}; }
+};
+
+/// The frame of a record (kernels/polyhedron.h), and the lengths that follow from it, in double precision.
+class RecordFrame {
+public:
+    explicit RecordFrame(const Polyhedron& p) : p_(p) {
+        const auto coordinate = [&](std::size_t i) {
+            return Affine{{p.exact_gradient_x[i], p.exact_gradient_y[i], p.exact_gradient_z[i]},
+                          p.exact_constant_at_origin[i]};
+        };
+        x_ = coordinate(0);
+        y_ = coordinate(1);
+        z_ = coordinate(2);
+    }
+
+    std::array<std::int32_t, 3> origin() const { return {p_.origin_x, p_.origin_y, p_.origin_z}; }
+
+    const Affine& along() const { return x_; }
+    const Affine& height() const { return z_; }
+
+    /// From an edge, in the face's plane, away from the face.
+    Affine outward(std::size_t edge) const {
+        if (edge == CLSDF_EDGE_BASE) return -1 * y_;
+        const Half h = half_of(edge);
+        return h.along * (h.away - h.base) + h.across * y_;
+    }
+    /// How far before an edge's beginning, and past its end, in its direction; the slanted edges begin at the base.
+    Affine before(std::size_t edge) const {
+        if (edge == CLSDF_EDGE_BASE) return -1 * x_ - base(CLSDF_HALF_LEFT);
+        const Half h = half_of(edge);
+        return h.across * (h.away - h.base) + -h.along * y_;
+    }
+    Affine past(std::size_t edge) const {
+        if (edge == CLSDF_EDGE_BASE) return x_ - base(CLSDF_HALF_RIGHT);
+        const Half h = half_of(edge);
+        return h.along * (y_ - p_.exact_altitude) + -h.across * h.away;
+    }
+
+    double base(std::size_t half) const { return p_.exact_base[half]; }
+    bool is_compact() const { return (p_.flags & CLSDF_POLYHEDRON_COMPACT) != 0; }
+
+private:
+    struct Half {
+        Affine away;  ///< from the altitude
+        double base = 0, along = 0, across = 0;
+    };
+
+    Half half_of(std::size_t edge) const {
+        const std::size_t half = edge == CLSDF_EDGE_RIGHT ? CLSDF_HALF_RIGHT : CLSDF_HALF_LEFT;
+        return {half == CLSDF_HALF_RIGHT ? x_ : -1 * x_, base(half), p_.exact_normal_along[half],
+                p_.exact_normal_across[half]};
+    }
+
+    const Polyhedron& p_;
+    Affine x_;
+    Affine y_;
+    Affine z_;
+};
+
+/// Half-spaces of one piece.
+class PieceBounds {
+public:
+    /// value <= 0, where the value's gradient has the length `steepness` in the metric frame.
+    void add(const Affine& value, double steepness = 1) {
+        const polyhedra::Vector normal = value.gradient / steepness;
+        planes_[count_++] = {{normal.x(), normal.y(), normal.z()}, -value.constant / steepness};
+    }
+    std::span<const PiecePlane> span() const { return std::span(planes_).first(count_); }
+    std::size_t size() const { return count_; }
+
+private:
+    std::array<PiecePlane, CLSDF_MOST_PLANES> planes_{};
+    std::size_t count_ = 0;
+};
+
+/// The pieces of leaned frusta: of each the part above its face and that below, both convex, widened by `slack` units
+/// and cut at `half_width`. They are the sides that the record's test takes together (kernels/polyhedron.h), but for
+/// what that mixes of both within the slack about the face; each by itself holds what docs/method.md, 'Why nothing is
+/// lost', asks of it.
+ConvexPieces leaned_pieces(std::span<const Polyhedron> polyhedra, double half_width, double slack, const Layout& grid);
+
+}  // namespace clsdf::papers

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <clsdf/papers.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "papers/pieces.hpp"
+#include "transform/field_method.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace clsdf::papers {
+
+/// What the host keeps of a piece.
+struct PieceSlices {
+    std::int32_t begin = 0;
+    std::int32_t end = 0;
+    PieceCost cost;
+};
+
+/// A mesh's records and the convex pieces of its polyhedra, on the device.
+struct PreparedPieces final : transform::PreparedMesh {
+    device::BufferPool::Lease pieces;
+    device::BufferPool::Lease planes;
+    std::vector<PieceSlices> slices;  ///< of each piece
+
+    std::size_t device_bytes() const override { return PreparedMesh::device_bytes() + pieces.bytes() + planes.bytes(); }
+};
+
+/// Slices that are computed together, because there is memory for their keys and active pieces.
+struct SliceChunk {
+    std::int32_t begin;  ///< slices [begin, end) of the lattice
+    std::int32_t end;
+    std::size_t active_begin;  ///< (piece, slice) in the order of slices: [active_begin, active_end)
+    std::size_t active_end;
+};
+
+/// Entries [begin, end) of a chunk's active list, counted from its first.
+struct SliceLaunch {
+    std::size_t chunk;
+    std::int32_t pass;
+    std::size_t begin;
+    std::size_t end;
+    double fraction_before;  ///< of the work
+};
+
+struct SliceSchedule {
+    std::vector<SliceChunk> chunks;
+    std::vector<SliceLaunch> launches;  ///< of each chunk at least one a pass
+    std::size_t most_slices = 0;        ///< of a chunk
+    std::size_t most_active = 0;
+};
+
+struct SliceLimits {
+    std::size_t slices_at_once;  ///< at least 1
+    std::size_t active_at_once;  ///< a single slice may exceed it
+    double cost_per_launch;      ///< in distances of a sample; a single piece may exceed it
+    std::int32_t passes;
+};
+
+/// Of a piece in a slice, in distances of a sample.
+double cost_of(const PieceCost& piece);
+
+/// Divides slices [first, first + count) of the lattice.
+SliceSchedule schedule_slices(std::span<const PieceSlices> pieces, std::int32_t first, std::int32_t count,
+                              const SliceLimits& limits);
+
+/// What the kernels of the scan are compiled for.
+struct SliceVariant {
+    transform::BrickVariant brick;  ///< the same options as there
+    bool key_64 = false;            ///< distance and triangle in one 64-bit number
+};
+
+/// A group of `group` work-items takes `batch` intersections of a piece and a slice.
+struct SliceShape {
+    std::size_t group;
+    std::size_t batch;
+};
+SliceShape slice_shape(KernelBody body);
+
+/// The scan's programs, a kernel each.
+inline constexpr std::array slice_files{"slices_active.cl", "slices_scan.cl", "slices_finish.cl"};
+transform::ProgramSource slices_source(const transform::ProgramSources& programs, const char* kernel_file,
+                                       const SliceVariant& variant);
+cl::Program slices_program(device::Context& context, const transform::ProgramSources& programs, const char* kernel_file,
+                           const SliceVariant& variant, const device::BuildWatch& watch = {});
+
+/// Whether distance and triangle are one 64-bit number; without triangles the distances alone are the key, and 32 bits
+/// are enough. Throws Error(unsupported) if the device has no 64-bit atomics and `asked` needs them.
+bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked);
+
+/// The scan by slices of PreparedPieces. Throws what takes_64_bits() does.
+std::unique_ptr<transform::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum);
+
+}  // namespace clsdf::papers

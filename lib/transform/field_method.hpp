@@ -1,0 +1,64 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
+
+#include "transform/field_scan.hpp"
+#include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
+#include "transform/stages.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace clsdf {
+
+namespace transform {
+
+/// What a method's scan of one plan is made from. The mesh and the sign bits outlive the scan.
+struct ScanInputs {
+    device::Context& context;
+    const Programs& programs;
+    const std::shared_ptr<device::BufferPool>& pool;
+    const Layout& layout;
+    const PreparedMesh& mesh;  ///< as FieldMethod::prepare() made it
+    const cl::Buffer& sign_bits;
+    const BrickVariant& variant;
+};
+
+}  // namespace transform
+
+/// Another way from a mesh to its distances than leaned polyhedra scanned by bricks, from a library beside the core.
+/// The sign, slabs, plans and the self-test are the core's. A method has no state: threads and transforms may share it.
+class FieldMethod {
+public:
+    virtual ~FieldMethod() = default;
+
+    /// Throws Error(unsupported) for an output that it does not give.
+    virtual void check_outputs(const Outputs& outputs) const = 0;
+
+    /// The mesh on the device for a grid, which is not kept for other grids.
+    virtual std::shared_ptr<const transform::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+                                                                   const Layout& layout) const = 0;
+
+    virtual std::unique_ptr<transform::FieldScan> make_scan(const transform::ScanInputs& inputs) const = 0;
+
+    /// The method that the self-test computes its known field with: it runs the kernels that such a computation runs,
+    /// and its fields are exact.
+    virtual std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
+                                                         const transform::BrickVariant& variant) const = 0;
+
+    // Of a method that tested_as() returns:
+
+    /// Names the kernels, for messages and for the records of what was tested.
+    virtual std::string name() const = 0;
+    /// The programs that are built beside those that every computation needs.
+    virtual std::vector<cl::Program> build(device::Context& context, const transform::Programs& programs,
+                                           const transform::BrickVariant& variant,
+                                           const device::BuildWatch& watch) const = 0;
+    /// How many programs it builds and launches it tests, about.
+    virtual std::size_t step_count() const = 0;
+};
+
+}  // namespace clsdf

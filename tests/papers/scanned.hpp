@@ -1,0 +1,40 @@
+#pragma once
+
+#include "support/exact_field.hpp"
+
+#include <clsdf/papers.hpp>
+
+#include <array>
+#include <string>
+
+namespace clsdf::test {
+
+inline constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+inline constexpr std::array both_minima{SliceMinimum::one_pass, SliceMinimum::two_passes};
+
+struct Scanned {
+    Field field;
+    TransformStatistics statistics;
+};
+
+/// By slices, counted.
+inline Scanned scan_slices(const Mesh& mesh, const Grid& grid, const Band& band, PapersOptions options = {},
+                           KernelBody body = KernelBody::automatic) {
+    options.scan = Scan::slices;
+    const DistanceTransform transform(test_device(), mesh, {.body = body, .method = papers_method(options)});
+    Scanned result;
+    result.field = transform(grid, band, {.triangle = true}, {.count = true, .statistics = &result.statistics});
+    return result;
+}
+
+inline std::size_t count_of(const TransformStatistics& statistics, const std::string& name) {
+    return statistics.method_counts.at(name).value;
+}
+
+/// No slice is looked at where a piece does not cut it, and none is left out.
+inline void check_intersections(const TransformStatistics& statistics, std::size_t passes = 1) {
+    BOOST_TEST(count_of(statistics, "slice_intersections") == passes * count_of(statistics, "active_pieces"));
+    BOOST_TEST(count_of(statistics, "empty_intersections") == 0U);
+}
+
+}  // namespace clsdf::test
