@@ -10,10 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
-#include <utility>
 
 namespace clsdf {
 
@@ -21,11 +19,6 @@ namespace {
 
 using namespace papers;
 using transform::PreparedMesh;
-
-constexpr std::array<std::pair<Polyhedra, const char*>, 3> polyhedra_names{
-    {{Polyhedra::leaned, "leaned"}, {Polyhedra::peikert_sigg, "peikert-sigg"}, {Polyhedra::mauch, "mauch"}}};
-constexpr std::array<std::pair<Scan, const char*>, 3> scan_names{
-    {{Scan::automatic, "auto"}, {Scan::bricks, "bricks"}, {Scan::slices, "slices"}}};
 
 /// No sample is farther from the mesh than from its box's farthest point.
 double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
@@ -162,28 +155,6 @@ private:
 };
 
 }  // namespace
-
-const char* name_of(Polyhedra polyhedra) {
-    for (const auto& [kind, name] : polyhedra_names)
-        if (kind == polyhedra) return name;
-    return "";
-}
-
-const char* name_of(Scan scan) {
-    for (const auto& [kind, name] : scan_names)
-        if (kind == scan) return name;
-    return "";
-}
-
-Scan resolve_scan(Polyhedra polyhedra, Scan asked) {
-    if (polyhedra == Polyhedra::leaned) return asked == Scan::automatic ? Scan::bricks : asked;
-    if (asked == Scan::bricks)
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("the scan \"bricks\" is for leaned polyhedra: in a brick a triangle would count for "
-                                "samples beyond its {} polyhedron; use the scan \"slices\"",
-                                name_of(polyhedra)));
-    return Scan::slices;
-}
 
 std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
     if (resolve_scan(options.polyhedra, options.scan) == Scan::bricks) return nullptr;

@@ -9,6 +9,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/gap_tests.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mauch.cpp
           ${CMAKE_CURRENT_LIST_DIR}/method.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/names.cpp
           ${CMAKE_CURRENT_LIST_DIR}/peikert_sigg.cpp
           ${CMAKE_CURRENT_LIST_DIR}/pieces.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_launches.cpp

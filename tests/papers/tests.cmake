@@ -18,3 +18,7 @@ foreach(name leaned mauch)
   clsdf_papers_test(slices_${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp ${CMAKE_CURRENT_LIST_DIR}/exact.cpp)
   target_compile_definitions(test_slices_${name} PRIVATE CLSDF_SCANNED=${name})
 endforeach()
+
+# What a command says that is built without clsdf::papers.
+clsdf_test(papers_absent ${CMAKE_CURRENT_LIST_DIR}/absent.cpp)
+target_link_libraries(test_papers_absent PRIVATE clsdf_papers_absent)

@@ -1,0 +1,46 @@
+#include <clsdf/error.hpp>
+#include <clsdf/papers.hpp>
+
+#include <fmt/format.h>
+
+// Replaces the library for a command that is built without the published methods. Leaned polyhedra by bricks are the
+// core's, and need none of them.
+
+namespace clsdf {
+namespace {
+
+[[noreturn]] void refuse(const char* what) {
+    throw Error(ErrorCode::unsupported,
+                fmt::format("this build of clsdf has no {}: it was made without the published methods; configure with "
+                            "-DCLSDF_BUILD_PAPERS=ON and build again",
+                            what));
+}
+
+}  // namespace
+
+std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
+    if (resolve_scan(options.polyhedra, options.scan) == Scan::bricks) return nullptr;
+    refuse(fmt::format("{} polyhedra scanned by slices", name_of(options.polyhedra)).c_str());
+}
+
+Classification classify(const Mesh&) {
+    refuse("classification of edges and vertices");
+}
+
+SaddleReport examine_saddles(const Mesh&) {
+    refuse("examination of saddle vertices");
+}
+
+std::vector<std::uint32_t> triangles_at(const Mesh&, std::uint32_t) {
+    refuse("bounding polyhedra as meshes");
+}
+
+std::vector<BoundingSolid> leaned_solids(const Mesh&, std::span<const std::uint32_t>, double) {
+    refuse("bounding polyhedra as meshes");
+}
+
+std::vector<BoundingSolid> peikert_sigg_solids(const Mesh&, std::span<const std::uint32_t>, double, bool) {
+    refuse("bounding polyhedra as meshes");
+}
+
+}  // namespace clsdf
