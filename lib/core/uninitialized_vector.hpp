@@ -1,16 +1,18 @@
 #pragma once
 
-#include <clsdf/field_array.hpp>
+#include "core/large_memory.hpp"
 
 #include <cstddef>
 #include <new>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace clsdf {
 
-/// As the memory of a field: on huge pages if it is large.
+/// Leaves new elements of plain types uninitialised. The memory is that of a field: on huge pages if it is large.
 template <typename T>
-struct DefaultInitializingAllocator : detail::DefaultInitialization {
+struct DefaultInitializingAllocator {
     static_assert(alignof(T) <= 64);
     using value_type = T;
 
@@ -19,11 +21,17 @@ struct DefaultInitializingAllocator : detail::DefaultInitialization {
     // NOLINTNEXTLINE(google-explicit-constructor): what allocators convert to
     DefaultInitializingAllocator(const DefaultInitializingAllocator<U>&) {}
 
-    T* allocate(std::size_t count) {
-        if (count > std::size_t(-1) / sizeof(T)) throw std::bad_array_new_length();
-        return static_cast<T*>(detail::allocate_field_memory(count * sizeof(T)));
+    T* allocate(std::size_t count) { return static_cast<T*>(allocate_array(count, sizeof(T))); }
+    void deallocate(T* memory, std::size_t count) noexcept { free_array(memory, count, sizeof(T)); }
+
+    template <typename Element>
+    void construct(Element* place) noexcept(std::is_nothrow_default_constructible_v<Element>) {
+        ::new (static_cast<void*>(place)) Element;
     }
-    void deallocate(T* memory, std::size_t count) noexcept { detail::free_field_memory(memory, count * sizeof(T)); }
+    template <typename Element, typename... Arguments>
+    void construct(Element* place, Arguments&&... arguments) {
+        ::new (static_cast<void*>(place)) Element(std::forward<Arguments>(arguments)...);
+    }
 
     template <typename U>
     bool operator==(const DefaultInitializingAllocator<U>&) const {

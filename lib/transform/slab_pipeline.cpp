@@ -11,7 +11,7 @@ namespace clsdf::transform {
 namespace {
 
 /// For exactly so many bytes if it must grow; what it holds is of no use any more.
-void make_room(FieldArray<MemoryLine>& array, std::size_t bytes) {
+void make_room(UninitializedVector<MemoryLine>& array, std::size_t bytes) {
     const std::size_t lines = (bytes + sizeof(MemoryLine) - 1) / sizeof(MemoryLine);
     if (array.capacity() < lines) array = {};
     array.resize(lines);
@@ -125,7 +125,7 @@ void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wan
     HostArrays arrays = wanted;
     try {
         for_each_output(
-            [&](const OutputRow& row, HostArray& array, FieldArray<MemoryLine>& own) {
+            [&](const OutputRow& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
                 make_room(own, array.is_wanted ? slab.sample_count() * row.sample_bytes(array.in_double) : 0);
                 if (array.is_wanted) array.data = own.data()->bytes;
             },
@@ -174,7 +174,9 @@ std::size_t SlabPipeline::host_bytes() const {
     std::size_t bytes = 0;
     for (const Slot& slot : slots_)
         for_each_output(
-            [&](const OutputRow&, const FieldArray<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
+            [&](const OutputRow&, const UninitializedVector<MemoryLine>& own) {
+                bytes += own.capacity() * sizeof(MemoryLine);
+            },
             slot.own_);
     return bytes;
 }

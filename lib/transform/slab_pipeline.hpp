@@ -3,6 +3,7 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "core/per_output.hpp"
+#include "core/uninitialized_vector.hpp"
 #include "device/buffer_pool.hpp"
 #include "transform/finishing.hpp"
 
@@ -80,7 +81,7 @@ public:
         template <typename>
         using MemoryOf = OutputMemory;
         template <typename>
-        using OwnOf = FieldArray<MemoryLine>;
+        using OwnOf = UninitializedVector<MemoryLine>;
 
         HostArrays host_;
         PerOutput<MemoryOf> memory_;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <ranges>
 #include <span>
 #include <string>
 #include <vector>
@@ -103,8 +104,9 @@ inline std::map<std::string, std::string> all_contents(const TemporaryFolder& fo
 }
 
 /// The bytes of the values in the order asked for.
-template <class Value, class Allocator>
-std::string bytes_of(const std::vector<Value, Allocator>& values, std::endian order) {
+template <std::ranges::contiguous_range Array>
+std::string bytes_of(const Array& values, std::endian order) {
+    using Value = std::ranges::range_value_t<Array>;
     std::string bytes;
     for (const Value value : values) {
         std::string one(sizeof(Value), '\0');

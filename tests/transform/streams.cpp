@@ -56,8 +56,8 @@ struct Collected {
         const std::int64_t slices = static_cast<std::int64_t>(field.distance.size()) / (whole.size[0] * whole.size[1]);
         BOOST_REQUIRE((part == whole.part({0, 0, slices}, {whole.size[0], whole.size[1], part.size[2]})));
         BOOST_REQUIRE(values.distance.size() == part.sample_count());
-        field.distance.insert(field.distance.end(), values.distance.begin(), values.distance.end());
-        field.triangle.insert(field.triangle.end(), values.triangle.begin(), values.triangle.end());
+        field.distance.append(values.distance);
+        field.triangle.append(values.triangle);
         ++slabs;
     }
 };
