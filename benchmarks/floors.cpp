@@ -87,7 +87,7 @@ private:
 
 Floors measure_floors(const Device& device) {
     return device::guarded([&] {
-        Bench bench(device.internal());
+        Bench bench(device::context_of(device));
         Floors floors;
         floors.store_bytes_per_second = bench.bytes_per_second("bench_store");
         if (bench.has("bench_store_past_caches"))
@@ -102,8 +102,8 @@ Floors measure_floors(const Device& device) {
 
 Device with_profiling(const Device& device) {
     return device::guarded([&] {
-        const cl::Context& context = device.internal().context();
-        const cl::CommandQueue queue(context, device.internal().device(), CL_QUEUE_PROFILING_ENABLE);
+        const cl::Context& context = device::context_of(device).context();
+        const cl::CommandQueue queue(context, device::context_of(device).device(), CL_QUEUE_PROFILING_ENABLE);
         return Device::from_handles(context(), device.id(), queue());
     });
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/device.hpp>
+
 #include "device/build_records.hpp"
 #include "device/kernel_text.hpp"
 #include "device/opencl.hpp"
@@ -9,6 +11,7 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -111,6 +114,10 @@ private:
     std::set<std::string> tested_;
     mutable std::atomic<bool> lost_ = false;
 };
+
+/// For the library's stages. Throws Error(invalid_argument) if the device was moved from.
+Context& context_of(const Device& device);
+const std::shared_ptr<Context>& shared_context_of(const Device& device);
 
 /// Throws cl::Error.
 Context::Capabilities capabilities_of(const cl::Device& device);

@@ -24,49 +24,52 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
     });
 }
 
-device::Context& Device::internal() const {
-    return held_by(context_, "Device");
+const std::shared_ptr<device::Context>& device::shared_context_of(const Device& device) {
+    held_by(device.context_, "Device");
+    return device.context_;
 }
 
-const std::shared_ptr<device::Context>& Device::shared() const {
-    internal();
-    return context_;
+device::Context& device::context_of(const Device& device) {
+    return *shared_context_of(device);
 }
 
 std::string Device::name() const {
-    return device::guarded([&] { return internal().device().getInfo<CL_DEVICE_NAME>(); });
+    return device::guarded([&] { return device::context_of(*this).device().getInfo<CL_DEVICE_NAME>(); });
 }
 
 std::string Device::platform() const {
-    return device::guarded(
-        [&] { return cl::Platform(internal().device().getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>(); });
+    return device::guarded([&] {
+        return cl::Platform(device::context_of(*this).device().getInfo<CL_DEVICE_PLATFORM>())
+            .getInfo<CL_PLATFORM_NAME>();
+    });
 }
 
 std::string Device::program_cache() const {
-    return internal().cache_folder().string();
+    return device::context_of(*this).cache_folder().string();
 }
 
 std::string Device::record_folder() const {
-    return context_->records().folder().string();
+    return device::context_of(*this).records().folder().string();
 }
 
 void Device::set_program_cache(const std::string& folder) const {
-    internal().set_cache_folder(folder);
+    device::context_of(*this).set_cache_folder(folder);
 }
 
 void Device::forget_tests() const {
-    context_->records().forget(context_->identity());
-    context_->forget_tests();
+    device::Context& context = device::context_of(*this);
+    context.records().forget(context.identity());
+    context.forget_tests();
 }
 
 cl_context Device::context() const {
-    return internal().context()();
+    return device::context_of(*this).context()();
 }
 cl_device_id Device::id() const {
-    return internal().device()();
+    return device::context_of(*this).device()();
 }
 cl_command_queue Device::queue() const {
-    return internal().callers_queue()();
+    return device::context_of(*this).callers_queue()();
 }
 
 }  // namespace clsdf

@@ -22,7 +22,8 @@ std::string size_text(std::size_t bytes) {
 
 }  // namespace
 
-Tracer::Tracer(const Field& field, const TracedSamples& samples, const Device& device) : context_(device.shared()) {
+Tracer::Tracer(const Field& field, const TracedSamples& samples, const Device& device)
+    : context_(device::shared_context_of(device)) {
     const std::size_t bytes = field.grid.sample_count() * sizeof(float);
     const std::size_t most = context_->capabilities().largest_allocation;
     if (bytes > most)

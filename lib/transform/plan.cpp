@@ -15,9 +15,12 @@
 
 namespace clsdf {
 
-Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
-                   transform::Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
-                   const Outputs& outputs_in, const PlanOptions& options, const std::function<void()>& between_launches)
+namespace transform {
+
+PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs,
+                     Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
+                     const Outputs& outputs_in, const PlanOptions& options,
+                     const std::function<void()>& between_launches)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
       inputs(std::move(inputs_in)),
@@ -26,13 +29,13 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
       sign(sign_in),
       outputs(outputs_in) {
     const Stopwatch watch;
-    device::Context& context = device.internal();
-    const Layout layout = transform::layout_of(grid, band, sign);
-    const transform::ShortLaunches launches(context, between_launches);
+    device::Context& context = device::context_of(device);
+    const Layout layout = layout_of(grid, band, sign);
+    const ShortLaunches launches(context, between_launches);
     Stopwatch sign_watch;
-    transform::SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), sign, launches);
+    SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), sign, launches);
     const auto finish_sign = [&] {
-        transform::SignBits signs = sweep.finish();
+        SignBits signs = sweep.finish();
         sign_bits_ = std::move(signs.bits);
         has_large_triangles = signs.has_large_triangles;
         statistics.sign_seconds += sign_watch.seconds();
@@ -44,14 +47,14 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     else
         finish_sign();
     const cl::Buffer sign_bits = waits_once ? sweep.bits() : *sign_bits_;
-    const transform::PreparedMesh& records = *inputs.records;
+    const PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
-        const transform::BrickVariant variant{outputs != Outputs{}, options.count, transform::has_long_bricks(grid)};
+        const BrickVariant variant{outputs != Outputs{}, options.count, has_long_bricks(grid)};
         scan_ = options.method
                     ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
-                    : transform::make_brick_scan(context, programs, pool, layout, records, inputs.points, sign_bits,
-                                                 finishing_ ? &*finishing_ : nullptr, variant, launches);
+                    : make_brick_scan(context, programs, pool, layout, records, inputs.points, sign_bits,
+                                      finishing_ ? &*finishing_ : nullptr, variant, launches);
         if (waits_once) {
             sign_watch = Stopwatch();
             finish_sign();
@@ -71,7 +74,7 @@ Plan::State::State(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     scan_->describe(statistics);
 }
 
-Plan::State::~State() {
+PlanState::~PlanState() {
     const cl::Event& end = last_() != nullptr ? last_ : ready_;
     if (device::has_ended(end)) return;
     const cl_int code = clWaitForEvents(1, &end());
@@ -82,12 +85,12 @@ Plan::State::~State() {
     keep_for_good(inputs);
 }
 
-cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const transform::OutputBuffers& buffers,
-                               const std::vector<cl::Event>& wait_list,
-                               const std::function<void(double)>& between_launches) {
+cl::Event PlanState::enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
+                             const std::vector<cl::Event>& wait_list,
+                             const std::function<void(double)>& between_launches) {
     std::vector<cl::Event> before = wait_list;
     before.push_back(device::has_ended(last_) ? ready_ : last_);  // the run before has the same buffers
-    transform::CommandChain chain(queue, std::move(before));
+    CommandChain chain(queue, std::move(before));
     try {
         scan_->enqueue_begin(chain, buffers);
         before_launches_ = chain.last();
@@ -109,11 +112,11 @@ cl::Event Plan::State::enqueue(const cl::CommandQueue& queue, const transform::O
     return last_;
 }
 
-void Plan::State::read_counters() {
-    scan_->read_counters(device.internal().queue(), statistics);
+void PlanState::read_counters() {
+    scan_->read_counters(device::context_of(device).queue(), statistics);
 }
 
-void Plan::State::read_times(const cl::CommandQueue& queue) {
+void PlanState::read_times(const cl::CommandQueue& queue) {
     if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
     const auto seconds = [](const cl::Event& from, const cl::Event& to) {
         const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();
@@ -123,12 +126,14 @@ void Plan::State::read_times(const cl::CommandQueue& queue) {
     statistics.fill_seconds = seconds(after_launches_, last_);
 }
 
-Plan::Plan(std::unique_ptr<State> state) : state_(std::move(state)) {}
+}  // namespace transform
+
+Plan::Plan(std::unique_ptr<transform::PlanState> state) : state_(std::move(state)) {}
 Plan::Plan(Plan&&) noexcept = default;
 Plan& Plan::operator=(Plan&&) noexcept = default;
 Plan::~Plan() = default;
 
-Plan::State& Plan::state() const {
+transform::PlanState& Plan::state() const {
     return held_by(state_, "Plan");
 }
 
@@ -146,14 +151,14 @@ const TransformStatistics& Plan::statistics() const {
 }
 
 cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
-    State& state = this->state();
+    transform::PlanState& state = this->state();
     return device::guarded([&] {
         const transform::OutputBuffers buffers =
-            transform::device_buffers(targets, state.grid, state.outputs, state.device.internal());
+            transform::device_buffers(targets, state.grid, state.outputs, device::context_of(state.device));
         std::vector<cl::Event> events;
         for (cl_event event : wait_list) events.emplace_back(event, true);
         const cl::CommandQueue target =
-            queue != nullptr ? cl::CommandQueue(queue, true) : state.device.internal().callers_queue();
+            queue != nullptr ? cl::CommandQueue(queue, true) : device::context_of(state.device).callers_queue();
         const cl::Event last = state.enqueue(target, buffers, events, {});
         clRetainEvent(last());
         return last();

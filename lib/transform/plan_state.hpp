@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-namespace clsdf {
+namespace clsdf::transform {
 
 struct PlanOptions {
     bool count = false;  ///< see CallOptions::count
@@ -18,18 +18,18 @@ struct PlanOptions {
 };
 
 /// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
-struct Plan::State {
-    State(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const transform::Programs& programs,
-          transform::Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
-          const Outputs& outputs_in, const PlanOptions& options, const std::function<void()>& between_launches);
+struct PlanState {
+    PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs, Inputs inputs_in,
+              const Grid& grid_in, const Band& band_in, SignRule sign_in, const Outputs& outputs_in,
+              const PlanOptions& options, const std::function<void()>& between_launches);
 
     /// Waits for what is under way: its buffers go back to the pool.
-    ~State();
-    State(const State&) = delete;
-    State& operator=(const State&) = delete;
+    ~PlanState();
+    PlanState(const PlanState&) = delete;
+    PlanState& operator=(const PlanState&) = delete;
 
     /// As Plan::enqueue; `between_launches` (may be empty) is called with the fraction done before each launch.
-    cl::Event enqueue(const cl::CommandQueue& queue, const transform::OutputBuffers& buffers,
+    cl::Event enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
                       const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
 
     /// Reads the counters of the last computation into the statistics, where it was asked for.
@@ -40,21 +40,21 @@ struct Plan::State {
 
     Device device;
     std::shared_ptr<device::BufferPool> pool;
-    transform::Inputs inputs;
+    Inputs inputs;
     Grid grid;
     Band band;
     SignRule sign;
     Outputs outputs;
     TransformStatistics statistics;
-    bool has_large_triangles = false;  ///< see transform::SignBits
+    bool has_large_triangles = false;  ///< see SignBits
 
     /// What nobody else holds: the records are shared.
     std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }
 
 private:
     device::BufferPool::Lease sign_bits_;
-    std::optional<transform::Finishing> finishing_;  ///< if more than the distance is asked for
-    std::unique_ptr<transform::FieldScan> scan_;
+    std::optional<Finishing> finishing_;  ///< if more than the distance is asked for
+    std::unique_ptr<FieldScan> scan_;
     cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
     // Of the latest computation.
     cl::Event before_launches_;
@@ -62,4 +62,4 @@ private:
     cl::Event last_;
 };
 
-}  // namespace clsdf
+}  // namespace clsdf::transform

@@ -80,14 +80,14 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     const KnownField known({test_case.is_wide, test_case.is_signed, test_case.variant.long_bricks, test_case.is_large});
     const SignRule sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
     const Outputs outputs{.triangle = test_case.variant.nearest};
-    device::Context& context = device.internal();
+    device::Context& context = device::context_of(device);
     const cl::CommandQueue& queue = context.queue();
-    const auto pool = std::make_shared<device::BufferPool>(device.shared());
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     Stages stages(context, pool, known.mesh(), test_case.method);
     Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
     if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true);
-    Plan::State plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
-                     {test_case.variant.count, test_case.method}, watch.begins);
+    PlanState plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
+                   {test_case.variant.count, test_case.method}, watch.begins);
     return device::guarded([&] {
         std::vector<float> distance(known.grid().sample_count());
         std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);
@@ -112,7 +112,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
 
 bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
                    const device::BuildWatch& watch) {
-    device::Context& context = device.internal();
+    device::Context& context = device::context_of(device);
     if (context.is_tested(test_case.name())) return false;
     const std::scoped_lock lock(context.test_mutex());
     if (context.is_tested(test_case.name())) return false;

@@ -4,6 +4,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/brick_scan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_group.cpp
           ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/call.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists_by_group.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
@@ -23,4 +24,6 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/slab_pipeline.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slabs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/stages.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/sweep_mesh.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/sweep_mesh.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/transform_state.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/vertices.cpp)

@@ -12,7 +12,7 @@ using device::BufferPool;
 namespace {
 
 std::shared_ptr<BufferPool> new_pool() {
-    return std::make_shared<BufferPool>(Device::best().shared());
+    return std::make_shared<BufferPool>(device::shared_context_of(Device::best()));
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ BOOST_AUTO_TEST_CASE(a_lease_outlives_its_pool_and_ends_on_another_thread) {
 
 BOOST_AUTO_TEST_CASE(more_than_the_device_allocates_at_once_is_refused_by_name) {
     const auto pool = new_pool();
-    const std::size_t largest = Device::best().internal().capabilities().largest_allocation;
+    const std::size_t largest = device::context_of(Device::best()).capabilities().largest_allocation;
     test::check_throws(ErrorCode::out_of_memory,
                        {"coarse lists", std::to_string(largest + 1), std::to_string(largest), "smaller part"},
                        [&] { pool->lease(largest + 1, "coarse lists"); });

@@ -61,8 +61,8 @@ BOOST_AUTO_TEST_CASE(tells_of_every_device_what_its_context_believes) {
             BOOST_TEST(device.id() == info.id);
             BOOST_TEST(device.name() == info.name);
             BOOST_TEST(device.platform() == info.platform);
-            BOOST_TEST(device.internal().capabilities().largest_allocation == info.largest_allocation);
-            BOOST_TEST(device.internal().capabilities().is_processor == (info.kind == DeviceKind::processor));
+            BOOST_TEST(device::context_of(device).capabilities().largest_allocation == info.largest_allocation);
+            BOOST_TEST(device::context_of(device).capabilities().is_processor == (info.kind == DeviceKind::processor));
         }
     }
 }

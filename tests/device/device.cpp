@@ -31,8 +31,8 @@ BOOST_AUTO_TEST_CASE(there_is_a_device) {
     const Device device = Device::best();
     BOOST_TEST(!device.name().empty());
     BOOST_TEST(!device.platform().empty());
-    BOOST_TEST(device.internal().capabilities().compute_units >= 1);
-    BOOST_TEST(device.internal().capabilities().largest_allocation > 0);
+    BOOST_TEST(device::context_of(device).capabilities().compute_units >= 1);
+    BOOST_TEST(device::context_of(device).capabilities().largest_allocation > 0);
 }
 
 BOOST_AUTO_TEST_CASE(the_callers_handles_are_used_as_they_are) {
@@ -61,9 +61,9 @@ BOOST_AUTO_TEST_CASE(a_device_outlives_the_callers_own_references) {
     const Device device = Device::from_handles(callers->context(), callers->device(), callers->queue());
     callers.reset();
     BOOST_TEST(!device.name().empty());
-    const cl::Buffer buffer(device.internal().context(), CL_MEM_READ_WRITE, 64);
-    device.internal().queue().enqueueFillBuffer(buffer, cl_uint{1}, 0, 64);
-    device.internal().queue().finish();
+    const cl::Buffer buffer(device::context_of(device).context(), CL_MEM_READ_WRITE, 64);
+    device::context_of(device).queue().enqueueFillBuffer(buffer, cl_uint{1}, 0, 64);
+    device::context_of(device).queue().finish();
 }
 
 BOOST_AUTO_TEST_CASE(a_null_handle_is_an_error) {
@@ -81,9 +81,9 @@ BOOST_AUTO_TEST_CASE(a_program_is_built_once_for_all_threads) {
     std::vector<cl::Program> programs(4);
     std::vector<std::thread> threads;
     for (cl::Program& program : programs)
-        threads.emplace_back([&] { program = device.internal().program("scan.cl", "-cl-std=CL1.2"); });
+        threads.emplace_back([&] { program = device::context_of(device).program("scan.cl", "-cl-std=CL1.2"); });
     for (std::thread& thread : threads) thread.join();
     for (const cl::Program& program : programs) BOOST_TEST(program() == programs.front()());
-    const cl::Program other = device.internal().program("scan.cl", "-cl-std=CL1.2 -DOTHER");
+    const cl::Program other = device::context_of(device).program("scan.cl", "-cl-std=CL1.2 -DOTHER");
     BOOST_TEST(other() != programs.front()());
 }

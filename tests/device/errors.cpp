@@ -11,14 +11,14 @@ using namespace clsdf;
 
 BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
     const Device device = Device::best();
-    const device::Context& context = device.internal();
+    const device::Context& context = device::context_of(device);
     const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
     std::vector<char> beyond(128);
     test::check_throws(ErrorCode::device_failure, {"clEnqueueReadBuffer", "CL_INVALID_VALUE"}, [&] {
         device::guarded([&] { context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, beyond.size(), beyond.data()); });
     });
     test::check_throws(ErrorCode::device_failure, {"clCreateKernel", "CL_INVALID_KERNEL_NAME"}, [&] {
-        device::guarded([&] { cl::Kernel(device.internal().program("scan.cl", "-cl-std=CL1.2"), "absent"); });
+        device::guarded([&] { cl::Kernel(device::context_of(device).program("scan.cl", "-cl-std=CL1.2"), "absent"); });
     });
 }
 
@@ -35,7 +35,7 @@ BOOST_AUTO_TEST_CASE(an_error_carries_the_code_of_the_call) {
 // As OpenCL spells it, also if the C++ binding does not.
 BOOST_AUTO_TEST_CASE(a_failed_call_has_the_name_that_opencl_gives_it) {
     const Device device = Device::best();
-    const device::Context& context = device.internal();
+    const device::Context& context = device::context_of(device);
     const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
     test::check_throws(ErrorCode::device_failure, {"clEnqueueUnmapMemObject", "CL_INVALID_VALUE"},
                        [&] { device::guarded([&] { context.queue().enqueueUnmapMemObject(buffer, nullptr); }); });
@@ -49,14 +49,14 @@ BOOST_AUTO_TEST_CASE(memory_of_another_context_is_a_failed_call) {
     const cl::Context other(cl::Device(device.id(), true));
     const cl::Buffer foreign(other, CL_MEM_READ_WRITE, 64);
     test::check_throws(ErrorCode::device_failure, {"clEnqueueFillBuffer", "CL_INVALID_CONTEXT"}, [&] {
-        device::guarded([&] { device.internal().queue().enqueueFillBuffer(foreign, cl_uint{0}, 0, 64); });
+        device::guarded([&] { device::context_of(device).queue().enqueueFillBuffer(foreign, cl_uint{0}, 0, 64); });
     });
 }
 
 BOOST_AUTO_TEST_CASE(a_failed_allocation_is_a_lack_of_memory_with_a_remedy) {
     const Device device = Device::best();
     test::check_throws(ErrorCode::out_of_memory, {"clCreateBuffer", "CL_INVALID_BUFFER_SIZE", "smaller part"}, [&] {
-        device::guarded([&] { cl::Buffer(device.internal().context(), CL_MEM_READ_WRITE, 0); });
+        device::guarded([&] { cl::Buffer(device::context_of(device).context(), CL_MEM_READ_WRITE, 0); });
     });
 }
 
@@ -72,7 +72,7 @@ BOOST_AUTO_TEST_CASE(a_kernel_that_does_not_build_is_an_error_with_the_compilers
     test::check_throws(
         ErrorCode::device_failure,
         {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "coarse_lists.cl", "-DLANES=3", device.name(), "floatL"},
-        [&] { device.internal().program("coarse_lists.cl", "-cl-std=CL1.2 -DLANES=3"); });
+        [&] { device::context_of(device).program("coarse_lists.cl", "-cl-std=CL1.2 -DLANES=3"); });
 }
 
 BOOST_AUTO_TEST_CASE(a_kernel_file_that_is_not_there_is_named) {

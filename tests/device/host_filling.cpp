@@ -27,7 +27,7 @@ void fill(const HostFilling& filling, std::size_t bytes, unsigned seed) {
 
 bool is_filled(const Device& device, const BufferPool::Lease& buffer, std::size_t bytes, unsigned seed) {
     std::vector<unsigned char> values(bytes);
-    device.internal().queue().enqueueReadBuffer(*buffer, CL_TRUE, 0, bytes, values.data());
+    device::context_of(device).queue().enqueueReadBuffer(*buffer, CL_TRUE, 0, bytes, values.data());
     for (std::size_t i = 0; i < bytes; ++i)
         if (values[i] != static_cast<unsigned char>((i * 7 + i / 251 + seed) & 255U)) return false;
     return true;
@@ -37,10 +37,10 @@ bool is_filled(const Device& device, const BufferPool::Lease& buffer, std::size_
 
 BOOST_AUTO_TEST_CASE(a_buffer_holds_what_the_host_filled_in_by_either_way) {
     const Device device = Device::best();
-    const auto pool = std::make_shared<BufferPool>(device.shared());
+    const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
     for (const std::size_t bytes : sizes)
         for (const bool in_place : {true, false}) {
-            HostFilling filling(device.internal(), pool, bytes, "test", in_place);
+            HostFilling filling(device::context_of(device), pool, bytes, "test", in_place);
             const unsigned seed = in_place ? 1 : 2;
             fill(filling, bytes, seed);
             BOOST_TEST(is_filled(device, filling.finish(), bytes, seed));
@@ -49,9 +49,9 @@ BOOST_AUTO_TEST_CASE(a_buffer_holds_what_the_host_filled_in_by_either_way) {
 
 BOOST_AUTO_TEST_CASE(a_buffer_of_nothing_is_filled_all_the_same) {
     const Device device = Device::best();
-    const auto pool = std::make_shared<BufferPool>(device.shared());
+    const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
     for (const bool in_place : {true, false}) {
-        HostFilling filling(device.internal(), pool, 0, "test", in_place);
+        HostFilling filling(device::context_of(device), pool, 0, "test", in_place);
         BOOST_TEST((*filling.finish())() != nullptr);
     }
 }
@@ -60,14 +60,14 @@ BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_leaves_its_buffer_to_the_next) {
     const Device device = Device::best();
     for (const std::size_t bytes : sizes)
         for (const bool in_place : {true, false}) {
-            const auto pool = std::make_shared<BufferPool>(device.shared());
+            const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
             const auto fail = [&] {
-                const HostFilling filling(device.internal(), pool, bytes, "test", in_place);
+                const HostFilling filling(device::context_of(device), pool, bytes, "test", in_place);
                 fill(filling, bytes, 3);
                 throw std::runtime_error("halfway");
             };
             BOOST_CHECK_THROW(fail(), std::runtime_error);
-            HostFilling filling(device.internal(), pool, bytes, "test", in_place);
+            HostFilling filling(device::context_of(device), pool, bytes, "test", in_place);
             fill(filling, bytes, 4);
             BOOST_TEST(is_filled(device, filling.finish(), bytes, 4));
             BOOST_TEST(pool->peak() < bytes + 64);
@@ -77,9 +77,9 @@ BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_leaves_its_buffer_to_the_next) {
 // If a larger buffer is needed, the values of the smaller one are copied.
 BOOST_AUTO_TEST_CASE(a_filling_that_is_not_in_place_takes_no_buffer_before_it_ends) {
     const Device device = Device::best();
-    const auto pool = std::make_shared<BufferPool>(device.shared());
-    const HostFilling smaller(device.internal(), pool, 10000, "test", false);
-    HostFilling larger(device.internal(), pool, 20000, "test", false);
+    const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
+    const HostFilling smaller(device::context_of(device), pool, 10000, "test", false);
+    HostFilling larger(device::context_of(device), pool, 20000, "test", false);
     BOOST_TEST(pool->peak() == 0U);
     fill(larger, 20000, 5);
     BOOST_TEST(is_filled(device, larger.finish(), 20000, 5));

@@ -61,7 +61,7 @@ Device device_with(const std::string& folder) {
 /// Whether the program works: the prefix sums of 1, 2, ..., 10.
 bool computes(const Device& device, const cl::Program& program) {
     return device::guarded([&] {
-        const device::Context& context = device.internal();
+        const device::Context& context = device::context_of(device);
         std::vector<cl_uint> values(10);
         std::iota(values.begin(), values.end(), 1U);
         const cl::Buffer in(context.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, values.size() * sizeof(cl_uint),
@@ -88,7 +88,7 @@ Built build(const Device& device, const char* kernel_file, const std::string& wi
     Built built;
     device::BuildWatch watch;
     watch.begins = [&] { built.is_compiled = true; };
-    built.program = device.internal().program(kernel_file, with, watch);
+    built.program = device::context_of(device).program(kernel_file, with, watch);
     return built;
 }
 
@@ -287,14 +287,14 @@ BOOST_AUTO_TEST_CASE(is_not_touched_when_it_is_switched_off) {
     const Variable environment("CLSDF_CACHE_DIR", path_of(folder));
     const Device device = device_with("");
     BOOST_TEST(device.record_folder().empty());
-    BOOST_TEST(computes(device, device.internal().program("scan.cl", options)));
+    BOOST_TEST(computes(device, device::context_of(device).program("scan.cl", options)));
     BOOST_TEST(folder.file_count() == 0U);
 }
 
 // A binary that the driver refuses, although it is the stored one.
 BOOST_AUTO_TEST_CASE(is_mended_where_a_program_in_it_is_none) {
     const TemporaryFolder folder;
-    device_with(path_of(folder)).internal().program("scan.cl", options);
+    device::context_of(device_with(path_of(folder))).program("scan.cl", options);
     const fs::path path = only_program(folder);
     const std::string whole = content_of(path.string());
     // The key lies after the mark and three numbers of eight bytes.
@@ -318,10 +318,10 @@ BOOST_AUTO_TEST_CASE(may_be_write_protected_or_impossible) {
     const std::string file = folder.file("file", "no folder");
     for (const std::string& place : {file, std::string("/proc/clsdf")}) {
         const Device device = device_with(place);
-        BOOST_TEST(computes(device, device.internal().program("scan.cl", options)));
+        BOOST_TEST(computes(device, device::context_of(device).program("scan.cl", options)));
     }
     // Root may write all the same; the file is used in either case.
-    device_with(folder.file("protected")).internal().program("scan.cl", options);
+    device::context_of(device_with(folder.file("protected"))).program("scan.cl", options);
     fs::permissions(folder.file("protected"), fs::perms::owner_read | fs::perms::owner_exec);
     const Device device = device_with(folder.file("protected"));
     BOOST_TEST(!build(device, "scan.cl").is_compiled);

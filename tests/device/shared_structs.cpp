@@ -125,7 +125,7 @@ BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
     const Device device = Device::best();
     std::vector<cl_uint> found(agreements.size());
     device::guarded([&] {
-        const device::Context& context = device.internal();
+        const device::Context& context = device::context_of(device);
         cl::Program program(context.context(), text);
         program.build(context.device(), "-cl-std=CL1.2");
         const std::size_t bytes = found.size() * sizeof(cl_uint);
@@ -156,7 +156,7 @@ BOOST_AUTO_TEST_CASE(a_layout_arrives_on_the_device_as_it_was_sent) {
     const Device device = Device::best();
     std::vector<float> found(5);
     device::guarded([&] {
-        const device::Context& context = device.internal();
+        const device::Context& context = device::context_of(device);
         cl::Program program(context.context(), text);
         program.build(context.device(), "-cl-std=CL1.2");
         const cl::Buffer buffer(context.context(), CL_MEM_WRITE_ONLY, found.size() * sizeof(float));

@@ -188,8 +188,9 @@ BOOST_AUTO_TEST_CASE(vectors_are_masked_and_packed_alike_with_and_without_instru
     const Device device = Device::best();
     const std::string helpers = device::kernel_text("brick_lists.h") + every_mask;
     for (const unsigned lanes : {8U, 16U}) BOOST_TEST_CONTEXT(lanes << " lanes") {
-            BOOST_TEST_CONTEXT("as the compiler is") check_every_mask(device.internal(), helpers, lanes);
-            BOOST_TEST_CONTEXT("in plain OpenCL C") check_every_mask(device.internal(), forget + helpers, lanes);
+            BOOST_TEST_CONTEXT("as the compiler is") check_every_mask(device::context_of(device), helpers, lanes);
+            BOOST_TEST_CONTEXT("in plain OpenCL C")
+            check_every_mask(device::context_of(device), forget + helpers, lanes);
         }
 }
 
@@ -197,9 +198,10 @@ BOOST_AUTO_TEST_CASE(distances_by_table_are_those_of_the_triangle_with_and_witho
     const Device device = Device::best();
     const std::string helpers = device::kernel_text("edge_tables.h") + distances_by_table;
     for (const unsigned lanes : {8U, 16U}) BOOST_TEST_CONTEXT(lanes << " lanes") {
-            BOOST_TEST_CONTEXT("as the compiler is") check_distances_by_table(device.internal(), helpers, lanes);
+            BOOST_TEST_CONTEXT("as the compiler is")
+            check_distances_by_table(device::context_of(device), helpers, lanes);
             BOOST_TEST_CONTEXT("in plain OpenCL C")
-            check_distances_by_table(device.internal(), forget + helpers, lanes);
+            check_distances_by_table(device::context_of(device), forget + helpers, lanes);
         }
 }
 
@@ -208,5 +210,5 @@ BOOST_AUTO_TEST_CASE(kernels_of_vectors_are_plain_opencl_c_where_the_compiler_ha
     for (const char* file : {"scan.cl", "coarse_lists.cl", "sign_sweep.cl", "bricks_by_vector.cl", "fill.cl"})
         for (const unsigned lanes : {8U, 16U})
             BOOST_CHECK_NO_THROW(
-                device::guarded([&] { build(device.internal(), forget + device::kernel_text(file), lanes); }));
+                device::guarded([&] { build(device::context_of(device), forget + device::kernel_text(file), lanes); }));
 }

@@ -32,7 +32,7 @@ Band band() {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(the_device_is_a_gpu_with_memory_of_its_own) {
-    const device::Context& context = test_device().internal();
+    const device::Context& context = device::context_of(test_device());
     BOOST_REQUIRE(disguise::counts().all_calls > 0U);  // else the library is not between this program and the loader
     BOOST_TEST(!context.capabilities().is_processor);
     BOOST_TEST(context.capabilities().float_width == 1U);
@@ -124,7 +124,8 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
     BOOST_TEST(counts.bytes_up == 0U);
     BOOST_TEST(counts.bytes_down == 0U);
     second.wait();
-    BOOST_TEST((memory.read(test_device().internal().queue()) == bits_of(compute(mesh(), grid(), band()).distance)));
+    BOOST_TEST(
+        (memory.read(device::context_of(test_device()).queue()) == bits_of(compute(mesh(), grid(), band()).distance)));
 }
 
 // The call that fails is named, and the plan computes the same field afterwards.
@@ -132,8 +133,8 @@ BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) 
     DistanceTransform transform(test_device(), mesh());
     Plan plan = transform.plan(grid(), band());
     const DeviceMemory memory(test_device().context(), grid().sample_count());
-    const cl::CommandQueue queue(test_device().internal().context(), test_device().internal().device(),
-                                 CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+    const cl::CommandQueue queue(device::context_of(test_device()).context(),
+                                 device::context_of(test_device()).device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
     disguise::restart();
     cl::Event(plan.enqueue(queue(), {.distance = memory.handle()})).wait();
     const std::uint64_t calls = disguise::counts().all_calls - 1;  // without the wait

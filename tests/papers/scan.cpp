@@ -192,7 +192,7 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_blocks_nor_depends_on_the_queue) {
                                                    TransformOptions{.method = papers_method(options)});
         Plan plan = transform->plan(grid, band, {.triangle = true});
         transform.reset();
-        const device::Context& context = test_device().internal();
+        const device::Context& context = device::context_of(test_device());
         for (const cl_command_queue_properties properties :
              {cl_command_queue_properties{0}, cl_command_queue_properties{CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE}}) {
             const cl::CommandQueue queue(context.context(), context.device(), properties);

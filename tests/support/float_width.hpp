@@ -8,11 +8,11 @@ namespace clsdf::test {
 
 /// The tests' device, if its vectors had so many floats.
 inline Device with_float_width(unsigned width) {
-    const device::Context& own = test_device().internal();
+    const device::Context& own = device::context_of(test_device());
     const cl::CommandQueue queue(own.context(), own.device());
     Device device = Device::from_handles(own.context()(), own.device()(), queue());
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other processor is at hand
-    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).float_width = width;
+    const_cast<device::Context::Capabilities&>(device::context_of(device).capabilities()).float_width = width;
     return device;
 }
 

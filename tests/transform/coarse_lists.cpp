@@ -57,9 +57,9 @@ std::size_t place_of_cap(const Layout& layout, const Index3& brick) {
 }
 
 Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
-    device::Context& context = device.internal();
+    device::Context& context = device::context_of(device);
     const transform::Programs programs(context, body);
-    const auto pool = std::make_shared<device::BufferPool>(device.shared());
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     Coarse found{transform::layout_of(grid, band, SignRule::nonzero), {}, {}, {}};
     const Layout& layout = found.layout;
     transform::Stages stages(context, pool, mesh);

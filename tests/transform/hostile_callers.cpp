@@ -41,7 +41,7 @@ BOOST_AUTO_TEST_CASE(a_device_whose_queue_is_out_of_order_computes_the_same_byte
     const Grid grid = grid_around(mesh, 64, 6);
     const Band band = Band::symmetric(5 * grid.voxel());
     const Field expected = compute(mesh, grid, band);
-    const device::Context& context = test_device().internal();
+    const device::Context& context = device::context_of(test_device());
     const cl::CommandQueue queue(context.context(), context.device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
     const Device device = Device::from_handles(context.context()(), context.device()(), queue());
     DistanceTransform transform(device, mesh);
@@ -50,7 +50,7 @@ BOOST_AUTO_TEST_CASE(a_device_whose_queue_is_out_of_order_computes_the_same_byte
 }
 
 BOOST_AUTO_TEST_CASE(a_queue_of_another_context_is_refused) {
-    const device::Context& context = test_device().internal();
+    const device::Context& context = device::context_of(test_device());
     const cl::Context other(context.device());
     const cl::CommandQueue queue(other, context.device());
     check_throws(ErrorCode::invalid_argument, {"another context"},

@@ -13,7 +13,7 @@ namespace {
 Device with_launches_of(double seconds) {
     Device device = Device::best();
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): work that takes long would take long to test
-    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).launch_seconds = seconds;
+    const_cast<device::Context::Capabilities&>(device::context_of(device).capabilities()).launch_seconds = seconds;
     return device;
 }
 

@@ -33,7 +33,7 @@ Band band() {
 
 /// A queue of the caller's on the tests' device.
 cl::CommandQueue callers_queue(cl_command_queue_properties properties = 0) {
-    const device::Context& context = test_device().internal();
+    const device::Context& context = device::context_of(test_device());
     return {context.context(), context.device(), properties};
 }
 
@@ -84,7 +84,7 @@ BOOST_AUTO_TEST_CASE(a_plan_waits_for_the_callers_events) {
     for (const cl_command_queue_properties properties : queue_kinds) {
         const Memory memory;
         const cl::CommandQueue queue = callers_queue(properties);
-        cl::UserEvent begin(test_device().internal().context());
+        cl::UserEvent begin(device::context_of(test_device()).context());
         const cl_event wait_list[] = {begin()};
         // Returns although nothing can begin: it does not block.
         const cl::Event end(plan.enqueue(queue(), memory.outputs(), wait_list));

@@ -28,7 +28,7 @@ Device with_limit(const char* variable, std::size_t bytes) {
 /// The tests' device with a largest allocation of this many bytes.
 Device with_largest_allocation(std::size_t bytes) {
     Device device = with_limit("CLSDF_MAX_ALLOCATION", bytes);
-    BOOST_REQUIRE(device.internal().capabilities().largest_allocation == bytes);
+    BOOST_REQUIRE(device::context_of(device).capabilities().largest_allocation == bytes);
     return device;
 }
 

@@ -247,7 +247,7 @@ BOOST_AUTO_TEST_CASE(every_sample_of_a_slender_polyhedron_has_its_distance_and_n
             for (std::uint64_t n = 0; n < 4; ++n) {
                 BOOST_TEST_CONTEXT("size " << c.size << ", half width " << c.half_width << ", " << lanes
                                            << " lanes, seed " << seed + n) {
-                    BOOST_TEST(check_scan(device.internal(), lanes, c, seed + n) > c.count / 2);
+                    BOOST_TEST(check_scan(device::context_of(device), lanes, c, seed + n) > c.count / 2);
                 }
             }
 }

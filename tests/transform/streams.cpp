@@ -95,7 +95,7 @@ BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
     const Field whole = compute(mesh(), grid, band_on(grid), KernelBody::by_group);
     const Device device = small_device(grid);
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other device is at hand
-    const_cast<device::Context::Capabilities&>(device.internal().capabilities()).is_processor = false;
+    const_cast<device::Context::Capabilities&>(device::context_of(device).capabilities()).is_processor = false;
     DistanceTransform transform(device, mesh());
     TransformStatistics statistics;
     BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), {.triangle = true}, {.statistics = &statistics})));

@@ -14,9 +14,12 @@ typedef struct _cl_command_queue* cl_command_queue;
 
 namespace clsdf {
 
+class Device;
+
 namespace device {
 class Context;
-}
+const std::shared_ptr<Context>& shared_context_of(const Device& device);
+}  // namespace device
 
 enum class DeviceKind { gpu, processor, accelerator, other };
 
@@ -96,11 +99,8 @@ public:
     /// a process are tried again.
     void forget_tests() const;
 
-    /// For the library's own stages.
-    device::Context& internal() const;
-    const std::shared_ptr<device::Context>& shared() const;
-
 private:
+    friend const std::shared_ptr<device::Context>& device::shared_context_of(const Device& device);
     explicit Device(std::shared_ptr<device::Context> context) : context_(std::move(context)) {}
 
     /// With a context and a queue of its own. Throws the exceptions of OpenCL's C++ binding.

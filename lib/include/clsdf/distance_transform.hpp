@@ -124,14 +124,16 @@ struct SlabOptions {
     bool overlap = true;
 };
 
+namespace transform {
+struct PlanState;
+}
+
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
 /// Holds its own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued.
 /// One thread at a time. Once moved from, every member but assignment and the destructor throws
 /// Error(invalid_argument).
 class CLSDF_EXPORT Plan {
 public:
-    struct State;
-    explicit Plan(std::unique_ptr<State> state);
     Plan(Plan&&) noexcept;
     Plan& operator=(Plan&&) noexcept;
     ~Plan();
@@ -149,8 +151,10 @@ public:
     const TransformStatistics& statistics() const;
 
 private:
-    State& state() const;
-    std::unique_ptr<State> state_;
+    friend class DistanceTransform;
+    explicit Plan(std::unique_ptr<transform::PlanState> state);
+    transform::PlanState& state() const;
+    std::unique_ptr<transform::PlanState> state_;
 };
 
 /// What a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses again.

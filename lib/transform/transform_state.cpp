@@ -1,0 +1,189 @@
+#include "transform/transform_state.hpp"
+
+#include "core/keep.hpp"
+#include "core/stopwatch.hpp"
+#include "transform/coarse_lists.hpp"
+#include "transform/field_method.hpp"
+#include "transform/layout_of.hpp"
+#include "transform/sweep_mesh.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace clsdf {
+
+namespace {
+
+/// For the grids of a time step. More would keep the memory that the next one needs.
+constexpr std::size_t most_plans = 4;
+
+}  // namespace
+
+bool DistanceTransform::State::KeptPlan::fits(const Grid& grid, const Band& band, const Outputs& outputs,
+                                              bool counts) const {
+    return plan->grid == grid && plan->band.inside == band.inside && plan->band.outside == band.outside &&
+           plan->outputs == outputs && count == counts;
+}
+
+DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call)
+    : device(std::move(device_in)),
+      options(std::move(options_in)),
+      topology(describe_topology(mesh)),
+      vertices(mesh, topology.coincident_vertices > 0),
+      programs(build_programs(call)),
+      pool(std::make_shared<device::BufferPool>(device::shared_context_of(device))) {
+    const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
+    sign = resolved.rule;
+    if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
+    stages = std::make_unique<transform::Stages>(device::context_of(device), pool, std::move(mesh), options.method);
+}
+
+DistanceTransform::State::~State() {
+    if (device::context_of(device).is_lost())
+        keep_for_good(stages);  // whose mesh the device reads where the host has it
+}
+
+transform::Programs DistanceTransform::State::build_programs(const CallOptions& call) {
+    transform::throw_if_stopped(call);
+    const Stopwatch watch;
+    transform::TestCase any;
+    any.method = options.method;
+    transform::Compiling compiling(call, options.log);
+    transform::Programs result = device::guarded([&] {
+        return transform::Programs(device::context_of(device), options.body,
+                                   compiling.watch(transform::step_count(any)));
+    });
+    compile_seconds = watch.seconds();
+    return result;
+}
+
+void DistanceTransform::State::move(std::span<const Vec3> positions) {
+    const std::scoped_lock lock(mutex);
+    move_vertices(vertices.moved(mesh(), positions));
+}
+
+void DistanceTransform::State::move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    const std::scoped_lock lock(mutex);
+    move_vertices(transform::Vertices::moved(first_positions.empty() ? mesh().vertices() : first_positions, rotation,
+                                             translation));
+}
+
+void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
+    std::vector<Vec3> before;
+    if (first_positions.empty()) before = mesh().vertices();
+    stages->move(std::move(positions));
+    if (first_positions.empty()) first_positions = std::move(before);
+    plans.clear();
+}
+
+transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band, const Outputs& outputs,
+                                                           bool count) const {
+    const Layout layout = transform::layout_of(grid, band, sign);
+    transform::TestCase test_case;
+    test_case.body = programs.body;
+    test_case.variant = {outputs != Outputs{}, count, transform::has_long_bricks(grid)};
+    test_case.is_signed = sign != SignRule::none;
+    if (options.method)
+        test_case.method = device::guarded(
+            [&] { return options.method->tested_as(device::context_of(device), layout, test_case.variant); });
+    else
+        test_case.is_wide = !transform::has_uniform_caps(layout);
+    return test_case;
+}
+
+bool DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
+    if (device::context_of(device).is_tested(test_case.name())) return false;
+    const Stopwatch watch;
+    const bool is_tested_here =
+        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
+    compiling.first_use |= is_tested_here;
+    compiling.seconds += watch.seconds();
+    return is_tested_here;
+}
+
+bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
+                                       transform::Compiling& compiling) const {
+    if (options.method) options.method->check_outputs(outputs);
+    transform::TestCase test_case = test_case_of(grid, band, outputs, count);
+    transform::TestCase large = test_case;
+    large.is_large = true;
+    // It runs all that the other one runs.
+    if (device::context_of(device).is_tested(large.name())) return false;
+    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
+}
+
+transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
+    try {
+        return make_inputs(grid, band, outputs);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
+    }
+    return make_inputs(grid, band, outputs);
+}
+
+transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
+    transform::Inputs inputs = stages->inputs(grid, transform::layout_of(grid, band, sign), sign);
+    if (outputs == Outputs{} || options.method) return inputs;
+    inputs.sites = stages->sites(outputs.gradient);
+    inputs.is_inside_out = topology.balanced && inputs.sites->encloses_negative_volume;
+    return inputs;
+}
+
+std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(transform::Inputs inputs, const Grid& grid,
+                                                                          const Band& band, const Outputs& outputs,
+                                                                          const CallOptions& call,
+                                                                          transform::Compiling& compiling) {
+    auto plan = std::make_unique<transform::PlanState>(device, pool, programs, std::move(inputs), grid, band, sign,
+                                                       outputs, transform::PlanOptions{call.count, options.method},
+                                                       [&call] { transform::throw_if_stopped(call); });
+    // Only the sweep sees whether triangles are large.
+    if (plan->has_large_triangles) {
+        transform::TestCase large = test_case_of(grid, band, outputs, call.count);
+        large.is_large = true;
+        test(large, compiling);
+    }
+    pool->trim();
+    return plan;
+}
+
+std::unique_ptr<transform::PlanState> DistanceTransform::State::take_plan(const Grid& grid, const Band& band,
+                                                                          const Outputs& outputs, bool count) {
+    const auto found = std::find_if(plans.begin(), plans.end(),
+                                    [&](const KeptPlan& kept) { return kept.fits(grid, band, outputs, count); });
+    if (found == plans.end()) return nullptr;
+    std::unique_ptr<transform::PlanState> plan = std::move(found->plan);
+    plans.erase(found);
+    // What its set-up took belongs to the call that made it.
+    plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
+    return plan;
+}
+
+void DistanceTransform::State::keep(std::unique_ptr<transform::PlanState> plan, bool count) {
+    if (!options.method) plans.push_front({count, std::move(plan)});
+    plan.reset();
+    if (plans.size() > most_plans) plans.pop_back();
+    const std::size_t budget = options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
+    const std::size_t lattices = stages->device_bytes();
+    std::size_t bytes = lattices;
+    for (auto kept = plans.begin(); kept != plans.end();) {
+        bytes += kept->plan->own_bytes();
+        kept = bytes > budget ? plans.erase(kept) : std::next(kept);
+    }
+    if (lattices > budget) stages->keep_within(budget);
+}
+
+bool DistanceTransform::State::forget() {
+    const bool is_kept = !plans.empty() || stages->device_bytes() > 0;
+    plans.clear();
+    stages->keep_within(0);
+    pool->release();
+    return is_kept;
+}
+
+void DistanceTransform::State::report(const transform::Compiling& compiling, TransformStatistics& statistics) {
+    statistics.compile_seconds = compiling.seconds + std::exchange(compile_seconds, 0);
+    statistics.first_use = std::exchange(first_use, false) || compiling.first_use;
+}
+
+}  // namespace clsdf

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "transform/call.hpp"
+#include "transform/plan_state.hpp"
+#include "transform/programs.hpp"
+#include "transform/requests.hpp"
+#include "transform/self_test.hpp"
+#include "transform/slab_pipeline.hpp"
+#include "transform/stages.hpp"
+#include "transform/vertices.hpp"
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+namespace clsdf {
+
+/// What a transform has: its mesh and what follows from it, programs, and plans of earlier calls.
+struct DistanceTransform::State {
+    /// A plan of an earlier call, which the next call of the same kind takes.
+    struct KeptPlan {
+        bool count;
+        std::unique_ptr<transform::PlanState> plan;
+
+        bool fits(const Grid& grid, const Band& band, const Outputs& outputs, bool counts) const;
+    };
+
+    State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call);
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State();
+
+    const Mesh& mesh() const { return stages->mesh(); }
+
+    void move(std::span<const Vec3> positions);
+    void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
+
+    /// Builds and tests, the first time, what such a computation runs on the device.
+    bool compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
+                 transform::Compiling& compiling) const;
+
+    transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs);
+    std::unique_ptr<transform::PlanState> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
+                                                    const Outputs& outputs, const CallOptions& call,
+                                                    transform::Compiling& compiling);
+    /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
+    std::unique_ptr<transform::PlanState> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
+                                                    bool count);
+    /// Keeps a plan for the next call, and what it and others are made of, within the budget.
+    void keep(std::unique_ptr<transform::PlanState> plan, bool count);
+    /// Releases what is kept for later calls. Returns whether there was something.
+    bool forget();
+
+    /// Adds what was spent on programs and no computation has reported yet.
+    void report(const transform::Compiling& compiling, TransformStatistics& statistics);
+
+    /// Into packed arrays or, if some have strides, by way of slabs.
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostTargets& targets,
+                 const CallOptions& call);
+
+    /// The block of a batch, slab by slab, of which each request takes its own.
+    void compute(const transform::Batch& batch, std::span<const Request> requests,
+                 std::span<const transform::HostTargets> targets, const CallOptions& call);
+
+    /// Slab by slab, into the arrays or, if not in place, to the sink.
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
+                 bool in_place, std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
+
+    // What was spent on programs and no computation has reported yet.
+    double compile_seconds = 0;
+    bool first_use = false;
+    Device device;
+    TransformOptions options;
+    Topology topology;
+    SignRule sign = SignRule::none;
+    transform::Vertices vertices;
+    transform::Programs programs;
+    std::shared_ptr<device::BufferPool> pool;
+
+    std::mutex mutex;  // for what follows, and for the work on the device
+    std::unique_ptr<transform::Stages> stages;
+    std::list<KeptPlan> plans;          // that was used last first
+    std::vector<Vec3> first_positions;  // of the transform's mesh, from the first move on
+
+private:
+    transform::Programs build_programs(const CallOptions& call);
+    /// Of the transform's own mesh.
+    void move_vertices(std::vector<Vec3> positions);
+    transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
+    bool test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
+    transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs);
+
+    /// The samples of one slab. Its progress runs from `begin` to `end`.
+    void compute(transform::PlanState& plan, const transform::SlabPipeline::Slot& slot, double begin, double end,
+                 const CallOptions& call) const;
+};
+
+}  // namespace clsdf

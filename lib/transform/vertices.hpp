@@ -1,0 +1,36 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// The vertices of the caller's mesh as a transform has them: those of equal coordinates count as one. Edges between
+/// vertices that are equal but not one would be open ones: exact, but slow.
+class Vertices {
+public:
+    /// Unites what is equal, and leaves out what no triangle uses, if anything is equal (`are_equal`).
+    Vertices(Mesh& mesh, bool are_equal);
+
+    /// New positions of the transform's mesh from those of the caller's. Throws Error(invalid_argument) if their number
+    /// is another one, or if vertices that count as one move apart.
+    std::vector<Vec3> moved(const Mesh& mesh, std::span<const Vec3> positions) const;
+
+    /// New positions R x + t from the first ones, x, of the transform's mesh; see DistanceTransform::move(). Throws
+    /// Error(invalid_argument) if R is no rotation.
+    static std::vector<Vec3> moved(std::span<const Vec3> first, const std::array<Vec3, 3>& rotation,
+                                   const Vec3& translation);
+
+private:
+    std::size_t count_;                  // of the caller's mesh
+    std::vector<std::uint32_t> welded_;  // of each of them its index here, or no_vertex; empty if they are the same
+
+    static constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
+};
+
+}  // namespace clsdf::transform
