@@ -160,7 +160,7 @@ BOOST_AUTO_TEST_CASE(are_drawn_of_the_strangest_fields) {
         for (const Band& band : {Band::full(), Band::symmetric(1), Band{0, 1}, Band{1, 0}, Band{0, 0}}) {
             BOOST_TEST_CONTEXT("value " << value << ", band " << band.inside << ", " << band.outside) {
                 field.band = band;
-                field.distance = FieldArray<float>(12, value);
+                field.distance = clsdf::FieldArray<float>(12, value);
                 draw(field);
                 field.distance[4] = -1;
                 draw(field);
