@@ -1,6 +1,6 @@
 #include "bench.hpp"
-#include "output.hpp"
-#include "suggestion.hpp"
+#include "option_values.hpp"
+#include "report.hpp"
 
 #include "benchmarks/papers.hpp"
 

@@ -1,5 +1,5 @@
 #include "bench.hpp"
-#include "output.hpp"
+#include "report.hpp"
 
 #include "benchmarks/machine.hpp"
 

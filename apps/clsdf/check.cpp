@@ -1,7 +1,6 @@
 #include "command.hpp"
 #include "option_values.hpp"
-#include "output.hpp"
-#include "standard_streams.hpp"
+#include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>

@@ -1,11 +1,11 @@
 #include "command_line.hpp"
 
+#include "commit.hpp"
 #include "option_values.hpp"
-#include "output.hpp"
-#include "standard_streams.hpp"
+#include "report.hpp"
 #include "subcommands.hpp"
-#include "suggestion.hpp"
-#include "version_text.hpp"
+
+#include <clsdf/version.hpp>
 
 #include <fmt/format.h>
 
@@ -80,9 +80,22 @@ Error usage_error(const CLI::App& program, const CLI::ParseError& error) {
                         chosen.empty() ? "" : chosen.front()->get_name() + ' ')};
 }
 
+/// "clsdf 0.1.0", with the commit if the sources were under version control, and the libraries of the build.
+std::string version_text() {
+    const std::string commit = CLSDF_COMMIT;
+    return fmt::format(
+        "clsdf {}{}\nbuilt with {} {}, CGAL {}, Eigen {}, cairo {}\n\"clsdf devices\" lists the OpenCL drivers.",
+        clsdf::version(), commit.empty() ? "" : " (" + commit + ")", CLSDF_COMPILER, CLSDF_COMPILER_VERSION,
+        CLSDF_CGAL_VERSION, CLSDF_EIGEN_VERSION, CLSDF_CAIRO_VERSION);
+}
+
 bool takes_a_file(const CLI::Option& option) {
     const std::string takes = option.get_positional() ? option.get_name(true) : option.get_type_name();
     return takes == "MESH" || takes == "FIELD" || takes == "PICTURE" || takes == "FILE";
+}
+
+void print_page(const CLI::App& parser, const std::string& name) {
+    print_result(parser.get_formatter()->make_help(&parser, name, CLI::AppFormatMode::Normal));
 }
 
 }  // namespace
@@ -145,4 +158,31 @@ ExitStatus CommandLine::run(int argument_count, char** arguments) {
     for (const Command& command : commands_)
         if (command.parser->parsed()) return command.run(report_);
     return ExitStatus::usage;
+}
+
+Command add_help(CLI::App& program) {
+    const auto name = std::make_shared<std::string>();
+    CLI::App* parser = program.add_subcommand("help", "Print the help page of a subcommand");
+    parser->add_option("SUBCOMMAND", *name, "the subcommand; without one, the page that lists them");
+    parser->footer(
+        "Examples:\n"
+        "  clsdf help compute\n"
+        "  clsdf help");
+    return {parser, [&program, name](Report&) {
+                if (name->empty()) {
+                    print_page(program, "clsdf");
+                    return ExitStatus::done;
+                }
+                std::vector<std::string> names;
+                for (const CLI::App* subcommand : program.get_subcommands([](const CLI::App*) { return true; })) {
+                    if (subcommand->get_group().empty()) continue;
+                    names.push_back(subcommand->get_name());
+                    if (names.back() != *name) continue;
+                    print_page(*subcommand, "clsdf " + *name);
+                    return ExitStatus::done;
+                }
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("unknown subcommand {}{}\n\"clsdf --help\" lists the subcommands.", *name,
+                                        did_you_mean(nearest_word(*name, names))));
+            }};
 }

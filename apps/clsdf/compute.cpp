@@ -1,9 +1,7 @@
+#include "compute.hpp"
 #include "command.hpp"
-#include "compute_options.hpp"
-#include "compute_report.hpp"
-#include "device_option.hpp"
+#include "devices.hpp"
 #include "interruption.hpp"
-#include "prepare.hpp"
 #include "progress_bar.hpp"
 
 #include "core/stopwatch.hpp"

@@ -1,6 +1,6 @@
-#include "compute_options.hpp"
+#include "compute.hpp"
 
-#include "device_option.hpp"
+#include "devices.hpp"
 #include "option_values.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
-#include "compute_report.hpp"
+#include "compute.hpp"
 
-#include "output.hpp"
-#include "standard_streams.hpp"
+#include "report.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-#include "description.hpp"
+#include "documents.hpp"
 
-#include "exit_status.hpp"
+#include "report.hpp"
 
 #include <clsdf/mesh.hpp>
 

@@ -1,5 +1,5 @@
 #include "command.hpp"
-#include "standard_streams.hpp"
+#include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>

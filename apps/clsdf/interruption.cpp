@@ -1,7 +1,6 @@
 #include "interruption.hpp"
 
 #include "report.hpp"
-#include "standard_streams.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/io.hpp>

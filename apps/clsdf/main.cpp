@@ -1,6 +1,6 @@
 #include "command_line.hpp"
 #include "interruption.hpp"
-#include "standard_streams.hpp"
+#include "report.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -1,7 +1,7 @@
-#include "manual.hpp"
+#include "documents.hpp"
 
 #include "commit.hpp"
-#include "exit_status.hpp"
+#include "report.hpp"
 
 #include <clsdf/version.hpp>
 

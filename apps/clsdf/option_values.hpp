@@ -1,13 +1,21 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <clsdf/error.hpp>
 #include <clsdf/grid.hpp>
+
+#include <CLI/CLI.hpp>
 
 #include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <vector>
+
+/// The known word that was probably meant: one that begins with the word, or else the nearest one. Empty if none is
+/// near.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& known);
+
+/// "; did you mean WORD?", or nothing if there is no word.
+std::string did_you_mean(const std::string& word);
 
 // An option's type name, or an argument's name, states its values. Small letters are literal, "x|y|z"; capitals are
 // placeholders. MESH, FIELD, PICTURE and FILE are files with the endings that the description names: "the mesh: .off,

@@ -1,6 +1,6 @@
 #include "progress_bar.hpp"
 
-#include "standard_streams.hpp"
+#include "report.hpp"
 
 #include <fmt/format.h>
 

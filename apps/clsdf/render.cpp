@@ -1,9 +1,9 @@
 #include "command.hpp"
-#include "device_option.hpp"
+#include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
-#include "output.hpp"
 #include "progress_bar.hpp"
+#include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>

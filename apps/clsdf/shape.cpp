@@ -1,6 +1,6 @@
 #include "command.hpp"
 #include "interruption.hpp"
-#include "output.hpp"
+#include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>

@@ -1,8 +1,8 @@
 #include "command.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
-#include "output.hpp"
 #include "progress_bar.hpp"
+#include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>

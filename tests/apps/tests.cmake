@@ -5,8 +5,7 @@ if(TARGET clsdf_command)
   list(TRANSFORM sources APPEND .cpp)
   clsdf_test(command ${sources})
   target_link_libraries(test_command PRIVATE clsdf::papers)
-  clsdf_test(command_lengths ${CMAKE_CURRENT_LIST_DIR}/lengths.cpp ${PROJECT_SOURCE_DIR}/apps/clsdf/option_values.cpp
-             ${PROJECT_SOURCE_DIR}/apps/clsdf/suggestion.cpp)
+  clsdf_test(command_lengths ${CMAKE_CURRENT_LIST_DIR}/lengths.cpp ${PROJECT_SOURCE_DIR}/apps/clsdf/option_values.cpp)
   target_include_directories(test_command_lengths PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/apps/clsdf)
   target_link_libraries(test_command_lengths PRIVATE CLI11::CLI11)
   # Compiles kernels for caches of its own, again and again.

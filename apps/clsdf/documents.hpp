@@ -45,3 +45,22 @@ struct ProgramDescription {
 };
 
 ProgramDescription describe(const CLI::App& program);
+
+/// A manual page, in the macros of man(7).
+struct ManualPage {
+    std::string file;  ///< "clsdf-compute.1"
+    std::string text;
+};
+
+/// One page for the program and one for each subcommand.
+std::vector<ManualPage> manual_pages(const ProgramDescription& description);
+
+/// Scripts that complete subcommands, options, words and names of files: the files "clsdf", "_clsdf" and "clsdf.fish"
+/// in the shells' folders.
+std::string bash_completion(const ProgramDescription& description);
+std::string zsh_completion(const ProgramDescription& description);
+std::string fish_completion(const ProgramDescription& description);
+
+/// The document with the table of options of each subcommand between "<!-- options of NAME -->" and "<!-- end of
+/// options -->", as Markdown. Throws clsdf::Error if a subcommand has no marks, or marks have no subcommand.
+std::string with_option_tables(const std::string& document, const ProgramDescription& description);
