@@ -1,6 +1,6 @@
 #include "option_values.hpp"
 
-#include "core/edit_distance.hpp"
+#include "core/text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,9 +1,14 @@
 #pragma once
 
+#include <clsdf/export.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,7 +20,7 @@ namespace clsdf {
 /// target that is no regular file (/dev/null, /dev/stdout, a named pipe) is written directly.
 ///
 /// A process that is killed leaves its temporary file; a later one that writes into the folder removes it, see
-/// unfinished_files.hpp.
+/// below.
 ///
 /// Every function throws Error(output_failure) that names the file and the system's reason.
 class AtomicFile {
@@ -55,5 +60,34 @@ private:
     std::unique_ptr<std::FILE, Close> file_;
     std::uint64_t position_ = 0;
 };
+
+/// The temporary names of the files that this process is writing. A thread holds the mutex while it creates, renames or
+/// removes one.
+///
+/// A writer locks its file (flock) until the file has its final name or is removed. The system releases the lock when
+/// the process ends for any reason. So an unfinished file that can be locked has no writer any more.
+///
+/// The shared library exports this to clsdf's other libraries, so a process has one list.
+struct CLSDF_EXPORT UnfinishedFiles {
+    std::mutex mutex;
+    std::set<std::string> names;
+
+    /// Never destroyed: threads may outlive main().
+    static UnfinishedFiles& of_process();
+
+    /// Removes the files, and lets no thread create, rename or remove one any more.
+    void abandon() noexcept;
+};
+
+/// Creates and locks a file ".clsdf-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its descriptor
+/// and sets `name` to its path; returns a negative number, with errno, if it cannot be created. The file is not locked
+/// on a file system that machines share.
+///
+/// The process's first file in a folder also removes the stale ones there.
+CLSDF_EXPORT int create_unfinished_file(const std::filesystem::path& folder, std::string& name);
+
+/// Removes the unfinished files of this user in the folder whose writers have ended. Removes none on NFS, or on any
+/// other file system that is not known to belong to one machine and to support locks.
+CLSDF_EXPORT void remove_stale_files(const std::filesystem::path& folder) noexcept;
 
 }  // namespace clsdf

@@ -2,6 +2,16 @@
 
 #include "core/moved_from.hpp"
 #include "device/context.hpp"
+#include "device/known_faults.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace clsdf {
 
@@ -70,6 +80,237 @@ cl_device_id Device::id() const {
 }
 cl_command_queue Device::queue() const {
     return device::context_of(*this).callers_queue()();
+}
+
+namespace {
+
+constexpr const char* how_to_install =
+    "install an OpenCL driver: for any processor PoCL (Debian: apt install pocl-opencl-icd); for a GPU its maker's, "
+    "nvidia-opencl-icd (NVIDIA), mesa-opencl-icd or ROCm (AMD), intel-opencl-icd (Intel)";
+
+Error no_device_found() {
+    return {ErrorCode::no_device, fmt::format("no OpenCL device was found; {}", how_to_install)};
+}
+
+Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& infos) {
+    std::string list;
+    for (const DeviceInfo& info : infos)
+        list += fmt::format("{}{}: \"{}\" ({})", list.empty() ? "" : ", ", info.index, info.name, info.platform);
+    return {ErrorCode::no_device, fmt::format("{}; the devices are {}", reason, list)};
+}
+
+/// GPUs before everything else, then by compute units times clock, a stand-in for speed.
+bool is_stronger(const DeviceInfo& one, const DeviceInfo& other) {
+    const bool gpu = one.kind == DeviceKind::gpu;
+    if (gpu != (other.kind == DeviceKind::gpu)) return gpu;
+    const auto rate = [](const DeviceInfo& info) { return 1.0 * info.compute_units * info.clock_megahertz; };
+    return rate(one) > rate(other);
+}
+
+/// Usable devices, the strongest first.
+std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
+    infos.erase(std::remove_if(infos.begin(), infos.end(), [](const DeviceInfo& info) { return !info.usable(); }),
+                infos.end());
+    std::stable_sort(infos.begin(), infos.end(), is_stronger);
+    return infos;
+}
+
+/// Of ASCII letters only, whatever the program's locale.
+char lower_case(char letter) {
+    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+}
+
+bool contains(std::string_view text, std::string_view part) {
+    return std::search(text.begin(), text.end(), part.begin(), part.end(),
+                       [](char one, char other) { return lower_case(one) == lower_case(other); }) != text.end();
+}
+
+const DeviceInfo& at_index(const std::vector<DeviceInfo>& infos, const std::string& digits) {
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+    if (error != std::errc() || index >= infos.size())
+        throw not_selected(fmt::format("there is no device {}", digits), infos);
+    return infos[index];
+}
+
+const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::string& part) {
+    std::vector<const DeviceInfo*> usable;
+    std::vector<const DeviceInfo*> unusable;
+    for (const DeviceInfo& info : infos)
+        if (contains(info.name, part) || contains(info.platform, part))
+            (info.usable() ? usable : unusable).push_back(&info);
+    if (usable.size() > 1)
+        throw not_selected(fmt::format("\"{}\" fits {} devices; choose by index", part, usable.size()), infos);
+    if (!usable.empty()) return *usable.front();
+    if (!unusable.empty()) return *unusable.front();
+    throw not_selected(fmt::format("\"{}\" is no part of the name of any device or platform", part), infos);
+}
+
+}  // namespace
+
+Device Device::best() {
+    const std::vector<DeviceInfo> infos = all();
+    if (infos.empty()) throw no_device_found();
+    std::string failures;
+    for (const DeviceInfo& info : infos)
+        if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
+    for (const DeviceInfo& info : candidates(infos)) {
+        try {
+            return open(info);
+        } catch (const cl::Error& error) {
+            failures += fmt::format("; \"{}\" failed at {}: {}", info.name, device::call_name(error),
+                                    device::code_name(error.err()));
+        }
+    }
+    throw Error(ErrorCode::no_device,
+                fmt::format("no usable OpenCL device with double precision and a compiler was found{}; {}", failures,
+                            how_to_install));
+}
+
+Device Device::select(const std::string& index_or_substring) {
+    const std::vector<DeviceInfo> infos = all();
+    if (infos.empty()) throw no_device_found();
+    if (index_or_substring.empty()) throw not_selected("no device was named", infos);
+    const bool is_number = index_or_substring.find_first_not_of("0123456789") == std::string::npos;
+    const DeviceInfo& info = is_number ? at_index(infos, index_or_substring) : with_name(infos, index_or_substring);
+    if (!info.usable())
+        throw not_selected(fmt::format("the device \"{}\" cannot be used: {}", info.name, info.why_not), infos);
+    return device::guarded([&] { return open(info); });
+}
+
+Device Device::preferred() {
+    const std::string choice = environment_choice();
+    if (choice.empty()) return best();
+    try {
+        return select(choice);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("CLSDF_DEVICE={}: {}", choice, error.what()));
+    }
+}
+
+std::string Device::environment_choice() {
+    const char* const choice = std::getenv("CLSDF_DEVICE");
+    return choice == nullptr ? "" : choice;
+}
+
+namespace {
+
+/// Throws cl::Error.
+std::vector<cl::Platform> all_platforms() {
+    std::vector<cl::Platform> platforms;
+    try {
+        cl::Platform::get(&platforms);
+    } catch (const cl::Error& error) {
+        constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR of the loader
+        if (error.err() != no_platform) throw;
+    }
+    return platforms;
+}
+
+std::string failure(const cl::Error& error) {
+    return fmt::format("it fails at {}: {}", device::call_name(error), device::code_name(error.err()));
+}
+
+/// Throws cl::Error.
+std::vector<cl::Device> devices_of(const cl::Platform& platform) {
+    std::vector<cl::Device> devices;
+    try {
+        platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+    } catch (const cl::Error& error) {
+        if (error.err() != CL_DEVICE_NOT_FOUND) throw;
+    }
+    return devices;
+}
+
+/// In place of the devices that a platform does not tell.
+DeviceInfo info_of_failing(const cl::Platform& platform, const cl::Error& error) {
+    DeviceInfo info;
+    info.name = "devices of a platform";
+    info.why_not = failure(error);
+    try {
+        info.platform = platform.getInfo<CL_PLATFORM_NAME>();
+        info.name = fmt::format("devices of {}", info.platform);
+    } catch (const cl::Error&) {
+        // It stays without a name.
+    }
+    return info;
+}
+
+DeviceKind kind_of(const cl::Device& device) {
+    const cl_device_type type = device.getInfo<CL_DEVICE_TYPE>();
+    if ((type & CL_DEVICE_TYPE_GPU) != 0) return DeviceKind::gpu;
+    if ((type & CL_DEVICE_TYPE_CPU) != 0) return DeviceKind::processor;
+    if ((type & CL_DEVICE_TYPE_ACCELERATOR) != 0) return DeviceKind::accelerator;
+    return DeviceKind::other;
+}
+
+bool has_extension(const cl::Device& device, const std::string& name) {
+    return (' ' + device.getInfo<CL_DEVICE_EXTENSIONS>() + ' ').find(' ' + name + ' ') != std::string::npos;
+}
+
+/// Throws cl::Error, as devices with a broken driver do; what was learnt until then stays.
+void ask(const cl::Device& device, DeviceInfo& info) {
+    info.name = device.getInfo<CL_DEVICE_NAME>();
+    info.platform = cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
+    info.version = device.getInfo<CL_DEVICE_VERSION>();
+    info.driver = device.getInfo<CL_DRIVER_VERSION>();
+    info.kind = kind_of(device);
+    const device::Context::Capabilities capabilities = device::capabilities_of(device);
+    info.compute_units = capabilities.compute_units;
+    info.clock_megahertz = device.getInfo<CL_DEVICE_MAX_CLOCK_FREQUENCY>();
+    info.memory = capabilities.memory;
+    info.largest_allocation = capabilities.largest_allocation;
+    info.float_width = capabilities.float_width;
+    info.atomics64 = has_extension(device, "cl_khr_int64_base_atomics");
+    info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
+    if (!info.fp64)
+        info.why_not = "it has no double precision (cl_khr_fp64)";
+    else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
+        info.why_not = "its driver has no compiler";
+    else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
+        info.why_not = "its driver says that it is not available";
+    else if (const device::KnownFault* fault = device::known_fault(
+                 device::implementation_of(device), capabilities.is_processor ? "by_vector" : "by_group"))
+        info.why_not = fmt::format("it {}; {}", fault->symptom, fault->remedy);
+}
+
+DeviceInfo info_of(const cl::Device& device) {
+    DeviceInfo info;
+    info.id = device();
+    try {
+        ask(device, info);
+    } catch (const cl::Error& error) {
+        info.why_not = failure(error);
+    }
+    return info;
+}
+
+}  // namespace
+
+std::string name_of(DeviceKind kind) {
+    switch (kind) {
+        case DeviceKind::gpu:
+            return "gpu";
+        case DeviceKind::processor:
+            return "processor";
+        case DeviceKind::accelerator:
+            return "accelerator";
+        default:
+            return "other";
+    }
+}
+
+std::vector<DeviceInfo> Device::all() {
+    std::vector<DeviceInfo> infos;
+    for (const cl::Platform& platform : device::guarded(all_platforms)) {
+        try {
+            for (const cl::Device& device : devices_of(platform)) infos.push_back(info_of(device));
+        } catch (const cl::Error& error) {
+            infos.push_back(info_of_failing(platform, error));
+        }
+    }
+    for (std::size_t index = 0; index < infos.size(); ++index) infos[index].index = index;
+    return infos;
 }
 
 }  // namespace clsdf

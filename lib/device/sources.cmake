@@ -4,8 +4,6 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/build_records.cpp
           ${CMAKE_CURRENT_LIST_DIR}/context.cpp
           ${CMAKE_CURRENT_LIST_DIR}/device.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/device_choice.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/device_info.cpp
           ${CMAKE_CURRENT_LIST_DIR}/host_filling.cpp
           ${CMAKE_CURRENT_LIST_DIR}/kernel_text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/known_faults.cpp

@@ -1,6 +1,6 @@
 #include "io/description.hpp"
 
-#include "core/quoted.hpp"
+#include "core/text.hpp"
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 

@@ -1,8 +1,7 @@
 #include "io/field_files.hpp"
 
 #include "core/atomic_file.hpp"
-#include "core/quoted.hpp"
-#include "core/unfinished_files.hpp"
+#include "core/text.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>

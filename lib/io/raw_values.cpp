@@ -1,6 +1,6 @@
 #include "io/raw_values.hpp"
 
-#include "core/parallel_read.hpp"
+#include "core/descriptor.hpp"
 
 #include <clsdf/error.hpp>
 

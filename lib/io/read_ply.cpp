@@ -1,4 +1,4 @@
-#include "core/quoted.hpp"
+#include "core/text.hpp"
 #include "io/mesh_files.hpp"
 #include "io/text_scanner.hpp"
 

@@ -1,4 +1,4 @@
-#include "core/quoted.hpp"
+#include "core/text.hpp"
 #include "core/uninitialized_vector.hpp"
 #include "io/field_files.hpp"
 

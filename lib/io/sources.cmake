@@ -24,8 +24,7 @@ target_sources(
           $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
           ${CMAKE_CURRENT_LIST_DIR}/vdb_seal.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/write_mesh.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp)
 target_include_directories(clsdf_io PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_options(clsdf_io PRIVATE -ffp-contract=off -fno-math-errno -fno-semantic-interposition)
 target_link_libraries(

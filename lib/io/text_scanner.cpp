@@ -1,6 +1,6 @@
 #include "io/text_scanner.hpp"
 
-#include "core/quoted.hpp"
+#include "core/text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>
 
-#include "core/edit_distance.hpp"
+#include "core/text.hpp"
 #include "mesh/shape_builders.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/defects.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/directed_edges.cpp
           ${CMAKE_CURRENT_LIST_DIR}/equal_vertices.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shape_solids.cpp

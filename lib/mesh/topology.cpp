@@ -1,26 +1,93 @@
 #include <clsdf/topology.hpp>
 
 #include "core/parallel.hpp"
-#include "mesh/directed_edges.hpp"
+#include "core/uninitialized_vector.hpp"
 #include "mesh/equal_vertices.hpp"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace clsdf {
 
 namespace {
 
+bool has_repeated_vertex(const Triangle& triangle) {
+    return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
+}
+
+/// The directed edges of triangles, by the lower of the two vertex indices: those that run from it, or those that run
+/// to it. Triangles with repeated vertices have none.
+class DirectedEdges {
+public:
+    enum class Direction { from_lower, to_lower };
+
+    DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction);
+
+    /// The higher vertices, sorted, each as often as a triangle uses the edge.
+    std::span<const std::uint32_t> at(std::size_t lower) const {
+        return std::span(higher_).subspan(start_[lower], start_[lower + 1] - start_[lower]);
+    }
+
+private:
+    std::vector<std::size_t> start_;  // for each vertex, its begin in higher_; then the end of the last
+    UninitializedVector<std::uint32_t> higher_;
+};
+
 using Direction = DirectedEdges::Direction;
+
+/// Calls visit(lower, higher) for the triangle's edges of that direction.
+template <typename Visit>
+void for_each_edge(const Triangle& triangle, Direction direction, const Visit& visit) {
+    if (has_repeated_vertex(triangle)) return;
+    for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t lower = triangle[k];
+        std::uint32_t higher = triangle[(k + 1) % 3];
+        if (direction == Direction::to_lower) std::swap(lower, higher);
+        if (lower < higher) visit(lower, higher);
+    }
+}
+
+DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction)
+    : start_(vertex_count + 2) {
+    // Each task looks at all triangles and files the edges of its own vertices, so threads share no counters. Both
+    // directions are filed at once. More tasks would be limited by memory bandwidth.
+    constexpr int most_tasks = 8;
+    const auto tasks = static_cast<std::size_t>(std::clamp(tbb::this_task_arena::max_concurrency() / 2, 1, most_tasks));
+    const auto for_each_edge_of_all = [&](const auto& visit) {
+        tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
+            const std::size_t begin = vertex_count * task / tasks;
+            const std::size_t end = vertex_count * (task + 1) / tasks;
+            for (const Triangle& triangle : triangles)
+                for_each_edge(triangle, direction, [&](std::uint32_t lower, std::uint32_t higher) {
+                    if (lower >= begin && lower < end) visit(lower, higher);
+                });
+        });
+    };
+    // Counts are stored one element further on: after the fill pass each entry is the start of its list.
+    for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t) { ++start_[lower + 2]; });
+    std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
+    higher_.resize(start_.back());
+    for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t higher) { higher_[start_[lower + 1]++] = higher; });
+    start_.pop_back();
+    for_each_index(vertex_count, [&](std::size_t v) {
+        std::sort(higher_.begin() + static_cast<std::ptrdiff_t>(start_[v]),
+                  higher_.begin() + static_cast<std::ptrdiff_t>(start_[v + 1]));
+    });
+}
 
 /// Counts the vertices; `first` as of first_equal_vertices().
 void count_vertices(std::span<const Triangle> triangles, std::span<const std::uint32_t> first, Topology& report) {

@@ -1,18 +1,23 @@
 #include "picture/canvas.hpp"
 
-#include "picture/text.hpp"
-
 #include <clsdf/error.hpp>
 
-#include <cairo-pdf.h>
-#include <fmt/format.h>
+#include "core/atomic_file.hpp"
+#include "picture/text.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cairo-pdf.h>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <filesystem>
 #include <new>
 
 namespace clsdf::picture {
+
 namespace {
 
 constexpr double capital_height = 0.73;  // of the font's size
@@ -204,6 +209,32 @@ std::string Canvas::pdf(double margin, double points_per_pixel) const {
     cairo_surface_finish(document.get());
     check(cairo_surface_status(document.get()));
     return bytes;
+}
+
+namespace fs = std::filesystem;
+
+std::string ending_of(const std::string& path, std::initializer_list<std::string_view> endings) {
+    std::string ending = fs::path(path).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](char letter) {
+        return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter + 32) : letter;
+    });
+    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+        throw Error(ErrorCode::unsupported, fmt::format("{}: no picture format ends in \"{}\"; choose {}", path, ending,
+                                                        fmt::join(endings, " or ")));
+    return ending;
+}
+
+void check_writable(const std::string& path) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status))
+        AtomicFile(std::string(path));  // without commit() it leaves nothing
+}
+
+void write_file(const std::string& path, const std::string& bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
 }
 
 }  // namespace clsdf::picture

@@ -2,7 +2,7 @@
 
 #include "picture/canvas.hpp"
 #include "picture/plane.hpp"
-#include "picture/round_values.hpp"
+#include "picture/text.hpp"
 
 namespace clsdf::picture {
 
@@ -30,5 +30,19 @@ void draw_plane(Canvas& canvas, const Plane& plane, const Rectangle& area, const
 /// The axis below the rectangle, or left of it: ticks, numbers and the axis' name; `bare`: ticks alone.
 void draw_axis_below(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner, bool bare);
 void draw_axis_left(Canvas& canvas, const Plane& plane, const Rectangle& area, const Manner& manner, bool bare);
+
+struct ColourBar {
+    double lower = 0;  ///< the least and the greatest distance
+    double upper = 0;
+    bool beyond_inside = false;  ///< there are samples beyond the band
+    bool beyond_outside = false;
+    std::string caption;
+};
+
+inline constexpr double colour_bar_width = 30;  // units
+
+/// The colours of all distances from top to bottom, with the iso-lines' values beside them, and the flat tones at the
+/// ends.
+void draw_colour_bar(Canvas& canvas, const ColourBar& bar, const Rectangle& area, const Manner& manner);
 
 }  // namespace clsdf::picture

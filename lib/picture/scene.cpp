@@ -1,6 +1,6 @@
 #include "picture/scene.hpp"
 
-#include "picture/upright.hpp"
+#include "picture/camera.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -1,5 +1,5 @@
-#include "picture/colour_bar.hpp"
-#include "picture/picture_file.hpp"
+#include "picture/canvas.hpp"
+#include "picture/panel.hpp"
 #include "picture/text.hpp"
 
 #include <clsdf/error.hpp>

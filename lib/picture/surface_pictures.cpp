@@ -1,6 +1,6 @@
 #include "core/moved_from.hpp"
-#include "picture/colour_bar.hpp"
-#include "picture/picture_file.hpp"
+#include "picture/canvas.hpp"
+#include "picture/panel.hpp"
 #include "picture/scene.hpp"
 #include "picture/text.hpp"
 

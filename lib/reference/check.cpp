@@ -1,5 +1,5 @@
 #include "judge.hpp"
-#include "sample_choice.hpp"
+#include "true_samples.hpp"
 
 #include <clsdf/error.hpp>
 

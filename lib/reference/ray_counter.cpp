@@ -1,6 +1,6 @@
 #include "ray_counter.hpp"
 
-#include "exact_line.hpp"
+#include "exact_geometry.hpp"
 
 #include <algorithm>
 

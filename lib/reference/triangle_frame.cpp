@@ -1,6 +1,6 @@
 #include "triangle_frame.hpp"
 
-#include "exact_line.hpp"
+#include "exact_geometry.hpp"
 
 #include <Eigen/Geometry>
 

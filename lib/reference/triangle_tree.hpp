@@ -1,6 +1,6 @@
 #pragma once
 
-#include "exact_position.hpp"
+#include "exact_geometry.hpp"
 #include "triangle_frame.hpp"
 
 #include <clsdf/reference.hpp>

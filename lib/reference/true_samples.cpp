@@ -2,7 +2,11 @@
 
 #include <clsdf/topology.hpp>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 namespace clsdf::reference {
 
@@ -64,6 +68,140 @@ void TrueSamples::row(std::int64_t j, std::int64_t k, std::vector<TrueSample>& s
             take_sign(counts[i], samples[i]);
         }
     }
+}
+
+namespace {
+
+using Eigen::Vector3d;
+
+/// std::mt19937_64 is the same everywhere; the standard's distributions are not.
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+    double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+    double uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
+
+    std::int64_t index(std::int64_t count) {
+        return std::min(count - 1, static_cast<std::int64_t>(uniform() * static_cast<double>(count)));
+    }
+
+    Vector3d direction() {
+        for (;;) {
+            const Vector3d v(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+            const double squared = v.squaredNorm();
+            if (squared > 1e-6 && squared <= 1) {
+                return v / std::sqrt(squared);
+            }
+        }
+    }
+
+private:
+    std::mt19937_64 engine_;
+};
+
+class Chooser {
+public:
+    Chooser(const TrueSamples& truth, const Field& field, std::uint64_t seed)
+        : truth_(truth), tree_(truth.tree()), grid_(field.grid), band_(field.band), random_(seed) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            origin_[axis] = grid_.origin[a] + static_cast<double>(grid_.first[a]) * grid_.spacing[a];
+            spacing_[axis] = grid_.spacing[a];
+            extent_[axis] = static_cast<double>(grid_.size[a] - 1) * grid_.spacing[a];
+        }
+    }
+
+    Index3 uniform() {
+        return {random_.index(grid_.size[0]), random_.index(grid_.size[1]), random_.index(grid_.size[2])};
+    }
+
+    /// A point moved along the line through its nearest point until its distance is about a half width. If it is on the
+    /// wrong side, it passes through the surface.
+    std::optional<Index3> near_limit() {
+        const bool inside = truth_.is_signed() && random_.uniform() < 0.5;
+        const double limit = half_width(band_, truth_.is_signed(), inside);
+        if (!std::isfinite(limit)) {
+            return near_corner(true);
+        }
+        const Index3 start = uniform();
+        double side = truth_.at(start).inside == inside ? 1 : -1;
+        Vector3d point = position(start);
+        for (int step = 0; step < 4; ++step) {
+            const std::optional<Nearest> nearest = tree_.nearest({{point[0], point[1], point[2]}, {}});
+            if (!nearest || nearest->distance == 0) {
+                break;
+            }
+            const Vector3d foot(nearest->point.data());
+            point = foot + side * (limit / nearest->distance) * (point - foot);
+            side = 1;
+        }
+        return sample_at(point + random_.uniform(-1.5, 1.5) * grid_.voxel() * random_.direction());
+    }
+
+    /// A point at a random distance, from a hundredth of a voxel to the band's width, from an edge or a vertex.
+    std::optional<Index3> near_corner(bool at_vertex) {
+        const auto count = static_cast<std::int64_t>(tree_.mesh().triangles().size());
+        const Triangle& triangle = tree_.mesh().triangles()[static_cast<std::size_t>(random_.index(count))];
+        const auto corner = static_cast<std::size_t>(random_.index(3));
+        const Vector3d from(tree_.mesh().vertices()[triangle[corner]].data());
+        const Vector3d to(tree_.mesh().vertices()[triangle[(corner + 1) % 3]].data());
+        const Vector3d foot = at_vertex ? from : Vector3d(from + random_.uniform() * (to - from));
+        const double nearest = 0.01 * grid_.voxel();
+        const double farthest = std::max(nearest, std::min(band_.widest(), extent_.norm()));
+        const double distance = nearest * std::pow(farthest / nearest, random_.uniform());
+        return sample_at(foot + distance * random_.direction());
+    }
+
+private:
+    Vector3d position(const Index3& sample) const {
+        return origin_ +
+               Vector3d(static_cast<double>(sample[0]), static_cast<double>(sample[1]), static_cast<double>(sample[2]))
+                   .cwiseProduct(spacing_);
+    }
+
+    std::optional<Index3> sample_at(const Vector3d& point) const {
+        Index3 sample{};
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            const double steps = std::round((point[axis] - origin_[axis]) / spacing_[axis]);
+            if (!(steps >= 0 && steps < static_cast<double>(grid_.size[a]))) {
+                return std::nullopt;
+            }
+            sample[a] = static_cast<std::int64_t>(steps);
+        }
+        return sample;
+    }
+
+    const TrueSamples& truth_;
+    const TriangleTree& tree_;
+    const Grid& grid_;
+    Band band_;
+    Random random_;
+    Vector3d origin_, spacing_, extent_;
+};
+
+}  // namespace
+
+std::vector<Index3> choose_samples(const TrueSamples& truth, const Field& field, std::size_t count,
+                                   std::uint64_t seed) {
+    Chooser chooser(truth, field, seed);
+    std::vector<Index3> samples;
+    samples.reserve(count);
+    while (samples.size() < count / 2) {
+        samples.push_back(chooser.uniform());
+    }
+    // A grid may contain little of the mesh: points outside it are drawn again a few times.
+    constexpr int tries = 8;
+    while (samples.size() < count) {
+        const std::size_t kind = samples.size() % 3;
+        std::optional<Index3> sample;
+        for (int i = 0; i < tries && !sample; ++i) {
+            sample = kind == 0 ? chooser.near_limit() : chooser.near_corner(kind == 1);
+        }
+        samples.push_back(sample ? *sample : chooser.uniform());
+    }
+    return samples;
 }
 
 }  // namespace clsdf::reference

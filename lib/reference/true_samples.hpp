@@ -1,10 +1,10 @@
 #pragma once
 
-#include "exact_position.hpp"
+#include <clsdf/field.hpp>
+
+#include "exact_geometry.hpp"
 #include "ray_counter.hpp"
 #include "triangle_tree.hpp"
-
-#include <clsdf/field.hpp>
 
 namespace clsdf::reference {
 
@@ -63,5 +63,9 @@ inline double half_width(const Band& band, bool is_signed, bool inside) {
 inline double widest(const Band& band, bool is_signed) {
     return is_signed ? band.widest() : band.outside;
 }
+
+/// Samples of a field for a check: half drawn uniformly, half near the band's limits, edges and vertices. The same for
+/// the same seed on every platform.
+std::vector<Index3> choose_samples(const TrueSamples& truth, const Field& field, std::size_t count, std::uint64_t seed);
 
 }  // namespace clsdf::reference

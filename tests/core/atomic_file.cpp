@@ -1,5 +1,4 @@
 #include "core/atomic_file.hpp"
-#include "core/unfinished_files.hpp"
 
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"

@@ -1,4 +1,4 @@
-#include "picture/iso_lines.hpp"
+#include "picture/plane.hpp"
 
 #include <boost/test/unit_test.hpp>
 

@@ -1,4 +1,4 @@
-#include "picture/round_values.hpp"
+#include "picture/text.hpp"
 
 #include <boost/test/unit_test.hpp>
 

@@ -1,4 +1,4 @@
-#include "core/parallel_read.hpp"
+#include "core/descriptor.hpp"
 
 #include "core/parallel.hpp"
 

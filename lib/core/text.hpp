@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace clsdf {
+
+/// A text from a file for a message: in quotes, cut after `limit` bytes, with '?' for each byte that is a control
+/// character or not ASCII. (A NUL would end the message.)
+std::string quoted(std::string_view text, std::size_t limit = 40);
 
 /// The fewest insertions, deletions and replacements of one character that turn one word into the other (Levenshtein).
 /// Defined in the header, because the command cannot link hidden functions of the library.

@@ -1,4 +1,4 @@
-#include "core/quoted.hpp"
+#include "core/text.hpp"
 
 #include <fmt/format.h>
 

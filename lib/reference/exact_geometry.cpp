@@ -1,4 +1,4 @@
-#include "exact_line.hpp"
+#include "exact_geometry.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
