@@ -4,9 +4,7 @@
 #include "mesh/equal_vertices.hpp"
 #include "papers/gap_tests.hpp"
 #include "polyhedra/edge_slopes.hpp"
-#include "polyhedra/edges_of_vertex.hpp"
-#include "polyhedra/non_manifold_edges.hpp"
-#include "polyhedra/pair_edges.hpp"
+#include "polyhedra/edges.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

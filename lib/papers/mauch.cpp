@@ -1,7 +1,7 @@
 #include "papers/mauch.hpp"
 
 #include "core/parallel.hpp"
-#include "polyhedra/edges_of_vertex.hpp"
+#include "polyhedra/edges.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/triangle_frame.hpp"

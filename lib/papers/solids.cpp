@@ -4,10 +4,9 @@
 #include "papers/convex_polyhedron.hpp"
 #include "papers/peikert_sigg.hpp"
 #include "polyhedra/edge_slopes.hpp"
-#include "polyhedra/frame_planes.hpp"
+#include "polyhedra/frusta.hpp"
 #include "polyhedra/gaps.hpp"
-#include "polyhedra/non_manifold_edges.hpp"
-#include "polyhedra/point_site.hpp"
+#include "polyhedra/lateral_planes.hpp"
 
 #include <fmt/format.h>
 

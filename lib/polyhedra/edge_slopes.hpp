@@ -2,15 +2,12 @@
 
 #include "core/parallel.hpp"
 #include "core/uninitialized_vector.hpp"
-#include "polyhedra/face_edges.hpp"
-#include "polyhedra/lateral_plane.hpp"
-#include "polyhedra/mesh_faces.hpp"
-#include "polyhedra/non_manifold_edges.hpp"
-#include "polyhedra/ordered_faces.hpp"
-#include "polyhedra/plane_sides.hpp"
+#include "polyhedra/edge_batches.hpp"
+#include "polyhedra/edges.hpp"
+#include "polyhedra/lateral_planes.hpp"
+#include "polyhedra/mesh_topology.hpp"
 #include "polyhedra/side_of_plane.hpp"
-#include "polyhedra/slopes.hpp"
-#include "polyhedra/wedge_batch.hpp"
+#include "polyhedra/triangle_frame.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -20,6 +17,11 @@
 #include <vector>
 
 namespace clsdf::polyhedra {
+
+/// The slopes at edges where three faces or more meet, for EdgeSlopes; sets their places (FaceEdges::across) and
+/// edge_at_box.
+std::vector<EdgeSlope> non_manifold_slopes(const MeshFaces& faces, const OneRings& rings, PairedEdges& edges,
+                                           float open);
 
 /// The half wedges of every face: each face at an edge takes the angle up to the bisector with the next face on that
 /// side, or the whole wedge if there is none. Measures a sub-range of the faces at a time, which fits the caches. Faces

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "polyhedra/lanes.hpp"
-#include "polyhedra/lateral_plane.hpp"
+#include "polyhedra/lateral_planes.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/vector.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,8 +1,8 @@
 #include "polyhedra/frame_batch.hpp"
 
 #include "core/several_targets.hpp"
-#include "polyhedra/lanes.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/vector.hpp"
 
 #include <algorithm>
 #include <cmath>

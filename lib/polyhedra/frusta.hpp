@@ -1,7 +1,9 @@
 #pragma once
 
+#include "polyhedra/lateral_planes.hpp"
 #include "polyhedra/mesh_topology.hpp"
-#include "polyhedra/slopes.hpp"
+#include "polyhedra/one_rings.hpp"
+#include "polyhedra/triangle_frame.hpp"
 #include "polyhedra/vector.hpp"
 #include "polyhedron.h"
 
@@ -49,5 +51,10 @@ struct FirstRecords {
 /// `positions`: of the mesh's vertices, as the mesh numbers them.
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FirstRecords* first = nullptr,
                    const FrustaOptions& options = {});
+
+/// The frustum of a vertex by itself: it holds the vertex' whole normal cone. `order`, `vertices`: the caller's indices
+/// of the faces and of the vertices.
+SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> order,
+                       std::span<const std::uint32_t> vertices, const OneRings& rings, std::uint32_t vertex);
 
 }  // namespace clsdf::polyhedra

@@ -2,7 +2,6 @@
 
 #include "core/parallel.hpp"
 #include "polyhedra/cone_search.hpp"
-#include "polyhedra/fan_screen.hpp"
 #include "polyhedra/vertex_fans.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -13,6 +12,23 @@
 #include <utility>
 
 namespace clsdf::polyhedra {
+
+void GapScreen::look_at(const EdgeSlopes& stretch) {
+    const std::size_t number = stretch.begin() / OrderedFaces::stretch;
+    for (std::uint32_t vertex = first_vertices_[number]; vertex < first_vertices_[number + 1]; ++vertex) {
+        if (rings_.corner(vertex, rings_.size(vertex) - 1).face >= stretch.end()) {
+            fans_.leave(vertex);
+            continue;
+        }
+        const EdgesAround edges(edges_, rings_, vertex);
+        marks_[vertex] = edges.vertex_mark();
+        if (!edges.are_plain()) {
+            fans_.leave(vertex);
+        } else if (edges.are_mixed()) {
+            fans_.add(stretch, vertex);
+        }
+    }
+}
 
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include "core/parallel.hpp"
 #include "core/several_targets.hpp"
-#include "polyhedra/lanes.hpp"
 #include "polyhedra/prefetch.hpp"
 #include "polyhedra/vector.hpp"
 

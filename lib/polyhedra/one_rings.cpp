@@ -1,7 +1,7 @@
 #include "polyhedra/one_rings.hpp"
 
 #include "core/parallel.hpp"
-#include "polyhedra/ordered_faces.hpp"
+#include "polyhedra/mesh_topology.hpp"
 
 #include <clsdf/error.hpp>
 

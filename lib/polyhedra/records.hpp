@@ -1,7 +1,6 @@
 #pragma once
 
 #include "polyhedra/frusta.hpp"
-#include "polyhedra/lattice_view.hpp"
 #include "polyhedra/triangle_frame.hpp"
 #include "polyhedron.h"
 

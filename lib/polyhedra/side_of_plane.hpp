@@ -1,7 +1,7 @@
 #pragma once
 
-#include "polyhedra/mesh_faces.hpp"
 #include "polyhedra/one_rings.hpp"
+#include "polyhedra/triangle_frame.hpp"
 
 #include <array>
 #include <cstdint>

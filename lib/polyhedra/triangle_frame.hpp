@@ -1,13 +1,44 @@
 #pragma once
 
-#include "polyhedra/lattice_view.hpp"
+#include <clsdf/mesh.hpp>
+
 #include "polyhedra/vector.hpp"
 #include "polyhedron.h"
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace clsdf::polyhedra {
+
+/// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
+/// unit is the caller's choice, of the order of the smallest spacing; a power of two scales without rounding.
+struct LatticeView {
+    Vec3 origin{};                   ///< of the lattice, in the mesh's units
+    double unit = 1;                 ///< in the mesh's units
+    Vec3 spacing_in_units{1, 1, 1};  ///< per axis
+
+    /// On an axis, in units from sample (0, 0, 0). Beyond, one double is too coarse for a position.
+    static constexpr double far = 0x1p24;
+
+    /// The difference position - sample number `sample` on an axis, in units. If both are far from sample (0, 0, 0),
+    /// each is taken as the sum of two doubles, so that the rounding is relative to the difference.
+    double from_sample(std::size_t axis, double position, double sample) const {
+        const double head = position - origin[axis];
+        const double place = sample * spacing_in_units[axis];
+        if (!(std::abs(head / unit) > far)) return head / unit - place;
+        const double subtracted = head - position;
+        const double tail = (position - (head - subtracted)) - (origin[axis] + subtracted);
+        const double place_tail = std::fma(sample, spacing_in_units[axis], -place);
+        return (head / unit - place) + (tail / unit - place_tail);
+    }
+    Vec3 from_sample(const Vec3& position, const std::array<std::int32_t, 3>& sample) const {
+        return {from_sample(0, position[0], sample[0]), from_sample(1, position[1], sample[1]),
+                from_sample(2, position[2], sample[2])};
+    }
+};
 
 /// The frame of kernels/polyhedron.h in double precision, in units of the lattice. What the edges
 /// around are decided by comes first, for the caches.
@@ -47,5 +78,19 @@ TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeVi
 
 /// The frame of an equilateral triangle that has shrunk to the point at `position`, in units.
 TriangleFrame point_frame(const Vector& position, const Vector& normal);
+
+/// Faces of a mesh, in an order of their own, as seen from a lattice.
+struct MeshFaces {
+    std::span<const Vec3> positions;  ///< of the vertices
+    std::span<const Triangle> triangles;
+    const LatticeView& lattice;
+
+    const Vec3& position(std::uint32_t vertex) const { return positions[vertex]; }
+    std::array<Vec3, 3> corners(std::size_t face) const {
+        const auto& [a, b, c] = triangles[face];
+        return {position(a), position(b), position(c)};
+    }
+    TriangleFrame frame(std::size_t face) const { return triangle_frame(corners(face), lattice); }
+};
 
 }  // namespace clsdf::polyhedra

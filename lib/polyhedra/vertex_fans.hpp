@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/face_edges.hpp"
+#include "polyhedra/edges.hpp"
 #include "polyhedra/one_rings.hpp"
 
 #include <cstddef>

@@ -1,10 +1,9 @@
 #include "coverage.hpp"
 #include "polyhedra/edge_slopes.hpp"
-#include "polyhedra/frame_planes.hpp"
-#include "polyhedra/gap_screen.hpp"
+#include "polyhedra/edges.hpp"
 #include "polyhedra/gaps.hpp"
+#include "polyhedra/lateral_planes.hpp"
 #include "polyhedra/morton_order.hpp"
-#include "polyhedra/pair_edges.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 

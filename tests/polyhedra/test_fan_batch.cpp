@@ -1,7 +1,7 @@
 #include "polyhedra/cone_search.hpp"
 #include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/fan_batch.hpp"
-#include "polyhedra/fan_screen.hpp"
+#include "polyhedra/gaps.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 

@@ -1,6 +1,6 @@
+#include "polyhedra/mesh_topology.hpp"
 #include "polyhedra/morton_order.hpp"
 #include "polyhedra/one_rings.hpp"
-#include "polyhedra/ordered_faces.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 

@@ -1,15 +1,45 @@
 #pragma once
 
-#include "polyhedra/lateral_plane.hpp"
 #include "polyhedra/one_rings.hpp"
 #include "polyhedra/prefetch.hpp"
-#include "polyhedra/slopes.hpp"
+#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/vector.hpp"
 
 #include <array>
 #include <cstddef>
 #include <span>
 
+/// Slopes of the lateral planes of a face's edges, above the face and below it (docs/method.md, 'Leaned frusta').
 namespace clsdf::polyhedra {
+
+/// The slopes of one edge's planes, above the face and below it.
+struct EdgeSlope {
+    float above;
+    float below;
+};
+
+/// By edge of a face.
+struct FaceSlopes {
+    std::array<float, 3> above;
+    std::array<float, 3> below;
+};
+
+/// `x` >= 0 as a float that is not below it, also after the roundings that led to it.
+inline float widened(double x) {
+    return static_cast<float>(x * (1 + 1e-6));
+}
+
+/// If the corner opposite the base is obtuse, its two planes lean outward until each contains the wedge of the other;
+/// otherwise they would cut it off. No other corner of a triangle is obtuse.
+void lean(const TriangleFrame& frame, FaceSlopes& slopes);
+
+/// The parts of the planes at a face's edge, above the face and below it.
+struct LateralPlane {
+    Vector normal;  ///< of the face
+    Vector inward;  ///< unit vector in the face's plane, perpendicular to the edge
+    float above;    ///< slopes
+    float below;
+};
 
 /// The lateral planes of all faces.
 class FramePlanes {

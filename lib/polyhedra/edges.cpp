@@ -1,8 +1,7 @@
-#include "polyhedra/pair_edges.hpp"
+#include "polyhedra/edges.hpp"
 
 #include "core/parallel.hpp"
 #include "core/several_targets.hpp"
-#include "polyhedra/edges_of_vertex.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "polyhedra/slopes.hpp"
+#include "polyhedra/lateral_planes.hpp"
 
 #include "polyhedra/one_rings.hpp"
 
