@@ -129,6 +129,13 @@ MarkedVertices marked_vertices(std::span<const std::uint8_t> marks) {
     return all;
 }
 
+/// Whether a frame is one of triangle_frame()'s special cases, or nearly, in any lattice. Lengths are as in view_of().
+bool is_sliver(const TriangleFrame& frame) {
+    constexpr double thin = 2e-4;  // an altitude, beside its base
+    constexpr double vanishing = 1e-20;
+    return !(frame.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
+}
+
 PairedEdges copy_of(const PairedEdges& edges) {
     PairedEdges copy{UninitializedVector<FaceEdges>(edges.faces.size()), edges.non_manifold_ends,
                      edges.non_manifold_corners};
@@ -147,7 +154,8 @@ LatticeView view_of(std::span<const Vec3> positions) {
 }  // namespace
 
 std::size_t Frusta::bytes() const {
-    return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + sites.size() * sizeof(SiteFrustum);
+    return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + sites.size() * sizeof(SiteFrustum) +
+           slivers.size() * sizeof(std::uint32_t);
 }
 
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FirstRecords* first,
@@ -171,12 +179,14 @@ Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions
     tbb::enumerable_thread_specific<GapScreen> screens(
         [&] { return GapScreen(topology.faces.first_vertices, edges.faces, rings, rejection_margin, marks); });
     std::atomic<std::size_t> boxes = 0;
+    tbb::enumerable_thread_specific<std::vector<std::uint32_t>> slivers;
     measure_edges(faces, edges.faces, of_non_manifold, CLSDF_OPEN_SLOPE, [&](EdgeSlopes& stretch) {
         std::size_t boxes_here = 0;
         for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
             const TriangleFrame& frame = stretch.frame(face);
             if (options.lean) lean(frame, stretch.slopes(face));
             boxes_here += frame.is_box ? 1U : 0U;
+            if (is_sliver(frame)) slivers.local().push_back(static_cast<std::uint32_t>(face));
             result.slopes[face] = stretch.slopes(face);
             directions[face] = {frame.normal, frame.inwards};
             if (first != nullptr) write_face_record(topology, result, lattice, face, frame, first->records[face]);
@@ -192,6 +202,9 @@ Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions
     find_gaps(faces, edges.faces, rings, FramePlanes(directions, result.slopes), rejection_margin, left, marks);
 
     result.boxes = boxes;
+    for (const std::vector<std::uint32_t>& some : slivers)
+        result.slivers.insert(result.slivers.end(), some.begin(), some.end());
+    std::sort(result.slivers.begin(), result.slivers.end());
     const MarkedVertices marked = marked_vertices(marks);
     result.saddle_vertices = marked.saddles;
     if (!options.point_sites) return result;

@@ -30,6 +30,7 @@ struct Frusta {
     UninitializedVector<Vec3> positions;     ///< of the vertices, numbered as in MeshTopology::faces
     UninitializedVector<FaceSlopes> slopes;  ///< of each face
     std::vector<SiteFrustum> sites;          ///< ascending by vertex
+    std::vector<std::uint32_t> slivers;      ///< ascending: faces so thin that their frames may be special cases
     std::size_t saddle_vertices = 0;         ///< with convex and concave edges, by exact predicates
     std::size_t boxes = 0;                   ///< faces so degenerate that their polyhedron is a box
 

@@ -63,7 +63,7 @@ void pack_origin(const TriangleFrame& frame, std::span<const Vec3> positions, co
     const Vector origin(polyhedron.origin_x, polyhedron.origin_y, polyhedron.origin_z);
     const Vector offset = foot_from(origin, frame, positions, corners, lattice);
     for (int axis = 0; axis < 3; ++axis) polyhedron.foot[axis] = static_cast<float>(offset[axis]);
-    const Vector constant(-frame.along.dot(offset), -frame.across().dot(offset), -frame.normal.dot(offset));
+    const Vector constant(-dot(frame.along, offset), -dot(frame.across(), offset), -dot(frame.normal, offset));
     for (int i = 0; i < 3; ++i)
         store(constant[i], polyhedron.exact_constant_at_origin[i], polyhedron.constant_at_origin[i]);
 }

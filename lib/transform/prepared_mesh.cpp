@@ -66,14 +66,6 @@ private:
     std::span<Polyhedron> records_;
 };
 
-void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared) {
-    prepared.triangle_count = topology.order.size();
-    prepared.polyhedron_count = topology.order.size() + frusta.sites.size();
-    prepared.saddle_vertices = frusta.saddle_vertices;
-    prepared.point_sites = frusta.sites.size();
-    prepared.boxes = frusta.boxes;
-}
-
 /// Behind the faces' records, of which there are `count`.
 PreparedMesh finish_with_sites(RecordFilling& filling, std::size_t count, const polyhedra::MeshTopology& topology,
                                const polyhedra::Frusta& frusta, const polyhedra::LatticeView& lattice,
@@ -96,6 +88,14 @@ PreparedMesh finish_with_sites(RecordFilling& filling, std::size_t count, const 
 }
 
 }  // namespace
+
+void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared) {
+    prepared.triangle_count = topology.order.size();
+    prepared.polyhedron_count = topology.order.size() + frusta.sites.size();
+    prepared.saddle_vertices = frusta.saddle_vertices;
+    prepared.point_sites = frusta.sites.size();
+    prepared.boxes = frusta.boxes;
+}
 
 void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {

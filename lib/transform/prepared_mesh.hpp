@@ -42,6 +42,9 @@ struct PreparedMesh {
     virtual std::size_t device_bytes() const { return polyhedra.bytes(); }
 };
 
+/// Sets the numbers that belong to the whole mesh.
+void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared);
+
 /// Frusta, and their records for a lattice: made in one pass over the mesh.
 struct FirstGeometry {
     polyhedra::Frusta frusta;

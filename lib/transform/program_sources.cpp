@@ -41,6 +41,7 @@ ProgramSources::ProgramSources(const device::Context::Capabilities& capabilities
       lanes(lanes_for(capabilities, body)),
       group_size(capabilities.largest_group >= 128 ? 128 : 64),
       scattered_access_(capabilities.scattered_access),
+      is_processor_(capabilities.is_processor),
       device_options_(fmt::format("{}{}", capabilities.rounds_roots ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
                                   capabilities.plain_inline ? " -DPLAIN_INLINE" : "")) {
     if (body == KernelBody::by_group && capabilities.largest_group < group_size)
@@ -65,6 +66,7 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
     std::vector<ProgramSource> sources{scan_source(), coarse_lists_source(), sign_sweep_source(), fill_source()};
+    if (!is_processor_) sources.push_back(mesh_records_source());
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;
 }

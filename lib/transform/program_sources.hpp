@@ -46,6 +46,8 @@ struct ProgramSources {
     }
     ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(lanes)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
+    /// For devices with memory of their own.
+    ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(1)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;
@@ -55,6 +57,7 @@ struct ProgramSources {
 
 private:
     bool scattered_access_;
+    bool is_processor_;
     std::string device_options_;
 };
 

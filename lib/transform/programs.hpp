@@ -20,9 +20,12 @@ struct Programs : ProgramSources {
     cl::Program coarse_lists;
     cl::Program sign_sweep;
     cl::Program fill;
+    cl::Program mesh_records;  ///< null on processors
 
     /// Programs that every computation needs.
-    static constexpr std::size_t common_programs = 4;
+    static std::size_t common_programs(const device::Context& context) {
+        return context.capabilities().is_processor ? 4 : 5;
+    }
 
     Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch = {});
 

@@ -41,6 +41,7 @@ std::string key_of(const device::Context& context, const Programs& programs, con
     std::string key = fmt::format("{}known field {} {}\n", context.identity(), known_field_number, test_case.name());
     for (const cl::Program* program : {&programs.scan, &programs.coarse_lists, &programs.sign_sweep, &programs.fill})
         key += context.key_of(*program) + '\n';
+    if (programs.mesh_records() != nullptr) key += context.key_of(programs.mesh_records) + '\n';
     for (const cl::Program& program : variants) key += context.key_of(program) + '\n';
     return key;
 }
@@ -83,7 +84,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device::context_of(device);
     const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(context, pool, known.mesh(), test_case.method);
+    Stages stages(context, pool, known.mesh(), test_case.method, programs.mesh_records);
     Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
     if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true);
     PlanState plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,

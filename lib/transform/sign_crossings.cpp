@@ -56,7 +56,7 @@ public:
         seen.brick_first[0] -= mesh.first_x / CLSDF_BRICK;
         for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
             kernel->setArg(arg_layout, seen);
-            kernel->setArg(arg_triangles, *mesh.triangles);
+            kernel->setArg(arg_triangles, mesh.triangles());
             kernel->setArg(arg_vertices, *mesh.vertices);
             kernel->setArg(arg_bits_y, cl_int{mesh.bits_y});
             kernel->setArg(arg_bits_z, cl_int{mesh.bits_z});

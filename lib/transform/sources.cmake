@@ -7,6 +7,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/call.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
           ${CMAKE_CURRENT_LIST_DIR}/coarse_lists_by_group.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/device_faces.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
           ${CMAKE_CURRENT_LIST_DIR}/finishing.cpp
           ${CMAKE_CURRENT_LIST_DIR}/known_field.cpp

@@ -75,8 +75,12 @@ std::size_t Stages::Lattice::bytes() const {
 }
 
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
-               std::shared_ptr<const FieldMethod> method)
-    : context_(context), pool_(std::move(pool)), mesh_(std::move(mesh)), method_(std::move(method)) {}
+               std::shared_ptr<const FieldMethod> method, cl::Program mesh_records)
+    : context_(context),
+      pool_(std::move(pool)),
+      mesh_records_(std::move(mesh_records)),
+      mesh_(std::move(mesh)),
+      method_(std::move(method)) {}
 
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
@@ -84,6 +88,7 @@ void Stages::move(std::vector<Vec3> positions) {
     lattices_.clear();
     frusta_.reset();
     index_.reset();
+    faces_.reset();
     sites_.reset();
 }
 
@@ -100,6 +105,33 @@ const polyhedra::Frusta& Stages::frusta() {
 const polyhedra::ClusterIndex& Stages::index() {
     if (!index_) index_.emplace(topology(), frusta());
     return *index_;
+}
+
+std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
+    if (mesh_records_() == nullptr || method_ || !is_plain(mesh_, lattice)) return nullptr;
+    const DeviceSetUp job{context_, pool_, mesh_records_};
+    if (!names_) names_ = std::make_shared<const DeviceFaces::Names>(upload_names(job, topology()));
+    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(upload_faces(job, names_, frusta()));
+    return faces_;
+}
+
+PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
+    if (const auto faces = device_faces(lattice)) {
+        const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
+        return records_on_device({context_, pool_, mesh_records_}, *faces, topology(), frusta(), lattice, {&all, 1},
+                                 {&sites, 1});
+    }
+    if (frusta_) return transform::all_records(context_, pool_, topology(), *frusta_, lattice);
+    FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, lattice);
+    frusta_.emplace(std::move(first.frusta));
+    return std::move(first.records);
+}
+
+PreparedMesh Stages::near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near) {
+    if (const auto faces = device_faces(lattice))
+        return records_on_device({context_, pool_, mesh_records_}, *faces, topology(), frusta(), lattice, near.faces,
+                                 near.sites);
+    return transform::near_records(context_, pool_, topology(), frusta(), lattice, near);
 }
 
 Stages::Lattice& Stages::lattice(const Grid& grid) {
@@ -136,19 +168,9 @@ void Stages::set_records(const Grid& grid, const Layout& layout, Inputs& inputs)
     if (is_bounded(layout) && is_small(share_of(mesh_.box(), box))) {
         const polyhedra::NearRecords near = index().near(box);
         if (is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
-            inputs.records =
-                std::make_shared<const PreparedMesh>(near_records(context_, pool_, topology(), frusta(), view, near));
+            inputs.records = std::make_shared<const PreparedMesh>(near_records(view, near));
     }
-    if (!inputs.records && !kept.records) {
-        if (frusta_) {
-            kept.records =
-                std::make_shared<const PreparedMesh>(all_records(context_, pool_, topology(), *frusta_, view));
-        } else {
-            FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, view);
-            frusta_.emplace(std::move(first.frusta));
-            kept.records = std::make_shared<const PreparedMesh>(std::move(first.records));
-        }
-    }
+    if (!inputs.records && !kept.records) kept.records = std::make_shared<const PreparedMesh>(all_records(view));
     if (!inputs.records) inputs.records = kept.records;
     if (has_uniform_caps(layout)) return;
     if (!kept.points) kept.points = std::make_shared<const SurfacePoints>(surface_points(topology(), frusta(), view));
@@ -170,7 +192,8 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inpu
     }
     Lattice& kept = lattice(grid);
     if (!kept.sweep_mesh)
-        kept.sweep_mesh = std::make_shared<const SweepMesh>(make_sweep_mesh(context_, pool_, grid, mesh_));
+        kept.sweep_mesh = std::make_shared<const SweepMesh>(
+            make_sweep_mesh(context_, pool_, grid, mesh_, mesh_records_, device_faces(lattice_of(grid))));
     inputs.sweep_mesh = kept.sweep_mesh;
 }
 
@@ -185,6 +208,11 @@ std::shared_ptr<const DeviceSites> Stages::sites(bool with_normals) {
 void Stages::keep_within(std::size_t budget) {
     std::size_t bytes = sites_ ? sites_->bytes() : 0;
     if (bytes > budget) sites_.reset();
+    bytes += faces_ ? faces_->bytes() : 0;
+    if (bytes > budget) {
+        faces_.reset();
+        names_.reset();
+    }
     for (auto it = lattices_.begin(); it != lattices_.end();) {
         bytes += it->bytes();
         it = bytes > budget ? lattices_.erase(it) : std::next(it);
@@ -192,7 +220,7 @@ void Stages::keep_within(std::size_t budget) {
 }
 
 std::size_t Stages::device_bytes() const {
-    std::size_t bytes = sites_ ? sites_->bytes() : 0;
+    std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0);
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }

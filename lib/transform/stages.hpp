@@ -9,6 +9,7 @@
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/mesh_topology.hpp"
+#include "transform/device_faces.hpp"
 #include "transform/finishing.hpp"
 #include "transform/prepared_mesh.hpp"
 #include "transform/sweep_mesh.hpp"
@@ -37,6 +38,7 @@ struct Inputs {
 ///
 ///     MeshTopology   of the triangles                    kept
 ///     Frusta, index  + positions                         kept until the vertices move
+///     device's faces + positions                         the same, on a device with memory of its own
 ///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///
@@ -44,9 +46,10 @@ struct Inputs {
 /// bytes either way. For one thread at a time.
 class Stages {
 public:
-    /// `method` is null for leaned polyhedra scanned by bricks.
+    /// `method` is null for leaned polyhedra scanned by bricks. `mesh_records`: the program, with which a device with
+    /// memory of its own makes the records; null on processors.
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
-           std::shared_ptr<const FieldMethod> method = {});
+           std::shared_ptr<const FieldMethod> method = {}, cl::Program mesh_records = {});
 
     device::Context& context() const { return context_; }
     const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
@@ -83,6 +86,10 @@ private:
     };
 
     const polyhedra::ClusterIndex& index();
+    /// Null if the host makes the lattice's records, and the vertices of its sweep.
+    std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
+    PreparedMesh all_records(const polyhedra::LatticeView& lattice);
+    PreparedMesh near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
     void set_records(const Grid& grid, const Layout& layout, Inputs& inputs);
@@ -90,11 +97,14 @@ private:
 
     device::Context& context_;
     std::shared_ptr<device::BufferPool> pool_;
+    cl::Program mesh_records_;  // null on processors
     Mesh mesh_;
     std::shared_ptr<const FieldMethod> method_;
     std::optional<polyhedra::MeshTopology> topology_;
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
+    std::shared_ptr<const DeviceFaces::Names> names_;
+    std::shared_ptr<const DeviceFaces> faces_;
     std::shared_ptr<const DeviceSites> sites_;
     std::list<Lattice> lattices_;  // that was used last first
 };

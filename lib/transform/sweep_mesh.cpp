@@ -4,7 +4,10 @@
 #include "device/host_filling.hpp"
 #include "layout.h"
 #include "sweep.h"
+#include "transform/device_faces.hpp"
 #include "transform/layout_of.hpp"
+#include "transform/programs.hpp"
+#include "transform/short_launches.hpp"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -22,6 +25,7 @@ namespace {
 constexpr int snap_bits = 20;
 // The limit of snapped coordinates: their differences fit 63 bits, with room for the grid's.
 constexpr double snapped_limit = 0x1p61;
+constexpr double seconds_per_vertex = 1e-7;  // of a core, rounded up
 constexpr const char* vertices_purpose = "vertices of the sign's sweep";
 
 /// Bits below a sample on an axis whose spacing is `ratio` voxels.
@@ -131,6 +135,27 @@ device::BufferPool::Lease sweep_vertices(const device::Context& context,
     return filling.finish();
 }
 
+/// The same, made on the device of what is there: the mesh is not far from sample (0, 0, 0).
+device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
+                                             const DeviceFaces& faces) {
+    const std::size_t count = faces.names->vertex_count;
+    auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
+    cl::Kernel kernel(job.program, "sweep_vertices");
+    enum Argument : cl_uint { in_lattice, scale_y, scale_z, begins, ends, positions, out };
+    kernel.setArg(in_lattice, face_lattice(lattice.view));
+    kernel.setArg(scale_y, lattice.scale_y);
+    kernel.setArg(scale_z, lattice.scale_z);
+    kernel.setArg(positions, *faces.positions);
+    kernel.setArg(out, *vertices);
+    ShortLaunches(job.context, {}).over(count, seconds_per_vertex, [&](std::size_t begin, std::size_t end) {
+        kernel.setArg(begins, static_cast<cl_uint>(begin));
+        kernel.setArg(ends, static_cast<cl_uint>(end));
+        job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
+                                                 cl::NDRange(common_group));
+    });
+    return vertices;
+}
+
 }  // namespace
 
 bool expects_large_triangles(const Grid& grid, const Mesh& mesh) {
@@ -153,17 +178,29 @@ bool expects_large_triangles(const Grid& grid, const Mesh& mesh) {
     return false;
 }
 
-SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const Grid& grid, const Mesh& mesh) {
+const cl::Buffer& SweepMesh::triangles() const {
+    return faces ? *faces->names->triangles : *own_triangles;
+}
+
+SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
+                          const Mesh& mesh, const cl::Program& mesh_records,
+                          const std::shared_ptr<const DeviceFaces>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
-        return SweepMesh{sweep_triangles(context, pool, mesh),
-                         sweep_vertices(context, pool, lattice, mesh),
-                         mesh.triangles().size(),
-                         lattice.bits_y,
-                         lattice.bits_z,
-                         lattice.first_x,
-                         !context.capabilities().is_processor};
+        SweepMesh result;
+        result.triangle_count = mesh.triangles().size();
+        result.bits_y = lattice.bits_y;
+        result.bits_z = lattice.bits_z;
+        result.first_x = lattice.first_x;
+        if (faces && faces->names->face_count == result.triangle_count && is_within_sweep(mesh, grid)) {
+            result.vertices = vertices_on_device({context, pool, mesh_records}, lattice, *faces);
+            result.faces = faces;
+        } else {
+            result.own_triangles = sweep_triangles(context, pool, mesh);
+            result.vertices = sweep_vertices(context, pool, lattice, mesh);
+            result.shares_triangles = context.capabilities().is_processor;
+        }
+        return result;
     });
 }
 
@@ -199,13 +236,8 @@ SweepMesh near_sweep_mesh(const device::Context& context, const std::shared_ptr<
             });
             begin += range.end - range.begin;
         }
-        return SweepMesh{triangle_filling.finish(),
-                         vertex_filling.finish(),
-                         count,
-                         lattice.bits_y,
-                         lattice.bits_z,
-                         lattice.first_x,
-                         true};
+        return SweepMesh{
+            triangle_filling.finish(), vertex_filling.finish(), count, lattice.bits_y, lattice.bits_z, lattice.first_x};
     });
 }
 

@@ -9,30 +9,38 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 namespace clsdf::transform {
+
+struct DeviceFaces;
 
 /// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid. A
 /// processor reads the triangles where the mesh has them, which must outlive this.
 struct SweepMesh {
-    device::BufferPool::Lease triangles;
+    device::BufferPool::Lease own_triangles;
     device::BufferPool::Lease vertices;  ///< SweepVertex, x counted from sample first_x
     std::size_t triangle_count = 0;
     int bits_y = 0;  ///< of a snapped vertex, below a sample
     int bits_z = 0;
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
 
-    /// Bytes on the device; triangles that are the mesh's own are not counted.
-    std::size_t device_bytes() const { return vertices.bytes() + (own_triangles ? triangles.bytes() : 0); }
-    bool own_triangles = true;
+    std::shared_ptr<const DeviceFaces> faces{};  ///< whose triangles are swept; null: own_triangles
+    bool shares_triangles = false;               ///< own_triangles lie where the mesh has them
+
+    const cl::Buffer& triangles() const;
+    /// Bytes on the device that are its own.
+    std::size_t device_bytes() const { return vertices.bytes() + (shares_triangles ? 0 : own_triangles.bytes()); }
 };
 
 /// Whether some of the mesh's triangles are large on the grid, guessed from a sample of them.
 bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 
 /// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
-SweepMesh make_sweep_mesh(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const Grid& grid, const Mesh& mesh);
+/// `faces`: null if the host makes the vertices; else the program is that of kernels/mesh_records.cl.
+SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
+                          const Mesh& mesh, const cl::Program& mesh_records,
+                          const std::shared_ptr<const DeviceFaces>& faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid);

@@ -109,6 +109,23 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_the_lists_and_the_field_only) {
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.programs_built == 0U);
     BOOST_TEST(counts.blocking_waits <= 3U);
+    // 40 bytes a triangle and 24 a vertex, where a record has 280; beside them, numbers of the faces' groups, the order of
+    // the lists, and the records that the host writes.
+    BOOST_TEST(counts.bytes_up <= 40 * mesh().triangles().size() + 24 * mesh().vertices().size() + 4096);
+    BOOST_TEST(counts.kernels.contains("face_records"));
+}
+
+BOOST_AUTO_TEST_CASE(vertices_that_move_take_their_slopes_with_them_and_no_triangles) {
+    DistanceTransform transform(test_device(), mesh());
+    std::vector<float> distance(grid().sample_count());
+    transform.compute(grid(), band(), {.distance = distance});
+    disguise::restart();
+    transform.move(mesh().vertices());
+    transform.compute(grid(), band(), {.distance = distance});
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.bytes_up <= 24 * mesh().triangles().size() + 24 * mesh().vertices().size() + 4096);
+    BOOST_TEST(counts.blocking_waits <= 3U);
 }
 
 BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {

@@ -5,7 +5,7 @@ function(clsdf_transform_test name)
 endfunction()
 
 foreach(name counterexamples shapes bands grids accuracy topology ties extremes determinism plans calls outputs
-             bodies slabs streams launches hostile_callers coarse_lists
+             bodies slabs streams launches hostile_callers coarse_lists mesh_records
              slender_polyhedra self_test stages requests)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
