@@ -1,7 +1,9 @@
 // The seven-site distance of every sample near the mesh, for GPUs.
 //
-// brick_masks, a work-group for each coarse brick: an upper bound (cap) of the distances in each of its 64 bricks, and
-// for each polyhedron of its list the bricks that it overlaps, 64 bits.
+// brick_caps, a work-group for each coarse brick: an upper bound (cap) of the distances in each of its 64 bricks.
+//
+// brick_masks, several work-groups for each coarse brick: for each polyhedron of its list the bricks that it overlaps,
+// 64 bits.
 //
 // bricks_by_group, a work-group for each brick of 8 x 8 x 8 samples:
 // 1. The polyhedra of the coarse brick's list that overlap the brick are chosen into local memory, in the order of the
@@ -93,33 +95,43 @@ static inline ulong touched_bricks(__global const Polyhedron* p, int3 coarse, __
     return touched;
 }
 
-// Global size: a group for each coarse brick order[begin, ...) of the launch. caps: BRICKS for each of `order`; masks:
-// as entries.
-__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_masks(
+// Global size: a group for each coarse brick order[begin, ...) of the launch. brick_caps: BRICKS for each of `order`.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_caps(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
     __global const uint* restrict entries, __global const float* restrict coarse_caps,
-    __global const Polyhedron* restrict polyhedra, __global float* restrict brick_caps,
-    __global ulong* restrict masks) {
+    __global const Polyhedron* restrict polyhedra, __global float* restrict caps) {
     __local float3 feet[GROUP];
     __local float least_squares[GROUP];
-    __local float caps[BRICKS];
-    const uint item = get_local_id(0), turn = begin + get_group_id(0);
-    const uint number = order[turn], list_begin = starts[number * parts], list_end = starts[(number + 1) * parts];
+    const uint item = get_local_id(0), turn = begin + get_group_id(0), number = order[turn];
     const int3 coarse = coarse_brick_at(layout, number);
-    const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
-    least_squares[item] = least_square_of_feet(layout, coarse, list_begin, list_end, entries, polyhedra, feet);
+    least_squares[item] = least_square_of_feet(layout, coarse, starts[number * parts], starts[(number + 1) * parts],
+                                               entries, polyhedra, feet);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < BRICKS) {
         float least = least_squares[item];
         for (uint other = item + BRICKS; other < GROUP; other += BRICKS) least = LESSER(least_squares[other], least);
         const float bound = sqrt(least) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
-        caps[item] = LESSER(bound, coarse_cap);
-        brick_caps[turn * BRICKS + item] = caps[item];
+        const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
+        caps[turn * BRICKS + item] = LESSER(bound, coarse_cap);
     }
+}
+
+// Global size: `groups` groups for each coarse brick order[begin, ...) of the launch. masks: as entries.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_masks(
+    Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
+    __global const uint* restrict entries, __global const float* restrict coarse_caps,
+    __global const Polyhedron* restrict polyhedra, __global const float* restrict caps, uint groups,
+    __global ulong* restrict masks) {
+    __local float brick_caps[BRICKS];
+    const uint item = get_local_id(0), turn = begin + get_group_id(0) / groups, number = order[turn];
+    if (item < BRICKS) brick_caps[item] = caps[turn * BRICKS + item];
     barrier(CLK_LOCAL_MEM_FENCE);
-    const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
-    for (uint e = list_begin + item; e < list_end; e += GROUP)
-        masks[e] = touched_bricks(polyhedra + entries[e], coarse, caps, slack);
+    const int3 coarse = coarse_brick_at(layout, number);
+    const float slack =
+        coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)] * layout.slack_rate + layout.brick_slack;
+    const uint list_end = starts[(number + 1) * parts];
+    for (uint e = starts[number * parts] + get_group_id(0) % groups * GROUP + item; e < list_end; e += groups * GROUP)
+        masks[e] = touched_bricks(polyhedra + entries[e], coarse, brick_caps, slack);
 }
 
 // Sample `lane` of sub-block b, from the brick's first sample.
@@ -151,16 +163,35 @@ INLINE uint count_bits(__local const uint* words, uint word_count) {
     return count;
 }
 
+// Polyhedra that are evaluated together.
+typedef struct Batch {
+    float3 feet[BATCH];      // from the foot of the altitude to the brick's centre
+    Offsets offsets[BATCH];  // at the brick's centre
+    Steps steps[BATCH];
+    Reach reach[BATCH];  // of a sub-block, without slack
+} Batch;
+
+#ifdef NEAREST
+// What was found for each sample. The loop that finishes samples is not unrolled, and would find its minima in private
+// memory.
+typedef struct Found {
+    float squared[512];
+    uint polyhedron[512];
+} Found;
+#endif
+
 // A brick's work in local memory.
 typedef struct Work {
     uint chosen[ROOM];                      // polyhedra
     uint words[WINDOW_WORDS];               // bits of a window's entries
     uint caps[SUBBLOCKS];                   // floats as bits, so that atomics know them
     uint touched[SUBBLOCKS * BATCH_WORDS];  // by sub-block, bits of a batch's polyhedra
-    float3 feet[BATCH];                     // from the foot of the altitude to the brick's centre
-    Offsets offsets[BATCH];                 // at the brick's centre
-    Steps steps[BATCH];
-    Reach reach[BATCH];        // of a sub-block, without slack
+    union {
+        Batch batch;
+#ifdef NEAREST
+        Found found;  // when all batches have been evaluated
+#endif
+    } room;
     uint octants[PAIRS / 32];  // bits of a polyhedron and an octant that overlap
     ushort pairs[PAIRS];       // the same, listed
 } Work;
@@ -199,11 +230,11 @@ static inline void lower_caps_by_feet(Layout layout, Brick brick, uint count, __
     for (uint begin = 0; begin < count; begin += BATCH) {
         const uint length = min(count - begin, (uint)BATCH);
         if (item < length)
-            work->feet[item] = from_foot_to(layout, polyhedra + work->chosen[begin + item], brick.first.x,
-                                            brick.first.y, brick.first.z, BRICK_CENTRE);
+            work->room.batch.feet[item] = from_foot_to(layout, polyhedra + work->chosen[begin + item], brick.first.x,
+                                                       brick.first.y, brick.first.z, BRICK_CENTRE);
         barrier(CLK_LOCAL_MEM_FENCE);
         for (uint n = item / SUBBLOCKS; n < length; n += GROUP / SUBBLOCKS) {
-            const float3 from_foot = work->feet[n] + centre;
+            const float3 from_foot = work->room.batch.feet[n] + centre;
             const float square = dot(from_foot, from_foot);
             least = LESSER(square, least);
         }
@@ -219,9 +250,10 @@ static inline void load_batch(Brick brick, __local const uint* chosen, uint leng
     const double centre = 0.5 * (CLSDF_BRICK - 1);
     if (item < length) {
         __global const Polyhedron* p = polyhedra + chosen[item];
-        work->offsets[item] = offsets_at(p, brick.first.x + centre, brick.first.y + centre, brick.first.z + centre);
-        work->steps[item] = steps_of(p);
-        work->reach[item] = reach_of_cube(p, 0.5f);
+        work->room.batch.offsets[item] =
+            offsets_at(p, brick.first.x + centre, brick.first.y + centre, brick.first.z + centre);
+        work->room.batch.steps[item] = steps_of(p);
+        work->room.batch.reach[item] = reach_of_cube(p, 0.5f);
     }
     for (uint n = item; n < SUBBLOCKS * BATCH_WORDS; n += GROUP) work->touched[n] = 0;
     for (uint n = item; n < PAIRS / 32; n += GROUP) work->octants[n] = 0;
@@ -242,8 +274,8 @@ static inline uint list_octants(Brick brick, __local const uint* chosen, uint le
     for (uint pair = item; pair < length * OCTANTS; pair += GROUP) {
         const uint n = pair / OCTANTS, octant = pair % OCTANTS;
         __global const Polyhedron* p = polyhedra + chosen[n];
-        const Place place = place_of(work->offsets[n]);
-        const Reach reach = scaled(work->reach[n], 3.0f);
+        const Place place = place_of(work->room.batch.offsets[n]);
+        const Reach reach = scaled(work->room.batch.reach[n], 3.0f);
         const float3 centre = subblock_centre(first_subblock(octant)) + 1.0f;
         const Centres c = centres_of(p, place, centre.x, centre.y, centre.z);
         float cap = 0.0f;
@@ -264,8 +296,8 @@ static inline void find_subblocks(Brick brick, __local const uint* chosen, uint 
     for (uint listed = get_local_id(0); listed < pairs; listed += GROUP) {
         const uint n = work->pairs[listed] / OCTANTS, octant = work->pairs[listed] % OCTANTS;
         __global const Polyhedron* p = polyhedra + chosen[n];
-        const Place place = place_of(work->offsets[n]);
-        const Reach reach = work->reach[n], wide = widened(reach, brick.slack);
+        const Place place = place_of(work->room.batch.offsets[n]);
+        const Reach reach = work->room.batch.reach[n], wide = widened(reach, brick.slack);
         const float3 first = subblock_centre(first_subblock(octant));
         const Centres middle = centres_of(p, place, first.x + 1.0f, first.y + 1.0f, first.z + 1.0f);
         const Slopes slopes = slopes_of(p, middle.z, 3.0f * reach.z, brick.slack);
@@ -315,7 +347,7 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
         for (uint w = 0; w < BATCH_WORDS; ++w)
             for (uint rest = work->touched[b * BATCH_WORDS + w]; rest; rest &= rest - 1) {
                 const uint n = w * 32 + lowest_bit(rest);
-                const Offsets o = work->offsets[n];
+                const Offsets o = work->room.batch.offsets[n];
 #if defined(LONG_BRICKS) || defined(NEAREST) || defined(COUNT)
                 __global const Polyhedron* p = polyhedra + chosen[n];
 #endif
@@ -326,7 +358,8 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
                 const float squared =
                     squared_distance_long_brick(p, frame, from_centre.x, from_centre.y, from_centre.z);
 #else
-                const float squared = squared_distance(work->steps[n], o, from_centre.x, from_centre.y, from_centre.z);
+                const float squared =
+                    squared_distance(work->room.batch.steps[n], o, from_centre.x, from_centre.y, from_centre.z);
 #endif
 #ifdef NEAREST
                 const bool better = is_nearer(squared, chosen[n], least, nearest, polyhedra);
@@ -389,12 +422,23 @@ static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __glo
     }
 }
 
+#ifdef NEAREST
+static inline void keep_found(__private const Minimum* minimum, __local Found* found) {
+    barrier(CLK_LOCAL_MEM_FENCE);  // the batch that was there has been evaluated
+#pragma unroll
+    for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
+        found->squared[s * GROUP + get_local_id(0)] = minimum->squared[s];
+        found->polyhedron[s * GROUP + get_local_id(0)] = minimum->polyhedron[s];
+    }
+}
+#endif
+
 // Writes the work-item's samples. relative_brick: the brick's place in the part.
 static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, __global const uint* sign_bits,
                                  __private const Minimum* minimum, __global float* distance
 #ifdef NEAREST
                                  ,
-                                 __private const Finishing* finishing
+                                 __local const Found* found, __private const Finishing* finishing
 #endif
 #ifdef COUNT
                                  ,
@@ -412,11 +456,16 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
         const uint bit = relative_brick.x * CLSDF_BRICK + in_brick.x;
         const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
         const size_t offset = ((size_t)to.z * size.y + to.y) * size.x + to.x;
-        bool in_band;
-        distance[offset] = signed_distance(layout, negative, minimum->squared[s], &in_band);
 #ifdef NEAREST
-        if (in_band && minimum->polyhedron[s] != CLSDF_NO_POLYHEDRON)
-            finish_sample(finishing, to + part_first, minimum->polyhedron[s], negative, offset);
+        const float squared = found->squared[sample];
+#else
+        const float squared = minimum->squared[s];
+#endif
+        bool in_band;
+        distance[offset] = signed_distance(layout, negative, squared, &in_band);
+#ifdef NEAREST
+        if (in_band && found->polyhedron[sample] != CLSDF_NO_POLYHEDRON)
+            finish_sample(finishing, to + part_first, found->polyhedron[sample], negative, offset);
         else
             leave_sample(finishing, offset);
 #endif
@@ -483,11 +532,12 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 
 #ifdef NEAREST
     SET_FINISHING(finishing)
+    keep_found(&minimum, &work.room.found);
 #endif
     write_samples(layout, brick, relative_brick, sign_bits, &minimum, distance
 #ifdef NEAREST
                   ,
-                  &finishing
+                  &work.room.found, &finishing
 #endif
 #ifdef COUNT
                   ,

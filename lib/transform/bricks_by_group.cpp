@@ -8,6 +8,8 @@ namespace {
 // small GPU does about ten million pairs a second.
 constexpr double pairs_per_launch = 2e6;
 constexpr std::size_t groups_per_coarse_brick = 64;
+// Groups that share a coarse brick's list: a narrow band has few coarse bricks, and a GPU many multiprocessors.
+constexpr std::size_t mask_groups = 8;
 
 class BricksByGroup final : public BrickKernel {
 public:
@@ -58,19 +60,25 @@ public:
 private:
     /// What the bricks read, once for all computations.
     void enqueue_masks(const cl::CommandQueue& queue, const BrickInputs& inputs) const {
-        cl::Kernel kernel(program_, "brick_masks");
-        kernel.setArg(masks_layout, inputs.layout);
-        kernel.setArg(masks_order, order_);
-        kernel.setArg(masks_starts, *inputs.lists.starts);
-        kernel.setArg(masks_parts, static_cast<cl_uint>(inputs.lists.parts));
-        kernel.setArg(masks_entries, *inputs.lists.entries);
-        kernel.setArg(masks_coarse_caps, *inputs.lists.caps);
-        kernel.setArg(masks_polyhedra, *inputs.mesh.polyhedra);
-        kernel.setArg(masks_caps, *caps_);
-        kernel.setArg(masks_masks, *masks_);
+        cl::Kernel caps(program_, "brick_caps"), masks(program_, "brick_masks");
+        for (cl::Kernel* kernel : {&caps, &masks}) {
+            kernel->setArg(masks_layout, inputs.layout);
+            kernel->setArg(masks_order, order_);
+            kernel->setArg(masks_starts, *inputs.lists.starts);
+            kernel->setArg(masks_parts, static_cast<cl_uint>(inputs.lists.parts));
+            kernel->setArg(masks_entries, *inputs.lists.entries);
+            kernel->setArg(masks_coarse_caps, *inputs.lists.caps);
+            kernel->setArg(masks_polyhedra, *inputs.mesh.polyhedra);
+            kernel->setArg(masks_caps, *caps_);
+        }
+        masks.setArg(masks_groups, static_cast<cl_uint>(mask_groups));
+        masks.setArg(masks_masks, *masks_);
         for (const Launch& launch : launches_) {
-            kernel.setArg(masks_begin, launch.begin);
-            queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange((launch.end - launch.begin) * group_size_),
+            const std::size_t items = (launch.end - launch.begin) * group_size_;
+            caps.setArg(masks_begin, launch.begin);
+            masks.setArg(masks_begin, launch.begin);
+            queue.enqueueNDRangeKernel(caps, cl::NullRange, cl::NDRange(items), cl::NDRange(group_size_));
+            queue.enqueueNDRangeKernel(masks, cl::NullRange, cl::NDRange(mask_groups * items),
                                        cl::NDRange(group_size_));
         }
     }
@@ -85,6 +93,7 @@ private:
         masks_coarse_caps,
         masks_polyhedra,
         masks_caps,
+        masks_groups,
         masks_masks
     };
     enum Argument : cl_uint {
