@@ -101,8 +101,9 @@ INLINE uint site_of_triangle(uint frame_site, uint first) {
     return frame_site / 3u * 3u + (number >= 3u ? number - 3u : number);
 }
 
-static inline void find_nearest(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
-                                __private Nearest* nearest) {
+// sample: in samples of the lattice, which need not be whole numbers.
+static inline void find_nearest_at(__private const Finishing* finishing, double3 sample, uint polyhedron, bool negative,
+                                   __private Nearest* nearest) {
     __global const Polyhedron* p = finishing->polyhedra + polyhedron;
     const Finish how = finishing->how;
     const double4 at = frame_at(p, sample.x, sample.y, sample.z);
@@ -213,18 +214,23 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
     else                                                                               \
         vstore##components((uint##components)(0xFFFFFFFFu), at, (__global uint*)(to))
 
-// Stores what a sample of the band holds beside the distance. at: its place in the part, in samples.
-static inline void finish_sample(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
-                                 size_t at) {
-    Nearest nearest;
-    find_nearest(finishing, sample, polyhedron, negative, &nearest);
-#define FINISH(name, content, element, components)                                                  \
-    if (IS_WANTED(finishing, name)) {                                                               \
-        STORE_##element(finished_##name(finishing, &nearest), components, at, finishing->of_##name, \
-                        IS_DOUBLE(finishing, name));                                                \
+// Stores what a sample of the band holds beside the distance. at: its place among the results, in samples.
+static inline void store_outputs(__private const Finishing* finishing, __private const Nearest* nearest, size_t at) {
+#define FINISH(name, content, element, components)                                                 \
+    if (IS_WANTED(finishing, name)) {                                                              \
+        STORE_##element(finished_##name(finishing, nearest), components, at, finishing->of_##name, \
+                        IS_DOUBLE(finishing, name));                                               \
     }
     CLSDF_OUTPUTS(FINISH)
 #undef FINISH
+}
+
+// The same from the sample's nearest polyhedron. at: its place in the part.
+static inline void finish_sample(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
+                                 size_t at) {
+    Nearest nearest;
+    find_nearest_at(finishing, convert_double3(sample), polyhedron, negative, &nearest);
+    store_outputs(finishing, &nearest, at);
 }
 
 // The same of a sample beyond the band.

@@ -77,6 +77,12 @@ DEFINE_STORE(store_eight_floats, float8, float, 8, private)
 #define store_eight_floats vstore8
 #endif
 
+#if LANES == 16
+#define store_doubles(value, p) vstore16(value, 0, p)
+#elif LANES == 8
+#define store_doubles(value, p) vstore8(value, 0, p)
+#endif
+
 // Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the
 // compiler has them, save a tree of eight operations in the innermost loops.
 static inline uint lanes_to_bits(intL mask) {

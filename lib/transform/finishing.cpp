@@ -40,6 +40,18 @@ Finishing::Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<con
     finish_.outward = is_inside_out ? -1.0F : 1.0F;
 }
 
+Finishing::Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites,
+                     bool is_inside_out)
+    : sites_(std::move(sites)) {
+    finish_.unit = lattice.unit;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        finish_.origin[axis] = lattice.origin[axis];
+        finish_.spacing[axis] = lattice.unit;
+        finish_.per_spacing[axis] = 1;
+    }
+    finish_.outward = is_inside_out ? -1.0F : 1.0F;
+}
+
 void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
     Finish finish = finish_;
     finish.in_double = outputs.in_double;

@@ -7,6 +7,7 @@
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "outputs.h"
+#include "polyhedra/triangle_frame.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -41,6 +42,9 @@ class Finishing {
 public:
     /// is_inside_out: the mesh is, and the field has a sign.
     Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
+
+    /// Of points in units of a lattice.
+    Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
     /// The arguments of the macro FINISHING_PARAMETERS.
     static constexpr cl_uint argument_count = 3 + CLSDF_OUTPUT_COUNT;

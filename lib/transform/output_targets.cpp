@@ -87,7 +87,8 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
     return target.strides == packed && (row.components == 1 || target.component_stride == width);
 }
 
-void check_host_memory(const OutputRow& row, const Grid& grid, const OutputTarget& target, bool is_packed) {
+void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner, const OutputTarget& target,
+                       bool is_packed) {
     if (target.device != nullptr)
         throw Error(ErrorCode::unsupported,
                     fmt::format("the target of the output {} is memory of the device, and this call writes to the "
@@ -96,8 +97,9 @@ void check_host_memory(const OutputRow& row, const Grid& grid, const OutputTarge
     const std::ptrdiff_t width = width_of(target.element);
     if (is_packed && target.offset == 0) {
         if (target.bytes == packed_bytes(row, target, grid)) return;
-        throw misuse(fmt::format("the grid has {} samples, and the array given for the output {} holds {} values of {}",
-                                 grid.sample_count(), row.name, target.bytes / static_cast<std::size_t>(width),
+        throw misuse(fmt::format("{}, and the array given for the output {} holds {} values of {}",
+                                 fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
+                                 target.bytes / static_cast<std::size_t>(width),
                                  static_cast<std::size_t>(grid.sample_count()) * row.components));
     }
     // In double, which no sum of such products overflows.
@@ -135,7 +137,11 @@ Outputs outputs_of(const OutputTargets& targets) {
     return outputs;
 }
 
-HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid) : targets_(targets), grid_(grid) {
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid)
+    : HostTargets(targets, grid, "the grid has {} samples") {}
+
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner)
+    : targets_(targets), grid_(grid) {
     require_distance(targets);
     const PerOutput<ElementOf> elements;
     for_each_output(
@@ -143,11 +149,17 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid) : targe
             if (!target.is_given()) return;
             resolve_element(row, natural.element, target);
             const bool is_packed = resolve_strides(row, grid, target);
-            check_host_memory(row, grid, target, is_packed);
+            check_host_memory(row, grid, owner, target, is_packed);
             are_packed_ = are_packed_ && is_packed;
             array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
         },
         targets_, elements, arrays_);
+}
+
+HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t count) {
+    Grid row;
+    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    return {targets, row, "there are {} points"};
 }
 
 void HostTargets::store(const Grid& slab, const HostArrays& values) const {
@@ -185,6 +197,13 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
             });
         },
         targets_, values);
+}
+
+void HostTargets::store_row(std::size_t first, std::size_t count, const HostArrays& values) const {
+    Grid row;
+    row.first = {static_cast<std::int64_t>(first), 0, 0};
+    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    store(row, values);
 }
 
 namespace {

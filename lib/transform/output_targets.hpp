@@ -17,6 +17,9 @@ class HostTargets {
 public:
     HostTargets(const OutputTargets& targets, const Grid& grid);
 
+    /// The same for points, which are stored as the samples of a grid of one row.
+    static HostTargets of_points(const OutputTargets& targets, std::size_t count);
+
     /// Whether the samples of every output are packed, so that they can be computed in place.
     bool are_packed() const { return are_packed_; }
     /// The packed arrays; of others only that they are asked for, and their elements.
@@ -25,8 +28,13 @@ public:
     /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are
     /// many. The slab is of the same lattice.
     void store(const Grid& slab, const HostArrays& values) const;
+    /// The same for some points, from number `first` on.
+    void store_row(std::size_t first, std::size_t count, const HostArrays& values) const;
 
 private:
+    /// owner: what has the samples and how many, for messages, with a place for the number.
+    HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner);
+
     OutputTargets targets_;  ///< with all strides set
     Grid grid_;
     HostArrays arrays_;

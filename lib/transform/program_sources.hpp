@@ -48,6 +48,7 @@ struct ProgramSources {
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
     /// For devices with memory of their own.
     ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(1)}; }
+    ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;

@@ -32,6 +32,9 @@ struct Programs : ProgramSources {
     cl::Program bricks(device::Context& context, const BrickVariant& variant,
                        const device::BuildWatch& watch = {}) const;
 
+    /// Of points anywhere.
+    cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
+
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;
     /// The size of their groups.

@@ -35,15 +35,15 @@ std::optional<std::string> wrong_counts(const KnownField& known, const std::vect
                        statistics.band_samples, statistics.samples_covered, statistics.lanes_evaluated, in_band);
 }
 
-/// All keys of the programs that a case runs.
-std::string key_of(const device::Context& context, const Programs& programs, const TestCase& test_case,
-                   const std::vector<cl::Program>& variants) {
-    std::string key = fmt::format("{}known field {} {}\n", context.identity(), known_field_number, test_case.name());
-    for (const cl::Program* program : {&programs.scan, &programs.coarse_lists, &programs.sign_sweep, &programs.fill})
-        key += context.key_of(*program) + '\n';
-    if (programs.mesh_records() != nullptr) key += context.key_of(programs.mesh_records) + '\n';
-    for (const cl::Program& program : variants) key += context.key_of(program) + '\n';
+/// All keys of the programs that a test runs.
+std::string key_of(const device::Context& context, const std::string& name, const std::vector<cl::Program>& programs) {
+    std::string key = fmt::format("{}known field {} {}\n", context.identity(), known_field_number, name);
+    for (const cl::Program& program : programs) key += context.key_of(program) + '\n';
     return key;
+}
+
+std::vector<cl::Program> common_programs(const Programs& programs) {
+    return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill};
 }
 
 }  // namespace
@@ -111,35 +111,45 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     });
 }
 
-bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
-                   const device::BuildWatch& watch) {
+bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
+               const std::function<std::optional<std::string>()>& test) {
     device::Context& context = device::context_of(device);
-    if (context.is_tested(test_case.name())) return false;
+    if (context.is_tested(subject.name)) return false;
     const std::scoped_lock lock(context.test_mutex());
-    if (context.is_tested(test_case.name())) return false;
-    const std::vector<cl::Program> variants =
-        device::guarded([&] { return variant_programs(context, programs, test_case, watch); });
+    if (context.is_tested(subject.name)) return false;
     bool is_run = false;
     if (!is_switched_off()) {
-        const device::BuildSubject subject{key_of(context, programs, test_case, variants),
-                                           fmt::format("the kernels \"{}\"", test_case.name()), context.identity()};
-        device::build_once(context.records(), subject, watch, [&] {
+        const device::BuildSubject build{key_of(context, subject.name, subject.programs),
+                                         fmt::format("the kernels \"{}\"", subject.name), context.identity()};
+        device::build_once(context.records(), build, watch, [&] {
             is_run = true;
-            const std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
-            if (!difference) {
-                if (test_case.is_large)
-                    context.records().note(key_of(context, programs, test_case.with_small_triangles(), variants));
-                return;
-            }
+            const std::optional<std::string> difference = test();
+            if (!difference) return;
             throw Error(
                 ErrorCode::device_failure,
                 fmt::format("{} computes wrong fields, so it is not used: of a small field that is known, computed by "
                             "the kernels \"{}\", {}. Its OpenCL compiler or driver is at fault: update it, or take "
                             "another device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",
-                            device::one_line(context.identity()), test_case.name(), *difference));
+                            device::one_line(context.identity()), subject.name, *difference));
         });
     }
-    context.set_tested(test_case.name());
+    context.set_tested(subject.name);
+    return is_run;
+}
+
+bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
+                   const device::BuildWatch& watch) {
+    device::Context& context = device::context_of(device);
+    if (context.is_tested(test_case.name())) return false;
+    TestSubject subject{test_case.name(), common_programs(programs)};
+    for (cl::Program& program : device::guarded([&] { return variant_programs(context, programs, test_case, watch); }))
+        subject.programs.push_back(std::move(program));
+    const bool is_run = test_once(device, subject, watch, [&] {
+        std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
+        if (!difference && test_case.is_large)
+            context.records().note(key_of(context, test_case.with_small_triangles().name(), subject.programs));
+        return difference;
+    });
     if (test_case.is_large) context.set_tested(test_case.with_small_triangles().name());
     return is_run;
 }

@@ -3,6 +3,7 @@
 #include "transform/field_method.hpp"
 #include "transform/programs.hpp"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,17 @@ std::size_t step_count(const TestCase& test_case);
 /// differs; with CLSDF_SELF_TEST=0 in the environment nothing is computed.
 bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
                    const device::BuildWatch& watch = {});
+
+/// Programs that are tested together.
+struct TestSubject {
+    std::string name;  ///< for messages and records
+    std::vector<cl::Program> programs;
+};
+/// Runs test() if the subject has not been tested on this device and driver version; it returns what is wrong, in a
+/// sentence. Returns whether it ran. Throws Error(device_failure) that says what is wrong; with CLSDF_SELF_TEST=0 in
+/// the environment it is not run.
+bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
+               const std::function<std::optional<std::string>()>& test);
 
 /// What the device computes wrong, in a sentence; nothing if all is right.
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,

@@ -66,6 +66,30 @@ cl::Event OutputMemory::fetch(const cl::CommandQueue& transfers) const {
     return event;
 }
 
+HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {
+    HostArrays result = wanted;
+    try {
+        for_each_output(
+            [&](const OutputRow& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
+                make_room(own, array.is_wanted ? samples * row.sample_bytes(array.in_double) : 0);
+                if (array.is_wanted) array.data = own.data()->bytes;
+            },
+            result, arrays_);
+    } catch (const std::exception&) {
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("the outputs of {} samples do not fit the memory; compute fewer at a time", samples));
+    }
+    return result;
+}
+
+std::size_t OwnArrays::bytes() const {
+    std::size_t bytes = 0;
+    for_each_output([&](const OutputRow&,
+                        const UninitializedVector<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
+                    arrays_);
+    return bytes;
+}
+
 OutputBuffers SlabPipeline::Slot::buffers() const {
     OutputBuffers buffers;
     for_each_output(
@@ -122,19 +146,7 @@ void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& callers
 }
 
 void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wanted) {
-    HostArrays arrays = wanted;
-    try {
-        for_each_output(
-            [&](const OutputRow& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
-                make_room(own, array.is_wanted ? slab.sample_count() * row.sample_bytes(array.in_double) : 0);
-                if (array.is_wanted) array.data = own.data()->bytes;
-            },
-            arrays, slot.own_);
-    } catch (const std::exception&) {
-        throw Error(ErrorCode::out_of_memory, fmt::format("a slab of {} x {} x {} samples does not fit the memory",
-                                                          slab.size[0], slab.size[1], slab.size[2]));
-    }
-    place(slot, slab, arrays);
+    place(slot, slab, slot.own_.for_samples(wanted, slab.sample_count()));
 }
 
 void SlabPipeline::take_back(Slot& slot) {
@@ -172,12 +184,7 @@ void SlabPipeline::finish() {
 
 std::size_t SlabPipeline::host_bytes() const {
     std::size_t bytes = 0;
-    for (const Slot& slot : slots_)
-        for_each_output(
-            [&](const OutputRow&, const UninitializedVector<MemoryLine>& own) {
-                bytes += own.capacity() * sizeof(MemoryLine);
-            },
-            slot.own_);
+    for (const Slot& slot : slots_) bytes += slot.own_.bytes();
     return bytes;
 }
 

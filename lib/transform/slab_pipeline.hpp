@@ -64,6 +64,20 @@ struct MemoryLine {
     std::byte bytes[64];
 };
 
+/// Packed arrays of the library's own for outputs.
+class OwnArrays {
+public:
+    /// Memory for the wanted outputs of so many samples, its contents undefined. Throws Error(out_of_memory).
+    HostArrays for_samples(const HostArrays& wanted, std::size_t samples);
+
+    std::size_t bytes() const;
+
+private:
+    template <typename>
+    using ArrayOf = UninitializedVector<MemoryLine>;
+    PerOutput<ArrayOf> arrays_;
+};
+
 /// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of
 /// buffers, a queue of its own for what is read, and a thread for the sink, which is called with one slab at a time, in
 /// their order.
@@ -80,12 +94,9 @@ public:
         friend SlabPipeline;
         template <typename>
         using MemoryOf = OutputMemory;
-        template <typename>
-        using OwnOf = UninitializedVector<MemoryLine>;
-
         HostArrays host_;
         PerOutput<MemoryOf> memory_;
-        PerOutput<OwnOf> own_;
+        OwnArrays own_;
         std::shared_future<void> delivered_;
     };
 

@@ -14,6 +14,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
           ${CMAKE_CURRENT_LIST_DIR}/output_targets.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plan.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/point_calls.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/program_sources.cpp
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp

@@ -62,6 +62,12 @@ double share_of(const Box& mesh, const Box& box) {
     return share;
 }
 
+Error preparation_error(const Mesh& mesh) {
+    return {ErrorCode::out_of_memory,
+            fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh", mesh.name(),
+                        mesh.triangles().size())};
+}
+
 /// Whether nothing beyond a half width matters.
 bool is_bounded(const Layout& layout) {
     return std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared);
@@ -90,10 +96,11 @@ void Stages::move(std::vector<Vec3> positions) {
     index_.reset();
     faces_.reset();
     sites_.reset();
+    points_.reset();
 }
 
 const polyhedra::MeshTopology& Stages::topology() {
-    if (!topology_) topology_.emplace(mesh_);
+    if (!topology_) topology_ = std::make_shared<const polyhedra::MeshTopology>(mesh_);
     return *topology_;
 }
 
@@ -155,9 +162,7 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign) {
         if (sign != SignRule::none) set_sweep_mesh(grid, layout, inputs);
         return inputs;
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
-                                mesh_.name(), mesh_.triangles().size()));
+        throw preparation_error(mesh_);
     }
 }
 
@@ -205,6 +210,19 @@ std::shared_ptr<const DeviceSites> Stages::sites(bool with_normals) {
     return sites_;
 }
 
+std::shared_ptr<const points::PointMesh> Stages::points() {
+    try {
+        if (!points_) {
+            topology();
+            points_ =
+                std::make_shared<const points::PointMesh>(points::make_point_mesh(context_, pool_, mesh_, topology_));
+        }
+        return points_;
+    } catch (const std::bad_alloc&) {
+        throw preparation_error(mesh_);
+    }
+}
+
 void Stages::keep_within(std::size_t budget) {
     std::size_t bytes = sites_ ? sites_->bytes() : 0;
     if (bytes > budget) sites_.reset();
@@ -213,6 +231,8 @@ void Stages::keep_within(std::size_t budget) {
         faces_.reset();
         names_.reset();
     }
+    bytes += points_ ? points_->device_bytes() : 0;
+    if (bytes > budget) points_.reset();
     for (auto it = lattices_.begin(); it != lattices_.end();) {
         bytes += it->bytes();
         it = bytes > budget ? lattices_.erase(it) : std::next(it);
@@ -220,7 +240,8 @@ void Stages::keep_within(std::size_t budget) {
 }
 
 std::size_t Stages::device_bytes() const {
-    std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0);
+    std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) +
+                        (points_ ? points_->device_bytes() : 0);
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }
@@ -230,7 +251,8 @@ std::size_t Stages::record_bytes() const {
 }
 
 std::size_t Stages::host_bytes() const {
-    return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0);
+    return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0) +
+           (points_ ? points_->host_bytes() : 0);
 }
 
 }  // namespace clsdf::transform

@@ -6,6 +6,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
+#include "points/point_mesh.hpp"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/mesh_topology.hpp"
@@ -41,6 +42,7 @@ struct Inputs {
 ///     device's faces + positions                         the same, on a device with memory of its own
 ///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
+///     points' tree   + positions                         kept until the vertices move, once points are asked for
 ///
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. The field has the same
 /// bytes either way. For one thread at a time.
@@ -65,6 +67,9 @@ public:
 
     /// What finishing reads, with pseudonormals if the gradient is asked for. Throws Error(out_of_memory).
     std::shared_ptr<const DeviceSites> sites(bool with_normals);
+
+    /// What points anywhere are looked up in. Throws Error(invalid_argument, unsupported or out_of_memory).
+    std::shared_ptr<const points::PointMesh> points();
 
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
@@ -100,12 +105,13 @@ private:
     cl::Program mesh_records_;  // null on processors
     Mesh mesh_;
     std::shared_ptr<const FieldMethod> method_;
-    std::optional<polyhedra::MeshTopology> topology_;
+    std::shared_ptr<const polyhedra::MeshTopology> topology_;
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceFaces::Names> names_;
     std::shared_ptr<const DeviceFaces> faces_;
     std::shared_ptr<const DeviceSites> sites_;
+    std::shared_ptr<const points::PointMesh> points_;
     std::list<Lattice> lattices_;  // that was used last first
 };
 

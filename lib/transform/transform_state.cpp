@@ -164,6 +164,10 @@ void DistanceTransform::State::keep(std::unique_ptr<transform::PlanState> plan, 
     if (!options.method) plans.push_front({count, std::move(plan)});
     plan.reset();
     if (plans.size() > most_plans) plans.pop_back();
+    keep_within_budget();
+}
+
+void DistanceTransform::State::keep_within_budget() {
     const std::size_t budget = options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;

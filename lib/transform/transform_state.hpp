@@ -2,6 +2,7 @@
 
 #include <clsdf/distance_transform.hpp>
 
+#include "points/point_query.hpp"
 #include "transform/call.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
@@ -51,6 +52,8 @@ struct DistanceTransform::State {
                                                     bool count);
     /// Keeps a plan for the next call, and what it and others are made of, within the budget.
     void keep(std::unique_ptr<transform::PlanState> plan, bool count);
+    /// Forgets plans, and what they and others are made of, beyond the budget.
+    void keep_within_budget();
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
 
@@ -68,6 +71,10 @@ struct DistanceTransform::State {
     /// Slab by slab, into the arrays or, if not in place, to the sink.
     void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
                  bool in_place, std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
+
+    // point_calls.cpp
+    void query(std::span<const Vec3> all, double within, const Outputs& outputs, const transform::HostTargets& targets,
+               const CallOptions& call);
 
     // What was spent on programs and no computation has reported yet.
     double compile_seconds = 0;
@@ -92,6 +99,11 @@ private:
     transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
     bool test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
     transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs);
+
+    points::PointInputs point_inputs(const Outputs& outputs);
+    /// Some of the points of a query into packed arrays.
+    points::PointTimes query(std::span<const Vec3> part, double within, const Outputs& outputs,
+                             const transform::HostArrays& arrays, const std::function<void(double)>& between);
 
     /// The samples of one slab. Its progress runs from `begin` to `end`.
     void compute(transform::PlanState& plan, const transform::SlabPipeline::Slot& slot, double begin, double end,

@@ -238,6 +238,23 @@ public:
     /// The slabs of compute_slabs() on a device that sets no closer limit.
     static std::vector<Grid> slabs_of(const Grid& grid);
 
+    /// The signed distance at points anywhere, in the mesh's units and in any order, and all else that has a target;
+    /// docs/library.md, 'Points', says what each output is. Beyond `within`, which is not negative and may be infinite,
+    /// the distance is `within` with the point's sign, and there is no triangle. The sign is that of the exact winding
+    /// number (or parity) at the given doubles; a point on the surface has the distance +0. A voxel, as a measure, is
+    /// 1/256 of the longest side of the mesh's box, or 1 if the mesh has no extent.
+    ///
+    /// A target is host memory of the caller for points.size() values, packed or strides[0] bytes from point to point.
+    /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
+    /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 450
+    /// bytes a triangle (TransformOptions::kept_bytes). An error leaves the targets undefined.
+    ///
+    /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
+    /// the mesh's box, for a negative or NaN `within`, and for memory that is missing or too small; Error(unsupported)
+    /// for memory of the device; Error(cancelled).
+    void query(std::span<const Vec3> points, double within, const OutputTargets& targets,
+               const CallOptions& call = {}) const;
+
     KeptMemory memory() const;
 
     /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).

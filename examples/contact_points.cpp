@@ -1,0 +1,108 @@
+// Particles that fall on a solid and bounce: in each step the distance, the normal and the triangle of those near the
+// surface, from one call. The solid turns, so its vertices move between the steps.
+//
+// example_contact_points [PARTICLES [STEPS]]
+
+#include <clsdf/clsdf.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+namespace {
+
+using clsdf::Vec3;
+
+struct Particles {
+    std::vector<Vec3> position, velocity;
+    std::vector<float> distance, normal;
+    std::vector<std::uint32_t> triangle;
+
+    explicit Particles(std::size_t count)
+        : position(count), velocity(count), distance(count), normal(3 * count), triangle(count) {}
+};
+
+/// Above the solid, at rest.
+Particles drop(std::size_t count, const clsdf::Box& box) {
+    Particles particles(count);
+    std::mt19937_64 generator(1);
+    std::uniform_real_distribution<double> part(0, 1);
+    const Vec3 extent = box.extent();
+    for (Vec3& p : particles.position)
+        p = {box.lower[0] + part(generator) * extent[0], box.lower[1] + part(generator) * extent[1],
+             box.upper[2] + part(generator) * 0.2 * extent[2]};
+    return particles;
+}
+
+std::array<Vec3, 3> turned(double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return {{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+}
+
+void fall(Particles& particles, double time) {
+    for (std::size_t i = 0; i < particles.position.size(); ++i) {
+        particles.velocity[i][2] -= 10 * time;
+        for (std::size_t axis = 0; axis < 3; ++axis) particles.position[i][axis] += time * particles.velocity[i][axis];
+    }
+}
+
+/// Those that overlap the solid are put on its surface and bounce off. Returns their number.
+std::size_t bounce(Particles& particles, double radius) {
+    std::size_t contacts = 0;
+    for (std::size_t i = 0; i < particles.position.size(); ++i) {
+        const auto distance = static_cast<double>(particles.distance[i]);
+        if (distance >= radius || particles.triangle[i] == clsdf::no_triangle) continue;
+        ++contacts;
+        double speed = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            speed += particles.velocity[i][axis] * static_cast<double>(particles.normal[3 * i + axis]);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto normal = static_cast<double>(particles.normal[3 * i + axis]);
+            particles.position[i][axis] += (radius - distance) * normal;
+            if (speed < 0) particles.velocity[i][axis] -= 1.5 * speed * normal;
+        }
+    }
+    return contacts;
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+    try {
+        const std::size_t count = argument_count > 1 ? std::strtoul(arguments[1], nullptr, 10) : 20000;
+        const int steps = argument_count > 2 ? std::atoi(arguments[2]) : 20;
+        const clsdf::Mesh mesh = clsdf::make_shape("knot");
+        clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
+        Particles particles = drop(count, mesh.box());
+        const double side = mesh.box().longest_side(), radius = 0.004 * side;
+
+        std::size_t all_contacts = 0, inside = 0;
+        double seconds = 0;
+        for (int step = 0; step < steps; ++step) {
+            fall(particles, 0.02 * std::sqrt(side));
+            transform.move(turned(0.05 * step), {0, 0, 0});
+            clsdf::TransformStatistics statistics;
+            // Nothing falls deeper in a step than a few hundredths of the solid.
+            transform.query(
+                particles.position, 0.1 * side,
+                {.distance = particles.distance, .triangle = particles.triangle, .gradient = particles.normal},
+                {.statistics = &statistics});
+            seconds += statistics.field_seconds + statistics.sign_seconds;
+            all_contacts += bounce(particles, radius);
+        }
+        transform.query(particles.position, 0.1 * side, {.distance = particles.distance});
+        for (const float distance : particles.distance)
+            inside += static_cast<double>(distance) < 0.99 * radius ? 1U : 0U;
+        std::printf("%zu particles, %d steps: %zu contacts; %zu particles overlap the solid at the end\n", count, steps,
+                    all_contacts, inside);
+        std::printf("%.2f million points a second\n", 1e-6 * static_cast<double>(count) * steps / seconds);
+        return all_contacts > 0 && inside * 100 < count ? 0 : 1;
+    } catch (const clsdf::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+}

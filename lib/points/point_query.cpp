@@ -1,0 +1,286 @@
+#include "points/point_query.hpp"
+
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
+#include "core/uninitialized_vector.hpp"
+#include "points/curve_order.hpp"
+#include "points/point_signs.hpp"
+#include "transform/output_targets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace clsdf::points {
+
+namespace {
+
+// Fewer points are taken as they come.
+constexpr std::size_t fewest_sorted = 128;
+// Points of a work-item on a processor, which share their way through the tree.
+constexpr std::size_t most_run = 64;
+// In units: squares of distances stay far inside a float's range.
+constexpr double farthest = 1e14;
+// Of a search on a core, at first; later launches follow the time of those before.
+constexpr double seconds_per_point = 2e-5;
+
+enum NearestArgument : cl_uint {
+    nearest_tree,
+    nearest_nodes,
+    nearest_leaves,
+    nearest_points,
+    nearest_begin,
+    nearest_end,
+    nearest_run,
+    nearest_most,
+    nearest_faces,
+    nearest_squared
+};
+enum FinishArgument : cl_uint {
+    finish_points,
+    finish_places,
+    finish_faces,
+    finish_signs,
+    finish_begin,
+    finish_end,
+    finish_within,
+    finish_polyhedra,
+    finish_distance,
+    finish_rest  // those of transform::Finishing
+};
+
+/// A buffer for a value of each point.
+template <typename Value>
+class PointBuffer {
+public:
+    PointBuffer(device::BufferPool& pool, std::size_t count, const char* purpose)
+        : lease_(pool.lease(count * sizeof(Value), purpose)) {}
+
+    const cl::Buffer& operator*() const { return *lease_; }
+    void write(const cl::CommandQueue& queue, std::span<const Value> values) {
+        queue.enqueueWriteBuffer(*lease_, CL_TRUE, 0, values.size_bytes(), values.data());
+    }
+    void read(const cl::CommandQueue& queue, std::span<Value> values) {
+        queue.enqueueReadBuffer(*lease_, CL_TRUE, 0, values.size_bytes(), values.data());
+    }
+
+private:
+    device::BufferPool::Lease lease_;
+};
+
+/// The computation of some points, which lie on the device in the order of a curve.
+class Query {
+public:
+    Query(device::Context& context, const transform::Programs& programs,
+          const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs, std::span<const Vec3> points,
+          double within)
+        : context_(context),
+          programs_(programs),
+          pool_(*pool),
+          queue_(context.queue()),
+          program_(programs.points(context)),
+          inputs_(inputs),
+          callers_(points),
+          within_(within),
+          in_units_(points.size()),
+          squared_(points.size()),
+          device_points_(pool_, points.size(), "points"),
+          device_faces_(pool_, points.size(), "nearest faces of points") {
+        order();
+        device_points_.write(queue_, in_units_);
+    }
+
+    void find_nearest(const std::function<void(double)>& between) {
+        PointBuffer<double> squared(pool_, count(), "squared distances of points");
+        const PointMesh& mesh = *inputs_.mesh;
+        cl::Kernel kernel(program_, "nearest_of_points");
+        kernel.setArg(nearest_tree, mesh.tree);
+        kernel.setArg(nearest_nodes, *mesh.device_nodes);
+        kernel.setArg(nearest_leaves, *mesh.leaves);
+        kernel.setArg(nearest_points, *device_points_);
+        kernel.setArg(nearest_run, static_cast<cl_uint>(run()));
+        kernel.setArg(nearest_most, most());
+        kernel.setArg(nearest_faces, *device_faces_);
+        kernel.setArg(nearest_squared, *squared);
+        in_launches(between, [&](std::size_t begin, std::size_t end) {
+            kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
+            kernel.setArg(nearest_end, static_cast<cl_uint>(end));
+            enqueue(kernel, stretch_count(end - begin, run()));
+        });
+        squared.read(queue_, squared_);
+    }
+
+    void find_signs() {
+        signs_.resize(count());
+        points::find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, in_units_, squared_}, signs_);
+    }
+
+    void finish(const transform::HostArrays& arrays) {
+        PointBuffer<std::uint32_t> places(pool_, count(), "order of points");
+        PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
+        places.write(queue_, order_);
+        signs.write(queue_, signs_);
+        PerOutput<MemoryOf> memory;
+        transform::OutputBuffers outputs;
+        for_each_output(
+            [&](const OutputRow& row, const transform::HostArray& array, transform::OutputMemory& of_output,
+                cl::Buffer& buffer) {
+                if (!array.is_wanted) return;
+                of_output.place(context_, pool_, array.data, count() * row.sample_bytes(array.in_double));
+                buffer = of_output.buffer();
+                if (array.in_double) outputs.in_double |= row.bit;
+            },
+            arrays, memory, outputs);
+        const transform::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
+        cl::Kernel kernel(program_, "finish_points");
+        kernel.setArg(finish_points, *device_points_);
+        kernel.setArg(finish_places, *places);
+        kernel.setArg(finish_faces, *device_faces_);
+        kernel.setArg(finish_signs, *signs);
+        kernel.setArg(finish_begin, cl_uint{0});
+        kernel.setArg(finish_end, static_cast<cl_uint>(count()));
+        kernel.setArg(finish_within, cl_double{within_});
+        kernel.setArg(finish_polyhedra, *inputs_.mesh->polyhedra);
+        kernel.setArg(finish_distance, outputs.distance);
+        finishing.set_arguments(kernel, finish_rest, outputs);
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(count())),
+                                    cl::NDRange(transform::common_group));
+        for_each_output(
+            [&](const OutputRow&, const transform::HostArray& array, const transform::OutputMemory& of_output) {
+                if (array.is_wanted) of_output.enqueue_handover(queue_);
+            },
+            arrays, memory);
+        queue_.finish();
+        for_each_output(
+            [&](const OutputRow&, const transform::HostArray& array, const transform::OutputMemory& of_output) {
+                if (array.is_wanted) of_output.fetch(queue_);
+            },
+            arrays, memory);
+        queue_.finish();
+    }
+
+private:
+    template <typename>
+    using MemoryOf = transform::OutputMemory;
+
+    std::size_t count() const { return callers_.size(); }
+
+    void order() {
+        if (count() < fewest_sorted) {
+            order_.resize(count());
+            std::iota(order_.begin(), order_.end(), 0U);
+        } else {
+            Box box = inputs_.mesh->box;  // enlarged: neighbours outside stay neighbours
+            const double margin = box.longest_side() / 8;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box.lower[axis] -= margin;
+                box.upper[axis] += margin;
+            }
+            order_ = curve_order(callers_, box);
+        }
+        const polyhedra::LatticeView& lattice = inputs_.mesh->lattice;
+        for_each_index(count(), [&](std::size_t i) {
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                in_units_[i][axis] = (callers_[order_[i]][axis] - lattice.origin[axis]) / lattice.unit;
+        });
+    }
+
+    /// The limit of the search, above all rounding of what is compared with `within` at the end.
+    double most() const {
+        const double units = within_ / inputs_.mesh->lattice.unit * (1 + 1e-9) + 1e-6;
+        return units * units;
+    }
+
+    std::size_t run() const {
+        if (programs_.body == KernelBody::by_group) return 1;
+        return std::clamp<std::size_t>(count() / (8 * context_.capabilities().compute_units), 1, most_run);
+    }
+
+    void enqueue(const cl::Kernel& kernel, std::size_t items) const {
+        const std::size_t group = programs_.part_group();
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(items, group)),
+                                    cl::NDRange(group));
+    }
+
+    /// launch(begin, end) for ranges of points, each of which takes about as long as a launch may: how long a search
+    /// takes depends on the mesh and the point.
+    template <typename Launch>
+    void in_launches(const std::function<void(double)>& between, const Launch& launch) const {
+        const device::Context::Capabilities& device = context_.capabilities();
+        const unsigned cores = device.is_processor ? device.compute_units : std::max(8U, device.compute_units);
+        // On a busy machine the time is not that of the points alone.
+        const std::size_t least = most_run * cores;
+        auto size = static_cast<std::size_t>(device.launch_seconds * cores / seconds_per_point);
+        for (std::size_t begin = 0; begin < count();) {
+            const std::size_t end = std::min(begin + std::max(size, least), count());
+            if (between) between(static_cast<double>(begin) / static_cast<double>(count()));
+            const Stopwatch watch;
+            launch(begin, end);
+            queue_.finish();
+            const double ratio = device.launch_seconds / std::max(watch.seconds(), 1e-6);
+            size = static_cast<std::size_t>(static_cast<double>(end - begin) * std::clamp(ratio, 0.5, 4.0));
+            begin = end;
+        }
+    }
+
+    device::Context& context_;
+    const transform::Programs& programs_;
+    device::BufferPool& pool_;
+    cl::CommandQueue queue_;
+    cl::Program program_;
+    const PointInputs& inputs_;
+    std::span<const Vec3> callers_;
+    double within_;
+    UninitializedVector<std::uint32_t> order_;
+    UninitializedVector<Vec3> in_units_;
+    UninitializedVector<double> squared_;
+    UninitializedVector<std::uint8_t> signs_;
+    PointBuffer<Vec3> device_points_;
+    PointBuffer<std::uint32_t> device_faces_;
+};
+
+}  // namespace
+
+void check_points(const PointMesh& mesh, std::span<const Vec3> points) {
+    const double far = farthest * mesh.lattice.unit;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec3& p = points[i];
+        bool is_usable = true;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_usable = is_usable && std::abs(p[axis] - mesh.lattice.origin[axis]) < far;
+        if (is_usable) continue;
+        const bool is_finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("point {} at ({}, {}, {}) {}; leave it out", i, p[0], p[1], p[2],
+                                is_finite ? "lies more than 1e14 voxels from the mesh, a voxel being 1/256 of the mesh"
+                                          : "is not finite"));
+    }
+}
+
+PointTimes query_points(device::Context& context, const transform::Programs& programs,
+                        const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
+                        std::span<const Vec3> points, double within, const transform::HostArrays& arrays,
+                        const std::function<void(double)>& between) {
+    PointTimes times;
+    if (points.empty()) return times;
+    device::guarded([&] {
+        try {
+            const Stopwatch watch;
+            Query query(context, programs, pool, inputs, points, within);
+            query.find_nearest(between);
+            const Stopwatch sign_watch;
+            query.find_signs();
+            times.sign = sign_watch.seconds();
+            query.finish(arrays);
+            times.nearest = watch.seconds() - times.sign;
+        } catch (...) {
+            context.drain();  // what is under way uses the caller's memory
+            throw;
+        }
+    });
+    return times;
+}
+
+}  // namespace clsdf::points

@@ -1,0 +1,287 @@
+#include "points/point_signs.hpp"
+
+#include "core/parallel.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#ifdef __FAST_MATH__
+#error "exact predicates need the arithmetic of IEEE 754: compile without -ffast-math"
+#endif
+
+namespace clsdf::points {
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Corners = std::array<Vec3, 3>;
+
+constexpr std::size_t width = CLSDF_TREE_WIDTH;
+// A point nearer, in units, may lie on the surface.
+constexpr double nearly_zero = 1e-9;
+// Above all roundings of points in units, relative to their coordinates, and of distances.
+constexpr double rounding = 1e-9;
+
+Kernel::Point_3 point(const Vec3& p) {
+    return {p[0], p[1], p[2]};
+}
+
+/// On which side of the line a -> b the point lies, seen along the axis before `first`: -1, 0 or 1.
+int side_of_line(const Vec3& a, const Vec3& b, const Vec3& p, std::size_t first, std::size_t second) {
+    return static_cast<int>(CGAL::orientation(Kernel::Point_2(a[first], a[second]),
+                                              Kernel::Point_2(b[first], b[second]),
+                                              Kernel::Point_2(p[first], p[second])));
+}
+
+/// The same in (y, z) for the point displaced by (e, e^2), e positive and arbitrarily small; 0 only if a and b
+/// coincide.
+int displaced_side(const Vec3& a, const Vec3& b, const Vec3& p) {
+    if (const int side = side_of_line(a, b, p, 1, 2); side != 0) return side;
+    if (a[2] != b[2]) return b[2] < a[2] ? 1 : -1;
+    return a[1] == b[1] ? 0 : b[1] > a[1] ? 1 : -1;
+}
+
+/// 1: the point is in front of the face; -1: behind it; 0: in its plane.
+int side_of_face(const Corners& corners, const Vec3& p) {
+    const auto& [a, b, c] = corners;
+    return static_cast<int>(CGAL::orientation(point(a), point(b), point(c), point(p)));
+}
+
+/// In which sense the line p -> q turns around a -> b; 0 if they meet.
+int turn_of(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
+    return static_cast<int>(CGAL::orientation(point(p), point(q), point(a), point(b)));
+}
+
+/// Between a and b on their line.
+bool is_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (p[axis] < std::min(a[axis], b[axis]) || p[axis] > std::max(a[axis], b[axis])) return false;
+    return CGAL::collinear(point(a), point(b), point(p));
+}
+
+bool is_on_triangle(const Corners& corners, const Vec3& p) {
+    const auto& [a, b, c] = corners;
+    if (side_of_face(corners, p) != 0) return false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t first = (axis + 1) % 3, second = (axis + 2) % 3;
+        const int turn = side_of_line(a, b, c, first, second);
+        if (turn == 0) continue;
+        return turn * side_of_line(a, b, p, first, second) >= 0 && turn * side_of_line(b, c, p, first, second) >= 0 &&
+               turn * side_of_line(c, a, p, first, second) >= 0;
+    }
+    return is_on_segment(a, b, p) || is_on_segment(b, c, p) || is_on_segment(c, a, p);
+}
+
+/// A box in units, closed.
+struct UnitBox {
+    std::array<float, 3> lower{}, upper{};
+
+    /// The smallest one around a point.
+    explicit UnitBox(const Vec3& p) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto nearest = static_cast<float>(p[axis]);
+            lower[axis] = std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+            upper[axis] = std::nextafter(nearest, std::numeric_limits<float>::infinity());
+        }
+    }
+
+    void add(const UnitBox& other) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis] = std::min(lower[axis], other.lower[axis]);
+            upper[axis] = std::max(upper[axis], other.upper[axis]);
+        }
+    }
+};
+
+/// Calls visit(corners) for all faces whose leaves overlap the box, until it returns true. Returns whether it did.
+template <typename Visit>
+bool visit_faces(const PointMesh& mesh, const UnitBox& box, std::size_t level, std::size_t number, const Visit& visit) {
+    const PointNode& node = mesh.nodes[mesh.tree.first[level] + number];
+    std::array<unsigned char, width> is_met{};
+    for (std::size_t i = 0; i < width; ++i) {
+        bool is_apart = false;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_apart |= (node.lower[axis][i] > box.upper[axis]) | (node.upper[axis][i] < box.lower[axis]);
+        is_met[i] = is_apart ? 0 : 1;
+    }
+    for (std::size_t i = 0; i < width; ++i) {
+        if (is_met[i] == 0) continue;
+        const std::size_t child = number * width + i;
+        if (level > 0) {
+            if (visit_faces(mesh, box, level - 1, child, visit)) return true;
+            continue;
+        }
+        const std::size_t end = std::min((child + 1) * width, mesh.face_count());
+        for (std::size_t face = child * width; face < end; ++face)
+            if (visit(mesh.corners(face))) return true;
+    }
+    return false;
+}
+
+template <typename Visit>
+bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
+    return visit_faces(mesh, box, mesh.tree.levels - 1, 0, visit);
+}
+
+bool is_on_surface(const PointMesh& mesh, const Vec3& p, const Vec3& in_units) {
+    return visit_faces(mesh, UnitBox(in_units), [&](const Corners& corners) { return is_on_triangle(corners, p); });
+}
+
+/// The surface's crossings on a way from outside the mesh to a point.
+struct Crossings {
+    int winding = 0;  ///< the winding number of a surface that is balanced
+    int count = 0;    ///< even or odd, as many of them as of any other way if the surface is closed
+
+    bool are_inside(SignRule rule) const { return rule == SignRule::parity ? count % 2 != 0 : winding != 0; }
+};
+
+/// Whether the face lies beyond the box of two points on an axis.
+bool is_apart(const Corners& corners, const Vec3& p, const Vec3& q, std::size_t axis) {
+    const auto [low, high] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
+    return high < std::min(p[axis], q[axis]) || low > std::max(p[axis], q[axis]);
+}
+
+/// On the ray along x from a point that is not on the surface, to the nearer side of the mesh's box.
+Crossings crossings_of_ray(const PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
+    const bool is_forward = from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0];
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    UnitBox box(in_units);
+    (is_forward ? box.upper : box.lower)[0] = static_cast<float>(is_forward ? infinity : -infinity);
+    Vec3 to = from;
+    to[0] = is_forward ? infinity : -infinity;
+    Crossings crossings;
+    visit_faces(mesh, box, [&](const Corners& corners) {
+        const auto& [a, b, c] = corners;
+        if (is_apart(corners, from, to, 1) || is_apart(corners, from, to, 2) || is_apart(corners, from, to, 0))
+            return false;
+        const int side = displaced_side(a, b, from);
+        if (side == 0 || displaced_side(b, c, from) != side || displaced_side(c, a, from) != side) return false;
+        // 1: the point is in front of the face. If that is `side`, the crossing has a smaller x than the point.
+        const int front = side_of_face(corners, from);
+        if ((front == side) == is_forward) return false;
+        ++crossings.count;
+        crossings.winding += is_forward ? side : -side;
+        return false;
+    });
+    return crossings;
+}
+
+/// On the way from `from`, whose crossings are known, straight to `to`; neither is on the surface. Nothing if it meets
+/// an edge or runs in a face's plane: there exact predicates do not tell.
+std::optional<Crossings> crossings_along(const PointMesh& mesh, const Vec3& from, const Vec3& to, const UnitBox& box,
+                                         Crossings crossings) {
+    const bool is_undecided = visit_faces(mesh, box, [&](const Corners& corners) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (is_apart(corners, from, to, axis)) return false;
+        const auto& [a, b, c] = corners;
+        const int before = side_of_face(corners, from), behind = side_of_face(corners, to);
+        if (before == behind) return before == 0 && !CGAL::collinear(point(a), point(b), point(c));
+        if (before == 0 || behind == 0) return false;  // only an end is in the plane, and not on the face
+        const std::array<int, 3> turns{turn_of(from, to, a, b), turn_of(from, to, b, c), turn_of(from, to, c, a)};
+        const auto [least, most] = std::minmax({turns[0], turns[1], turns[2]});
+        if (least < 0 && most > 0) return false;
+        if (least == 0 || most == 0) return true;
+        ++crossings.count;
+        crossings.winding -= behind;
+        return false;
+    });
+    return is_undecided ? std::nullopt : std::optional(crossings);
+}
+
+/// A ball without surface around a point whose crossings are known. Lengths are in units.
+struct KnownBall {
+    Vec3 centre;
+    Vec3 callers;  ///< the same in the caller's coordinates
+    double radius;
+    Crossings crossings;
+};
+
+/// The last few of them.
+class KnownBalls {
+public:
+    struct Found {
+        const KnownBall* ball;  ///< whose centre is nearest; null if there is none
+        double distance;        ///< of the centre
+        bool is_free;           ///< no surface lies between
+    };
+
+    /// Of all balls one that holds the point, or whose centre the point's own ball holds; else the nearest.
+    Found find(const Vec3& p, double radius) const {
+        Found found{nullptr, std::numeric_limits<double>::infinity(), false};
+        for (std::size_t i = 0; i < count_; ++i) {
+            const KnownBall& ball = balls_[i];
+            double squared = 0, size = 1;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double difference = p[axis] - ball.centre[axis];
+                squared += difference * difference;
+                size += std::abs(p[axis]) + std::abs(ball.centre[axis]);
+            }
+            const double distance = std::sqrt(squared);
+            if (distance + rounding * size < std::max(radius, ball.radius)) return {&ball, distance, true};
+            if (distance < found.distance) found = {&ball, distance, false};
+        }
+        return found;
+    }
+
+    void add(const KnownBall& ball) {
+        balls_[next_] = ball;
+        count_ = std::max(count_, ++next_);
+        next_ %= balls_.size();
+    }
+
+private:
+    std::array<KnownBall, 8> balls_{};
+    std::size_t count_ = 0, next_ = 0;
+};
+
+/// A way longer than that, in units, meets more faces than a ray.
+constexpr double longest_way = 16;
+
+Crossings crossings_of(const PointMesh& mesh, const Vec3& p, const Vec3& in_units, const KnownBalls::Found& known) {
+    if (known.is_free) return known.ball->crossings;
+    if (known.distance < longest_way) {
+        UnitBox box(in_units);
+        box.add(UnitBox(known.ball->centre));
+        if (const auto crossings = crossings_along(mesh, known.ball->callers, p, box, known.ball->crossings))
+            return *crossings;
+    }
+    return crossings_of_ray(mesh, p, in_units);
+}
+
+bool holds(const Box& box, const Vec3& p) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (p[axis] < box.lower[axis] || p[axis] > box.upper[axis]) return false;
+    return true;
+}
+
+}  // namespace
+
+void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs) {
+    constexpr std::size_t together = 256;
+    for_each_stretch(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
+        KnownBalls balls;
+        for (std::size_t i = begin; i < end; ++i) {
+            signs[i] = CLSDF_POINT_OUTSIDE;
+            const Vec3& p = points.callers[points.order[i]];
+            if (!holds(mesh.box, p)) continue;
+            const double distance = std::sqrt(points.squared[i]);
+            if (distance < nearly_zero && is_on_surface(mesh, p, points.in_units[i])) {
+                signs[i] = CLSDF_POINT_ON_SURFACE;
+                continue;
+            }
+            if (rule == SignRule::none) continue;
+            const double radius = distance * (1 - rounding) - rounding;
+            const KnownBalls::Found known = balls.find(points.in_units[i], radius);
+            const Crossings crossings = crossings_of(mesh, p, points.in_units[i], known);
+            if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;
+            if (!known.is_free) balls.add({points.in_units[i], p, radius, crossings});
+        }
+    });
+}
+
+}  // namespace clsdf::points

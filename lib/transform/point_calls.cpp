@@ -1,0 +1,104 @@
+#include "core/per_output.hpp"
+#include "core/stopwatch.hpp"
+#include "points/point_query.hpp"
+#include "transform/output_targets.hpp"
+#include "transform/transform_state.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace clsdf {
+
+points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs) {
+    const auto make = [&] {
+        points::PointInputs inputs{stages->points(), stages->sites(outputs.gradient), sign};
+        inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
+        return inputs;
+    };
+    try {
+        return make();
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
+    }
+    return make();
+}
+
+points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, double within, const Outputs& outputs,
+                                                   const transform::HostArrays& arrays,
+                                                   const std::function<void(double)>& between) {
+    const points::PointInputs inputs = point_inputs(outputs);
+    return points::query_points(device::context_of(device), programs, pool, inputs, part, within, arrays, between);
+}
+
+void DistanceTransform::State::query(std::span<const Vec3> all, double within, const Outputs& outputs,
+                                     const transform::HostTargets& targets, const CallOptions& call) {
+    TransformStatistics statistics;
+    statistics.triangles = mesh().triangles().size();
+    transform::Compiling compiling(call, options.log);
+    {
+        const std::scoped_lock lock(mutex);
+        transform::throw_if_stopped(call);
+        const Stopwatch compile_watch;
+        compiling.first_use = points::ensure_points_tested(device, programs, compiling.watch(points::point_test_steps));
+        compiling.seconds = compile_watch.seconds();
+        pool->restart_peak();
+        const Stopwatch watch;
+        const points::PointInputs inputs = point_inputs(outputs);
+        statistics.polyhedra_seconds = watch.seconds();
+        // Nothing is computed if a point is refused.
+        points::check_points(*inputs.mesh, all);
+    }
+    transform::OwnArrays own;
+    for (std::size_t begin = 0; begin < all.size(); begin += points::most_points) {
+        const std::span<const Vec3> part = all.subspan(begin, std::min(points::most_points, all.size() - begin));
+        transform::HostArrays arrays;
+        if (targets.are_packed())
+            for_each_output([&](const OutputRow& row, const transform::HostArray& array,
+                                transform::HostArray& of_part) { of_part = array.from_sample(row, begin); },
+                            targets.arrays(), arrays);
+        else
+            arrays = own.for_samples(targets.arrays(), part.size());
+        const auto between = [&](double fraction) {
+            transform::throw_if_stopped(call);
+            const double done = static_cast<double>(begin) + fraction * static_cast<double>(part.size());
+            if (call.progress) call.progress(done / static_cast<double>(all.size()));
+        };
+        const std::scoped_lock lock(mutex);
+        const points::PointTimes times = query(part, within, outputs, arrays, between);
+        statistics.sign_seconds += times.sign;
+        statistics.field_seconds += times.nearest;
+        if (!targets.are_packed()) targets.store_row(begin, part.size(), arrays);
+    }
+    {
+        const std::scoped_lock lock(mutex);
+        pool->trim();
+        keep_within_budget();
+        report(compiling, statistics);
+        statistics.device_bytes = pool->peak();
+    }
+    if (call.progress) call.progress(1.0);
+    if (call.statistics != nullptr) *call.statistics = statistics;
+}
+
+void DistanceTransform::query(std::span<const Vec3> points, double within, const OutputTargets& targets,
+                              const CallOptions& call) const {
+    State& state = this->state();
+    if (!(within >= 0))
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("points are looked up within {}, and the limit must be 0 or more; infinity is none", within));
+    if (std::isfinite(within) && within > static_cast<double>(std::numeric_limits<float>::max()))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("points are looked up within {}, which is beyond the floats that distances are given "
+                                "in; infinity is no limit",
+                                within));
+    state.query(points, within, transform::outputs_of(targets),
+                transform::HostTargets::of_points(targets, points.size()), call);
+}
+
+}  // namespace clsdf

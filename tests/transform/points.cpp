@@ -1,0 +1,372 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
+#include "support/temporary_folder.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <thread>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+double voxel_of(const Mesh& mesh) {
+    return mesh.box().longest_side() / 256;
+}
+
+/// Results of points, all outputs, in the arrays of a field.
+Field query(const DistanceTransform& transform, std::span<const Vec3> points, double within = no_limit) {
+    Field field;
+    OutputTargets targets;
+    visit_outputs(
+        [&](const char* name, auto& values, OutputTarget& target) {
+            const std::string output = name;
+            values.resize(points.size() * (output == "closest" || output == "gradient" ? 3
+                                           : output == "barycentric"                   ? 2
+                                                                                       : 1));
+            target = values;
+        },
+        field, targets);
+    transform.query(points, within, targets);
+    return field;
+}
+
+std::vector<Vec3> samples_of(const Grid& grid) {
+    std::vector<Vec3> points;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) points.push_back(grid.position(i, j, k));
+    return points;
+}
+
+/// All outputs at a grid's samples as points, held against the reference with the measure of points.
+void check_points(const DistanceTransform& transform, const Mesh& mesh, const Grid& grid, double within = no_limit) {
+    Field field = query(transform, samples_of(grid), within);
+    field.grid = grid;
+    field.band = {within, within};
+    field.sign = transform.sign();
+    check_exact(mesh, field, {1e-5 * voxel_of(mesh) / grid.voxel(), 2});
+}
+
+Vec3 corner(const Mesh& mesh, std::size_t triangle, std::size_t number) {
+    return mesh.vertices()[mesh.triangles()[triangle][number]];
+}
+
+/// A point of the surface: w0, w1 and the rest are the weights of a triangle's vertices.
+Vec3 on_triangle(const Mesh& mesh, std::size_t triangle, double w0, double w1) {
+    Vec3 p{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        p[axis] = w0 * corner(mesh, triangle, 0)[axis] + w1 * corner(mesh, triangle, 1)[axis] +
+                  (1 - w0 - w1) * corner(mesh, triangle, 2)[axis];
+    return p;
+}
+
+/// Vertices, points on edges and faces, and points beside them and far away.
+std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+    std::mt19937_64 generator(seed);
+    std::uniform_real_distribution<double> part(0, 1);
+    const double side = mesh.box().longest_side();
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t triangle = generator() % mesh.triangles().size();
+        const double w0 = part(generator), w1 = i % 3 == 0 ? 1 - w0 : (1 - w0) * part(generator);
+        Vec3 p = i % 7 == 0 ? corner(mesh, triangle, i % 3) : on_triangle(mesh, triangle, w0, w1);
+        const double reach = std::array{0.0, 0.01, 0.3, 1.0, 0.05}[i % 5] * side;
+        for (double& x : p) x += reach * (2 * part(generator) - 1);
+        points.push_back(p);
+    }
+    return points;
+}
+
+Mesh sliver() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {5, 1e-6, 0}, {10, 0, 0}, {5, 3, 1}, {5, 1, -2}},
+                std::vector<Triangle>{{0, 1, 3}, {1, 2, 3}, {0, 4, 1}, {1, 4, 2}, {0, 3, 4}, {2, 4, 3}}, "sliver");
+}
+
+/// A face twice, a face without area and one with a repeated vertex, at an edge of three faces.
+Mesh fins() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}, {1, 0, 0.3}, {-0.5, 0.8, 0.4}, {-0.5, -0.9, 0.6}, {0, 0, 0.5}},
+                std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 5, 1}, {0, 0, 2}, {0, 1, 2}}, "fins");
+}
+
+Mesh overlapping_cubes() {
+    return together({cube(1), shifted(cube(1), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {0.35, 0.3, 0.25}))},
+                    "overlapping cubes");
+}
+
+std::vector<Mesh> meshes() {
+    Random random(5);
+    return {cube(1),
+            reversed(cube(1)),
+            unwelded(cube(1)),
+            without_triangle(cube(1), 3),
+            overlapping_cubes(),
+            sliver(),
+            fins(),
+            random_slivers(random, 40),
+            random_soup(random, 30, 60),
+            make_shape("knot"),
+            tilted(make_shape("noisy"))};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(every_output_of_every_point_keeps_its_contract) {
+    for (const Mesh& mesh : meshes()) {
+        const double voxel = voxel_of(mesh);
+        std::mt19937_64 generator(11);
+        for (const KernelBody body : both_bodies) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            const Grid around = grid_around(mesh, 14, 3);
+            check_points(transform, mesh, around);
+            check_points(transform, mesh, around, 2.5 * around.voxel());
+            // Beside vertices and faces, at distances of voxels, and on them.
+            for (int place = 0; place < 6; ++place) {
+                const std::size_t triangle = generator() % mesh.triangles().size();
+                const Vec3 centre = place % 2 == 0 ? corner(mesh, triangle, 0) : on_triangle(mesh, triangle, 0.3, 0.4);
+                check_points(transform, mesh, grid_at(centre, (place < 3 ? 1 : 0.01) * voxel, 2), 3 * voxel);
+            }
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(far_away_the_distance_is_right_to_its_last_digits) {
+    const Mesh mesh = tilted(make_shape("noisy"));
+    const reference::Oracle oracle(mesh);
+    const double voxel = voxel_of(mesh);
+    std::vector<Vec3> points;
+    for (const double far : {1e3, 1e6, 1e9, 1e13})
+        for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{-0.6, 0.8, 0.01}, Vec3{0.3, -0.5, 0.7}})
+            points.push_back({far * voxel * direction[0], far * voxel * direction[1], far * voxel * direction[2]});
+    for (const KernelBody body : both_bodies) {
+        const Field field = query(DistanceTransform(test_device(), mesh, {.body = body}), points);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const double expected = oracle.nearest(points[i]).distance;
+            BOOST_TEST(std::abs(static_cast<double>(field.distance[i]) - expected) <= 2.4e-7 * expected);
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(on_the_surface_the_distance_is_zero_and_positive) {
+    for (const Mesh& mesh : {cube(1), reversed(cube(1)), without_triangle(cube(1), 3)})
+        for (const KernelBody body : both_bodies) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            const std::vector<Vec3> points{{1, 0.3, -0.2}, {-1, -1, 0.1}, {1, 1, 1}, {0.1, -1, 0.7}, {0.125, 0.5, 1}};
+            const Field field = query(transform, points, 0);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                if (field.triangle[i] == no_triangle) continue;  // the hole
+                BOOST_TEST(field.distance[i] == 0);
+                BOOST_TEST(!std::signbit(field.distance[i]));
+                const Vec3 gradient{field.gradient[3 * i], field.gradient[3 * i + 1], field.gradient[3 * i + 2]};
+                BOOST_TEST(std::hypot(gradient[0], gradient[1], gradient[2]) == 1.0,
+                           boost::test_tools::tolerance(1e-6));
+            }
+            BOOST_TEST(std::ranges::count(field.triangle, no_triangle) <= 1);
+        }
+}
+
+// Every triangle of a sphere is as near to its centre, and all corners of a cube to the middle.
+BOOST_AUTO_TEST_CASE(on_the_medial_axis_one_of_the_nearest_triangles_is_named) {
+    for (const Mesh& mesh : {make_shape("sphere4"), cube(1), make_shape("torus")})
+        for (const KernelBody body : both_bodies) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            check_points(transform, mesh, grid_at({0, 0, 0}, voxel_of(mesh) / 16, 1));
+        }
+}
+
+BOOST_AUTO_TEST_CASE(a_result_does_not_depend_on_the_batch) {
+    for (const Mesh& mesh : {tilted(make_shape("noisy")), overlapping_cubes(), without_triangle(make_shape("knot"), 7)})
+        for (const KernelBody body : both_bodies) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            for (const double within : {no_limit, 0.1 * mesh.box().longest_side()}) {
+                const std::vector<Vec3> points = points_around(mesh, 3000, 21);
+                const Field all = query(transform, points, within);
+                const auto check_same = [&](const Field& part, const auto& number_of) {
+                    visit_outputs(
+                        [&](const char* name, const auto& of_all, const auto& of_part) {
+                            const std::size_t size = of_all.size() / points.size();
+                            std::size_t differences = 0;
+                            for (std::size_t i = 0; i < part.distance.size(); ++i)
+                                differences += std::memcmp(&of_all[size * number_of(i)], &of_part[size * i],
+                                                           size * sizeof(of_all[0])) != 0
+                                                   ? 1U
+                                                   : 0U;
+                            BOOST_TEST(differences == 0U, name << ": " << differences << " points differ");
+                        },
+                        all, part);
+                };
+                std::vector<std::size_t> shuffled(points.size());
+                std::iota(shuffled.begin(), shuffled.end(), std::size_t{0});
+                std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937_64(3));
+                std::vector<Vec3> other(points.size());
+                for (std::size_t i = 0; i < points.size(); ++i) other[i] = points[shuffled[i]];
+                check_same(query(transform, other, within), [&](std::size_t i) { return shuffled[i]; });
+                const std::span<const Vec3> span(points);
+                check_same(query(transform, span.subspan(1700, 700), within), [](std::size_t i) { return 1700 + i; });
+                for (std::size_t i = 0; i < 60; ++i)
+                    check_same(query(transform, span.subspan(i, 1), within), [i](std::size_t) { return i; });
+                // At the same time from several threads.
+                std::vector<Field> fields(2);
+                std::vector<std::jthread> threads;
+                for (Field& field : fields) threads.emplace_back([&] { field = query(transform, points, within); });
+                threads.clear();
+                for (const Field& field : fields) check_same(field, [](std::size_t i) { return i; });
+            }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(the_sign_follows_the_rule_at_the_very_point) {
+    const Mesh mesh = overlapping_cubes();
+    const reference::Oracle oracle(mesh);
+    const std::vector<Vec3> points = points_around(mesh, 4000, 31);
+    for (const SignRule rule : {SignRule::nonzero, SignRule::parity, SignRule::none}) {
+        const DistanceTransform transform(test_device(), mesh, {.sign = rule});
+        const Field field = query(transform, points, 0.2);
+        std::size_t wrong = 0, inside = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const std::optional<int> winding = oracle.winding_number(points[i]);
+            const bool is_inside = winding && (rule == SignRule::nonzero  ? *winding != 0
+                                               : rule == SignRule::parity ? *oracle.crossings(points[i]) % 2 != 0
+                                                                          : false);
+            // Exactly on the surface it is +0.
+            wrong += std::signbit(field.distance[i]) != is_inside || (!winding && field.distance[i] != 0) ? 1U : 0U;
+            inside += is_inside ? 1U : 0U;
+        }
+        BOOST_TEST(wrong == 0U);
+        BOOST_TEST((inside > 300U || rule == SignRule::none));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(moved_vertices_give_what_a_new_mesh_gives) {
+    const Mesh first = make_shape("knot");
+    const Mesh last = moved(first, [](const Vec3& p) {
+        return Vec3{p[0] + 0.2 * p[1] * p[1], 1.3 * p[1], p[2] - p[0]};
+    });
+    const std::vector<Vec3> points = points_around(last, 2000, 41);
+    DistanceTransform transform(test_device(), first);
+    query(transform, points);
+    transform.move(last.vertices());
+    BOOST_TEST(same_bytes(query(transform, points), query(DistanceTransform(test_device(), last), points)));
+}
+
+BOOST_AUTO_TEST_CASE(targets_have_strides_and_some_or_all_outputs) {
+    const Mesh mesh = make_shape("torus");
+    const DistanceTransform transform(test_device(), mesh);
+    const std::vector<Vec3> points = points_around(mesh, 700, 61);
+    const Field all = query(transform, points);
+    struct Particle {
+        double position[3];
+        float distance;
+        float offset[3];
+        std::uint32_t triangle;
+    };
+    std::vector<Particle> particles(points.size(), {{}, 7, {7, 7, 7}, 7});
+    const auto target = [&](auto& member, OutputTarget::Element element) {
+        OutputTarget result;
+        result.host = &particles[0];
+        result.bytes = particles.size() * sizeof(Particle);
+        result.offset =
+            static_cast<std::size_t>(reinterpret_cast<char*>(&member) - reinterpret_cast<char*>(&particles[0]));
+        result.element = element;
+        result.strides[0] = sizeof(Particle);
+        return result;
+    };
+    OutputTargets targets;
+    targets.distance = target(particles[0].distance, OutputTarget::Element::float32);
+    targets.closest = target(particles[0].offset, OutputTarget::Element::float32);
+    transform.query(points, no_limit, targets);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        BOOST_REQUIRE(particles[i].distance == all.distance[i]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            BOOST_REQUIRE_SMALL(
+                static_cast<double>(particles[i].offset[axis]) - (all.closest[3 * i + axis] - points[i][axis]), 1e-6);
+        BOOST_REQUIRE(particles[i].triangle == 7U);
+    }
+    std::vector<float> distance(points.size());
+    TransformStatistics statistics;
+    double latest = 0;
+    transform.query(points, no_limit, {.distance = distance},
+                    {.progress = [&](double fraction) { latest = fraction; }, .statistics = &statistics});
+    BOOST_TEST(std::ranges::equal(distance, all.distance));
+    BOOST_TEST(latest == 1.0);
+    BOOST_TEST(statistics.triangles == mesh.triangles().size());
+    BOOST_TEST(transform.memory().device_bytes > 0U);
+    transform.query({}, 1, {.distance = std::span(distance).first(0)});
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_without_extent_has_points_around_it) {
+    const Mesh mesh(std::vector<Vec3>{{1, 2, 3}}, std::vector<Triangle>{{0, 0, 0}}, "a point");
+    const std::vector<Vec3> points{{1, 2, 3}, {1, 2, 5}, {-3, 5, 3}};
+    const Field field = query(DistanceTransform(test_device(), mesh), points);
+    BOOST_TEST(field.distance[0] == 0);
+    BOOST_TEST(field.distance[1] == 2);
+    BOOST_TEST(field.distance[2] == 5);
+    BOOST_TEST(field.closest[6] == 1, boost::test_tools::tolerance(1e-12));
+}
+
+BOOST_AUTO_TEST_CASE(errors_name_the_point_and_the_argument) {
+    const Mesh mesh = cube(1);
+    const DistanceTransform transform(test_device(), mesh);
+    std::vector<Vec3> points(5, {0.5, 0, 0});
+    std::vector<float> distance(5);
+    points[3][1] = std::numeric_limits<double>::quiet_NaN();
+    check_throws(ErrorCode::invalid_argument, {"point 3", "nan", "not finite"},
+                 [&] { transform.query(points, 1, {.distance = distance}); });
+    points[3][1] = 1e300;
+    check_throws(ErrorCode::invalid_argument, {"point 3", "1e+300", "1e14 voxels"},
+                 [&] { transform.query(points, 1, {.distance = distance}); });
+    points[3][1] = 0;
+    for (const double within : {-1.0, std::numeric_limits<double>::quiet_NaN()})
+        check_throws(ErrorCode::invalid_argument, {"within"},
+                     [&] { transform.query(points, within, {.distance = distance}); });
+    check_throws(ErrorCode::invalid_argument, {"5 points", "distance", "4 values"},
+                 [&] { transform.query(points, 1, {.distance = std::span(distance).first(4)}); });
+    check_throws(ErrorCode::invalid_argument, {"distance has no target"}, [&] { transform.query(points, 1, {}); });
+    OutputTargets on_device;
+    on_device.distance = OutputTarget(reinterpret_cast<cl_mem>(&distance));
+    check_throws(ErrorCode::unsupported, {"memory of the device"}, [&] { transform.query(points, 1, on_device); });
+    check_throws(ErrorCode::cancelled, {},
+                 [&] { transform.query(points, 1, {.distance = distance}, {.should_stop = [] { return true; }}); });
+    transform.query(points, 1, {.distance = distance});
+    BOOST_TEST(distance[0] == -0.5F);
+}
+
+// Each changed line stands for wrong code that a compiler makes of a right one.
+BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
+    const std::vector<Vec3> points(5, {0.5, 0, 0});
+    std::vector<float> distance(5);
+    const std::array<std::array<const char*, 2>, 3> changes{
+        {{"along * above_apex - across * away", "along * above_apex + across * away"},
+         {"+ lane >= children", "+ lane + 1 >= children"},
+         {"inside ? -rounded : rounded", "rounded"}}};
+    for (const KernelBody body : both_bodies)
+        for (const auto& [from, to] : changes) {
+            const TemporaryFolder folder;
+            const Device device = Device::best();
+            device.set_program_cache(folder.file("cache"));
+            bool is_found = false;
+            device::context_of(device).set_text_edit([&](std::string_view name, std::string& text) {
+                const std::size_t at = text.find(from);
+                if (name != "points.cl" || at == std::string::npos) return;
+                is_found = true;
+                text.replace(at, std::strlen(from), to);
+            });
+            const DistanceTransform transform(device, cube(1), {.body = body});
+            check_throws(ErrorCode::device_failure, {"computes wrong fields", "points"},
+                         [&] { transform.query(points, 1, {.distance = distance}); });
+            BOOST_TEST(is_found, from);
+        }
+}
