@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 using clsdf::Error;
@@ -91,7 +92,7 @@ std::string version_text() {
 
 bool takes_a_file(const CLI::Option& option) {
     const std::string takes = option.get_positional() ? option.get_name(true) : option.get_type_name();
-    return takes == "MESH" || takes == "FIELD" || takes == "PICTURE" || takes == "FILE";
+    return std::find(file_placeholders.begin(), file_placeholders.end(), takes) != file_placeholders.end();
 }
 
 void print_page(const CLI::App& parser, const std::string& name) {

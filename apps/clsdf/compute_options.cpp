@@ -60,14 +60,6 @@ Grid parse_stated_grid(const ComputeOptions& options) {
     return grid;
 }
 
-clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
-    clsdf::Outputs outputs;
-    visit_extras(
-        [&](const char* name, bool& wanted) { wanted = std::find(names.begin(), names.end(), name) != names.end(); },
-        outputs);
-    return outputs;
-}
-
 void add_grid_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Grid";
     CLI::Option* resolution =
@@ -110,14 +102,8 @@ void add_field_options(CLI::App& parser, ComputeOptions& options) {
         ->check(not_empty())
         ->type_name("LENGTH")
         ->group(group);
-    takes_one_of(parser.add_option("--sign", options.sign, "the rule that decides what is inside; none: no sign")
-                     ->capture_default_str()
-                     ->group(group),
-                 {"auto", "nonzero", "parity", "none"});
-    std::vector<std::string> names;
-    clsdf::visit_extras([&](const char* name, bool) { names.emplace_back(name); }, clsdf::Outputs());
-    takes_some_of(parser.add_option("--with", options.with, "further outputs beside the distance")->group(group),
-                  names);
+    add_sign_option(parser, options.sign)->group(group);
+    add_outputs_option(parser, options.with)->group(group);
 }
 
 void add_method_options(CLI::App& parser, ComputeOptions& options) {
@@ -163,8 +149,7 @@ void add_options(CLI::App& parser, ComputeOptions& options) {
 ComputeRequest::ComputeRequest(const ComputeOptions& options)
     : band_inside(parse_length("--band", options.band)),
       band_outside(band_inside),
-      sign(value_named(options.sign, {clsdf::SignRule::automatic, clsdf::SignRule::nonzero, clsdf::SignRule::parity,
-                                      clsdf::SignRule::none})),
+      sign(parse_sign(options.sign)),
       outputs(parse_outputs(options.with)),
       polyhedra(value_named(options.polyhedra,
                             {clsdf::Polyhedra::leaned, clsdf::Polyhedra::peikert_sigg, clsdf::Polyhedra::mauch})),

@@ -1,5 +1,6 @@
 #include "documents.hpp"
 
+#include "option_values.hpp"
 #include "report.hpp"
 
 #include <clsdf/mesh.hpp>
@@ -66,8 +67,7 @@ OptionDescription describe(const CLI::Option& option, const CLI::App& program) {
     result.required = option.get_required();
     result.words = known_words(result.takes, program);
     if (result.words.empty()) result.words = known_words(option.get_type_name(), program);
-    for (const char* file : {"MESH", "FIELD", "PICTURE", "FILE"})
-        result.is_file = result.is_file || result.takes == file;
+    for (const char* file : file_placeholders) result.is_file = result.is_file || result.takes == file;
     if (result.is_file) result.endings = endings_in(result.text);
     return result;
 }

@@ -97,6 +97,34 @@ CLI::Validator file_name() {
             ""};
 }
 
+clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
+    clsdf::Outputs outputs;
+    visit_extras(
+        [&](const char* name, bool& wanted) { wanted = std::find(names.begin(), names.end(), name) != names.end(); },
+        outputs);
+    return outputs;
+}
+
+CLI::Option* add_outputs_option(CLI::App& parser, std::vector<std::string>& names) {
+    std::vector<std::string> words;
+    clsdf::visit_extras([&](const char* name, bool) { words.emplace_back(name); }, clsdf::Outputs());
+    CLI::Option* option = parser.add_option("--with", names, "further outputs beside the distance");
+    takes_some_of(option, words);
+    return option;
+}
+
+CLI::Option* add_sign_option(CLI::App& parser, std::string& rule) {
+    CLI::Option* option =
+        parser.add_option("--sign", rule, "the rule that decides what is inside; none: no sign")->capture_default_str();
+    takes_one_of(option, {"auto", "nonzero", "parity", "none"});
+    return option;
+}
+
+clsdf::SignRule parse_sign(const std::string& rule) {
+    using clsdf::SignRule;
+    return value_named(rule, {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none});
+}
+
 clsdf::Length parse_length(const std::string& option, const std::string& text) {
     using clsdf::Length;
     if (text == "full") return Length::infinite();

@@ -2,9 +2,12 @@
 
 #include <clsdf/error.hpp>
 #include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
+#include <clsdf/topology.hpp>
 
 #include <CLI/CLI.hpp>
 
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <string>
@@ -18,8 +21,10 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 std::string did_you_mean(const std::string& word);
 
 // An option's type name, or an argument's name, states its values. Small letters are literal, "x|y|z"; capitals are
-// placeholders. MESH, FIELD, PICTURE and FILE are files with the endings that the description names: "the mesh: .off,
+// placeholders. Those of file_placeholders are files with the endings that the description names: "the mesh: .off,
 // .obj, .stl or .ply". SHAPE is a name of "clsdf shape --list".
+
+inline constexpr std::array file_placeholders{"MESH", "FIELD", "PICTURE", "POINTS", "RESULT", "FILE"};
 
 /// The value must be one of the words, which become the type name. The error for another one names the nearest.
 void takes_one_of(CLI::Option* option, const std::vector<std::string>& words);
@@ -42,6 +47,13 @@ Value value_named(const std::string& text, std::initializer_list<Value> values) 
         if (text == name_of(value)) return value;
     throw clsdf::Error(clsdf::ErrorCode::invalid_argument, "'" + text + "' is not among the option's words");
 }
+
+/// The outputs of --with.
+clsdf::Outputs parse_outputs(const std::vector<std::string>& names);
+/// Adds --with and --sign.
+CLI::Option* add_outputs_option(CLI::App& parser, std::vector<std::string>& names);
+CLI::Option* add_sign_option(CLI::App& parser, std::string& rule);
+clsdf::SignRule parse_sign(const std::string& rule);
 
 /// "10%", "3v", "0.05" or "full". Throws Error(invalid_argument) that names the option and quotes the text.
 clsdf::Length parse_length(const std::string& option, const std::string& text);

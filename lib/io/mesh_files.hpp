@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace clsdf {
 
@@ -62,6 +63,9 @@ MeshFormat format_of_ending(const std::string& path);
 MeshArrays read_off(const FileContent& file);
 MeshArrays read_obj(const FileContent& file);
 MeshArrays read_ply(const FileContent& file);
+
+/// The vertices alone; the file need not have faces.
+std::vector<Vec3> read_ply_points(const FileContent& file);
 
 /// Adds a triangle with three vertices of its own.
 MeshArrays read_stl(const FileContent& file);

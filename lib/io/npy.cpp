@@ -1,3 +1,5 @@
+#include "io/npy.hpp"
+
 #include "core/text.hpp"
 #include "io/description.hpp"
 #include "io/field_files.hpp"
@@ -20,12 +22,6 @@
 
 namespace clsdf {
 namespace {
-
-/// The text before the values of an .npy file (numpy.org, "numpy.lib.format"), whose array is in C order.
-struct NpyHeader {
-    RawValues values;
-    std::vector<std::int64_t> shape;  ///< slowest first: (nz, ny, nx)
-};
 
 constexpr std::string_view magic = "\x93NUMPY";
 constexpr std::size_t largest_header = std::size_t{1} << 20;
@@ -134,7 +130,8 @@ void set_type(NpyHeader& header, const InputFile& file, const std::string& type)
     header.values.order = type[0] == '>' ? std::endian::big : std::endian::little;
 }
 
-/// Throws Error(unreadable_input).
+}  // namespace
+
 NpyHeader read_npy_header(InputFile& file) {
     const std::string text = file.beginning(largest_header);
     if (!text.starts_with(magic)) file.fail(R"(not an .npy file: it does not begin with "\x93NUMPY")");
@@ -164,10 +161,9 @@ NpyHeader read_npy_header(InputFile& file) {
     return header;
 }
 
-/// `type` is numpy's, as "<f4".
-std::string npy_header(const std::string& type, const std::vector<std::int64_t>& shape) {
-    std::string dictionary =
-        fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", type, fmt::join(shape, ", "));
+std::string npy_header(std::string_view type, const std::vector<std::int64_t>& shape) {
+    std::string dictionary = fmt::format("{{'descr': {}, 'fortran_order': False, 'shape': ({}{}), }}", type,
+                                         fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
     // The format requires that values are aligned to 64 bytes and follow a line end.
     constexpr std::size_t prefix = 10;
     const std::size_t padding = 63 - (prefix + dictionary.size()) % 64;
@@ -180,6 +176,21 @@ std::string npy_header(const std::string& type, const std::vector<std::int64_t>&
     text += static_cast<char>(dictionary.size() >> 8U);
     return text + dictionary;
 }
+
+const char* npy_name_of(ValueType type) {
+    switch (type) {
+        case ValueType::float64:
+            return "<f8";
+        case ValueType::uint32:
+            return "<u4";
+        case ValueType::uint8:
+            return "|u1";
+        default:
+            return "<f4";
+    }
+}
+
+namespace {
 
 namespace fs = std::filesystem;
 
@@ -198,19 +209,6 @@ std::vector<std::int64_t> shape_of(const Grid& grid, const OutputKind& kind) {
     return shape;
 }
 
-const char* name_of(ValueType type) {
-    switch (type) {
-        case ValueType::float64:
-            return "<f8";
-        case ValueType::uint32:
-            return "<u4";
-        case ValueType::uint8:
-            return "|u1";
-        default:
-            return "<f4";
-    }
-}
-
 void check_shape(const InputFile& file, const NpyHeader& header, const Grid& grid) {
     if (header.shape != shape_of(grid))
         file.fail(fmt::format("header field 'shape': ({}), but '{}' states sizes for the shape ({})",
@@ -222,7 +220,7 @@ void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
     InputFile file(path);
     const NpyHeader header = read_npy_header(file);
     if (!reads_as(header.values.type, kind.type))
-        file.fail(fmt::format("header field 'descr': {} is '{}'", kind.content, name_of(kind.type)));
+        file.fail(fmt::format("header field 'descr': {} is '{}'", kind.content, npy_name_of(kind.type)));
     const std::vector<std::int64_t> shape = shape_of(field.grid, kind);
     if (header.shape != shape)
         file.fail(fmt::format("header field 'shape': ({}), but the field's is ({}); compute both again",
@@ -241,7 +239,7 @@ public:
             const std::string file = is_distance ? path : extra_path(path, kind);
             if (!is_distance) names.emplace(kind.name, file_name(file));
             files_.emplace_back(file);
-            files_.back().write(npy_header(name_of(kind.type), shape_of(field.grid, kind)));
+            files_.back().write(npy_header(fmt::format("'{}'", npy_name_of(kind.type)), shape_of(field.grid, kind)));
         }
         sidecar_.write(description_text(field, names));
     }
@@ -275,7 +273,7 @@ Field read_npy(const std::string& path) {
     const NpyHeader header = read_npy_header(file);
     if (is_whole(header.values.type))
         file.fail(fmt::format("header field 'descr': '{}' is not a distance; save the array as float32 ('<f4')",
-                              name_of(header.values.type)));
+                              npy_name_of(header.values.type)));
     if (header.shape.size() != 3)
         file.fail(fmt::format("header field 'shape': ({}) has {} dimensions; a distance field has three, (nz, ny, nx)",
                               fmt::join(header.shape, ", "), header.shape.size()));

@@ -296,7 +296,7 @@ struct Layout {
     std::size_t corners = 0;
 };
 
-Layout find_layout(const FileContent& file, const PlyHeader& header) {
+Layout find_vertices(const FileContent& file, const PlyHeader& header) {
     Layout layout;
     const PlyElement* vertex = header.find("vertex");
     if (vertex == nullptr) fail_header(file, "there is no element 'vertex'");
@@ -308,6 +308,11 @@ Layout find_layout(const FileContent& file, const PlyHeader& header) {
             fail_header(file, fmt::format("the element 'vertex' has no coordinate '{}'", name));
         layout.coordinates[axis] = *place;
     }
+    return layout;
+}
+
+Layout find_layout(const FileContent& file, const PlyHeader& header) {
+    Layout layout = find_vertices(file, header);
     const PlyElement* face = header.find("face");
     if (face == nullptr && header.find("tristrips") != nullptr)
         fail_header(file, "the faces are triangle strips; convert the file to one with single faces",
@@ -337,8 +342,8 @@ void skip_property(Rows& rows, const PlyProperty& property) {
 }
 
 template <typename Rows>
-void read_vertices(Rows& rows, const PlyElement& element, const Layout& layout, MeshArrays& mesh) {
-    mesh.vertices.reserve(element.count);
+void read_vertices(Rows& rows, const PlyElement& element, const Layout& layout, std::vector<Vec3>& vertices) {
+    vertices.reserve(element.count);
     for (std::size_t row = 0; row < element.count; ++row) {
         rows.begin_row(element, row);
         Vec3 vertex{};
@@ -352,8 +357,31 @@ void read_vertices(Rows& rows, const PlyElement& element, const Layout& layout, 
                 skip_property(rows, property);
         }
         rows.end_row();
-        mesh.vertices.push_back(vertex);
+        vertices.push_back(vertex);
     }
+}
+
+template <typename Rows>
+void skip_rows(Rows& rows, const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (std::size_t row = 0; row < element.count; ++row) {
+        rows.begin_row(element, row);
+        for (const PlyProperty& property : element.properties) skip_property(rows, property);
+        rows.end_row();
+    }
+}
+
+template <typename Rows>
+std::vector<Vec3> read_points(Rows rows, const PlyHeader& header, const Layout& layout) {
+    std::vector<Vec3> points;
+    for (const PlyElement& element : header.elements) {
+        if (element.name == "vertex") {
+            read_vertices(rows, element, layout, points);
+            break;
+        }
+        skip_rows(rows, element);
+    }
+    return points;
 }
 
 template <typename Rows>
@@ -393,15 +421,11 @@ MeshArrays read_body(Rows rows, const PlyHeader& header, const Layout& layout) {
     MeshArrays mesh;
     for (const PlyElement& element : header.elements) {
         if (element.name == "vertex") {
-            read_vertices(rows, element, layout, mesh);
+            read_vertices(rows, element, layout, mesh.vertices);
         } else if (element.name == "face") {
             read_faces(rows, element, layout, mesh);
-        } else if (!element.properties.empty()) {
-            for (std::size_t row = 0; row < element.count; ++row) {
-                rows.begin_row(element, row);
-                for (const PlyProperty& property : element.properties) skip_property(rows, property);
-                rows.end_row();
-            }
+        } else {
+            skip_rows(rows, element);
         }
     }
     return mesh;
@@ -414,6 +438,13 @@ MeshArrays read_ply(const FileContent& file) {
     const Layout layout = find_layout(file, header);
     if (header.format == PlyFormat::ascii) return read_body(TextRows(file, header), header, layout);
     return read_body(BinaryRows(file, header), header, layout);
+}
+
+std::vector<Vec3> read_ply_points(const FileContent& file) {
+    const PlyHeader header = read_ply_header(file);
+    const Layout layout = find_vertices(file, header);
+    if (header.format == PlyFormat::ascii) return read_points(TextRows(file, header), header, layout);
+    return read_points(BinaryRows(file, header), header, layout);
 }
 
 }  // namespace clsdf

@@ -14,6 +14,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_off_obj.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp

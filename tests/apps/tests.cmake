@@ -1,5 +1,5 @@
 if(TARGET clsdf_command)
-  set(sources bench command compute devices documents exit_status info interruption memory method polyhedra progress render slice
+  set(sources bench command compute devices documents exit_status info interruption memory method polyhedra progress query render slice
               standard_streams)
   list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
   list(TRANSFORM sources APPEND .cpp)

@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace clsdf {
 
@@ -26,6 +27,20 @@ using FaceColour = std::array<std::uint8_t, 3>;
 /// `colours`: one for each triangle, or none; only .ply stores them. Throws Error(invalid_argument) for another number
 /// of them, Error(unsupported) for an unknown ending, Error(output_failure).
 CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
+
+/// Reads points from .npy (shape (n, 3), float32 or float64), .csv (a header row with the columns x, y and z; other
+/// columns are skipped) or .ply (its vertices, with or without faces). Throws Error(unreadable_input) that names the
+/// file, the row and the value; Error(unsupported) for an unknown ending.
+CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
+
+/// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
+/// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. An array of
+/// `results` is empty if it was not asked for; docs/formats.md describes the columns. Throws Error(invalid_argument) if
+/// an array does not fit the points, Error(unsupported) for an unknown ending, Error(output_failure).
+CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path);
+
+/// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
+CLSDF_EXPORT void check_points_output(const std::string& path);
 
 /// Reads a file that write() wrote, with the same grid, or a file of another program with float or double values of
 /// either byte order, raw, on a grid parallel to the axes. If the file states no band, the band has no end; if it

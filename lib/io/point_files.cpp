@@ -1,0 +1,320 @@
+#include "core/atomic_file.hpp"
+#include "core/text.hpp"
+#include "io/field_files.hpp"
+#include "io/mesh_files.hpp"
+#include "io/npy.hpp"
+#include "io/text_scanner.hpp"
+
+#include <clsdf/error.hpp>
+#include <clsdf/io.hpp>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+#include <new>
+#include <string_view>
+
+namespace clsdf {
+
+namespace {
+
+enum class PointFormat { npy, csv, ply };
+
+PointFormat format_of_points(const std::string& path) {
+    const std::string ending = std::filesystem::path(path).extension().string();
+    if (equals_ignoring_case(ending, ".npy")) return PointFormat::npy;
+    if (equals_ignoring_case(ending, ".csv")) return PointFormat::csv;
+    if (equals_ignoring_case(ending, ".ply")) return PointFormat::ply;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("'{}' does not end like a file of points; the endings are .npy, .csv and .ply", path));
+}
+
+std::vector<Vec3> read_npy_points(const std::string& path) {
+    InputFile file(path);
+    const NpyHeader header = read_npy_header(file);
+    if (is_whole(header.values.type))
+        file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save the points as float64 ('<f8')",
+                              npy_name_of(header.values.type)));
+    if (header.shape.size() != 2 || header.shape[1] != 3)
+        file.fail(fmt::format("header field 'shape': ({}); points have the shape (n, 3), x, y and z a row",
+                              fmt::join(header.shape, ", ")));
+    if (header.shape[0] == 0) return {};
+    const std::size_t count = checked_count(file, header.values, header.shape);
+    std::vector<Vec3> points(count / 3);
+    const auto room = std::as_writable_bytes(std::span(points));
+    if (header.values.type == ValueType::float64) {
+        read_values(file, header.values, ValueType::float64, room);
+        return points;
+    }
+    std::vector<float> floats(count);
+    read_values(file, header.values, ValueType::float32, std::as_writable_bytes(std::span(floats)));
+    for (std::size_t i = 0; i < count; ++i) points[i / 3][i % 3] = static_cast<double>(floats[i]);
+    return points;
+}
+
+/// The rows of a table with commas between its fields; lines end with LF, CR LF or CR.
+class CsvRows {
+public:
+    explicit CsvRows(const FileContent& file) : path_(file.path()), rest_(file.text()) {
+        constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+        if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+    }
+
+    /// The fields of the next line that is not empty; false at the end.
+    bool next(std::vector<std::string_view>& fields) {
+        std::string_view line;
+        do {
+            if (rest_.empty()) return false;
+            const std::size_t end = std::min(rest_.find_first_of("\r\n"), rest_.size());
+            line = rest_.substr(0, end);
+            const bool is_pair = rest_.substr(end).starts_with("\r\n");
+            rest_.remove_prefix(std::min(end + (is_pair ? 2U : 1U), rest_.size()));
+            ++line_;
+        } while (line.find_first_not_of(" \t") == std::string_view::npos);
+        fields.clear();
+        for (std::size_t begin = 0; begin <= line.size();) {
+            const std::size_t end = std::min(line.find(',', begin), line.size());
+            fields.push_back(trimmed(line.substr(begin, end - begin)));
+            begin = end + 1;
+        }
+        return true;
+    }
+
+    double number(std::string_view field, const char* what) const {
+        TextScanner scanner(field, path_, {}, line_);
+        scanner.next_line();
+        const double value = scanner.real(what);
+        if (!scanner.at_end_of_line()) scanner.fail_word(what, field);
+        return value;
+    }
+
+    [[noreturn]] void fail(const std::string& reason) const {
+        throw Error(ErrorCode::unreadable_input, fmt::format("{}:{}: {}", path_, line_, reason));
+    }
+
+private:
+    static std::string_view trimmed(std::string_view field) {
+        const std::size_t begin = std::min(field.find_first_not_of(" \t\""), field.size());
+        const std::size_t end = field.find_last_not_of(" \t\"");
+        return end == std::string_view::npos ? std::string_view() : field.substr(begin, end - begin + 1);
+    }
+
+    const std::string& path_;
+    std::string_view rest_;
+    std::size_t line_ = 0;
+};
+
+std::vector<Vec3> read_csv_points(const FileContent& file) {
+    CsvRows rows(file);
+    std::vector<std::string_view> fields;
+    if (!rows.next(fields)) rows.fail("the file is empty; it begins with a row of names, x,y,z among them");
+    std::array<std::size_t, 3> columns{};
+    constexpr std::array<const char*, 3> names{"x", "y", "z"};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto found = std::find_if(fields.begin(), fields.end(),
+                                        [&](std::string_view name) { return equals_ignoring_case(name, names[axis]); });
+        if (found == fields.end())
+            rows.fail(
+                fmt::format("there is no column '{}' in the first row, {}; it names the columns, with commas "
+                            "between them",
+                            names[axis], quoted(fmt::format("{}", fmt::join(fields, ",")), 80)));
+        columns[axis] = static_cast<std::size_t>(found - fields.begin());
+    }
+    const std::size_t width = fields.size();
+    std::vector<Vec3> points;
+    while (rows.next(fields)) {
+        if (fields.size() != width)
+            rows.fail(fmt::format("the row has {} fields, and the first one names {} columns", fields.size(), width));
+        Vec3 point{};
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]], "a number");
+        points.push_back(point);
+    }
+    return points;
+}
+
+/// The outputs that there are, and their values by point.
+struct Columns {
+    std::vector<OutputKind> kinds;
+    std::vector<std::span<const std::byte>> values;
+
+    Columns(std::size_t points, const FieldSlab& results) {
+        kinds.push_back(distance_kind());
+        for (const OutputKind& kind : extra_kinds())
+            if (!kind.bytes(results).empty()) kinds.push_back(kind);
+        for (const OutputKind& kind : kinds) {
+            values.push_back(kind.bytes(results));
+            if (values.back().size() != points * kind.sample_bytes())
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("there are {} points, and the array of the output {} holds {} values of {}",
+                                        points, kind.name, values.back().size() / width_of(kind.type),
+                                        points * static_cast<std::size_t>(kind.components)));
+        }
+    }
+
+    /// "closest_x" for a component, "distance" for a single value.
+    static std::string name(const OutputKind& kind, std::int64_t component) {
+        if (kind.components == 1) return kind.name;
+        return fmt::format("{}_{}", kind.name,
+                           kind.components == 3 ? std::string(1, "xyz"[component]) : fmt::format("{}", component + 1));
+    }
+
+    /// visit(kind, component, address of the value) for each value of a point.
+    template <typename Visit>
+    void for_each_value(std::size_t point, const Visit& visit) const {
+        for (std::size_t k = 0; k < kinds.size(); ++k) {
+            const std::byte* at = values[k].data() + point * kinds[k].sample_bytes();
+            for (std::int64_t c = 0; c < kinds[k].components; ++c, at += width_of(kinds[k].type))
+                visit(kinds[k], c, at);
+        }
+    }
+};
+
+/// Rows of bytes, written in large pieces.
+class RowWriter {
+public:
+    explicit RowWriter(AtomicFile& file) : file_(file) {}
+
+    template <typename Number>
+    void add(Number number) {
+        std::array<std::byte, sizeof(Number)> bytes{};
+        store_little_endian(bytes.data(), number);
+        buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+        if (buffer_.size() > piece_bytes) flush();
+    }
+    void add(ValueType type, const std::byte* value) {
+        switch (type) {
+            case ValueType::float32:
+                return add(load<float>(value, std::endian::native));
+            case ValueType::float64:
+                return add(load<double>(value, std::endian::native));
+            case ValueType::uint32:
+                return add(load<std::uint32_t>(value, std::endian::native));
+            case ValueType::uint8:
+                return add(load<std::uint8_t>(value, std::endian::native));
+        }
+    }
+    void flush() {
+        file_.write(buffer_);
+        buffer_.clear();
+    }
+
+private:
+    static constexpr std::size_t piece_bytes = std::size_t{1} << 16U;
+    AtomicFile& file_;
+    std::vector<std::byte> buffer_;
+};
+
+void write_npy_points(std::size_t points, const Columns& columns, AtomicFile& file) {
+    std::string members;
+    for (const OutputKind& kind : columns.kinds)
+        members += kind.components == 1
+                       ? fmt::format("('{}', '{}'), ", kind.name, npy_name_of(kind.type))
+                       : fmt::format("('{}', '{}', ({},)), ", kind.name, npy_name_of(kind.type), kind.components);
+    members.resize(members.size() - 2);
+    file.write(npy_header(fmt::format("[{}]", members), {static_cast<std::int64_t>(points)}));
+    RowWriter rows(file);
+    for (std::size_t i = 0; i < points; ++i)
+        columns.for_each_value(
+            i, [&](const OutputKind& kind, std::int64_t, const std::byte* value) { rows.add(kind.type, value); });
+    rows.flush();
+}
+
+void write_ply_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
+    constexpr std::array<const char*, 4> names{"float", "double", "uint", "uchar"};  // by ValueType
+    std::string header = fmt::format(
+        "ply\nformat binary_little_endian 1.0\ncomment written by clsdf\nelement vertex {}\n"
+        "property double x\nproperty double y\nproperty double z\n",
+        points.size());
+    for (const OutputKind& kind : columns.kinds)
+        for (std::int64_t c = 0; c < kind.components; ++c)
+            header +=
+                fmt::format("property {} {}\n", names[static_cast<std::size_t>(kind.type)], Columns::name(kind, c));
+    file.write(header + "end_header\n");
+    RowWriter rows(file);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (const double x : points[i]) rows.add(x);
+        columns.for_each_value(
+            i, [&](const OutputKind& kind, std::int64_t, const std::byte* value) { rows.add(kind.type, value); });
+    }
+    rows.flush();
+}
+
+/// "{}" writes the shortest digits that are read back as the same number.
+void write_csv_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
+    fmt::memory_buffer text;
+    const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
+    add("x,y,z");
+    for (const OutputKind& kind : columns.kinds)
+        for (std::int64_t c = 0; c < kind.components; ++c) add(fmt::format(",{}", Columns::name(kind, c)));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        add('\n');
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (axis > 0) add(',');
+            add(points[i][axis]);
+        }
+        columns.for_each_value(i, [&](const OutputKind& kind, std::int64_t, const std::byte* value) {
+            add(',');
+            switch (kind.type) {
+                case ValueType::float32:
+                    return add(load<float>(value, std::endian::native));
+                case ValueType::float64:
+                    return add(load<double>(value, std::endian::native));
+                case ValueType::uint32:
+                    return add(load<std::uint32_t>(value, std::endian::native));
+                case ValueType::uint8:
+                    return add(static_cast<unsigned>(load<std::uint8_t>(value, std::endian::native)));
+            }
+        });
+        if (text.size() < (std::size_t{1} << 16U)) continue;
+        file.write(std::string_view(text.data(), text.size()));
+        text.clear();
+    }
+    add('\n');
+    file.write(std::string_view(text.data(), text.size()));
+}
+
+}  // namespace
+
+std::vector<Vec3> read_points(const std::string& path) try {
+    switch (format_of_points(path)) {
+        case PointFormat::npy:
+            return read_npy_points(path);
+        case PointFormat::csv:
+            return read_csv_points(FileContent(path));
+        case PointFormat::ply:
+            break;
+    }
+    return read_ply_points(FileContent(path));
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
+}
+
+void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path) {
+    const PointFormat format = format_of_points(path);
+    const Columns columns(points.size(), results);
+    AtomicFile file(path);
+    switch (format) {
+        case PointFormat::npy:
+            write_npy_points(points.size(), columns, file);
+            break;
+        case PointFormat::csv:
+            write_csv_points(points, columns, file);
+            break;
+        case PointFormat::ply:
+            write_ply_points(points, columns, file);
+            break;
+    }
+    file.commit();
+}
+
+void check_points_output(const std::string& path) {
+    format_of_points(path);
+    const AtomicFile file(path);  // which is removed
+}
+
+}  // namespace clsdf

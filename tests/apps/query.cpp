@@ -1,0 +1,165 @@
+#include "apps/process.hpp"
+
+#include <clsdf/clsdf.hpp>
+#include <clsdf/io.hpp>
+
+#include <boost/test/unit_test.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// A cube of half side 1 as a file, and points around it.
+struct Inputs {
+    TemporaryFolder folder;
+    std::string mesh = folder.file("cube.off");
+    std::vector<Vec3> points{{0.5, 0, 0}, {3, 0.25, -0.5}, {1, 0.5, 0.25}, {-2, -3, 0}};
+    std::string csv;
+
+    Inputs() {
+        std::vector<Vec3> vertices;
+        for (const double z : {-1.0, 1.0})
+            for (const double y : {-1.0, 1.0})
+                for (const double x : {-1.0, 1.0}) vertices.push_back({x, y, z});
+        write_mesh(Mesh(vertices, {{0, 2, 1},
+                                   {1, 2, 3},
+                                   {4, 5, 6},
+                                   {5, 7, 6},
+                                   {0, 1, 4},
+                                   {1, 5, 4},
+                                   {2, 6, 3},
+                                   {3, 6, 7},
+                                   {0, 4, 2},
+                                   {2, 4, 6},
+                                   {1, 3, 5},
+                                   {3, 7, 5}}),
+                   mesh);
+        std::string text = "id, y, X, z\r\n";
+        for (const auto& [x, y, z] : points)
+            text += "7," + std::to_string(y) + "," + std::to_string(x) + ", " + std::to_string(z) + "\r\n";
+        csv = folder.file("points.csv", text);
+    }
+};
+
+std::vector<std::vector<std::string>> table_of(const std::string& path) {
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream lines(content_of(path));
+    for (std::string line, field; std::getline(lines, line);) {
+        rows.emplace_back();
+        std::istringstream fields(line);
+        while (std::getline(fields, field, ',')) rows.back().push_back(field);
+    }
+    return rows;
+}
+
+std::string npy(const std::string& type, const std::string& shape, const std::string& values) {
+    std::string header = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }\n";
+    return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(header.size()) + '\0' + header + values;
+}
+
+template <typename Number>
+std::string bytes_of(const std::vector<Vec3>& points) {
+    std::string bytes;
+    for (const Vec3& p : points)
+        for (const double x : p) {
+            const auto number = static_cast<Number>(x);
+            bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+        }
+    return bytes;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_SUITE(the_query_command)
+
+BOOST_AUTO_TEST_CASE(writes_a_table_with_a_row_for_each_point) {
+    const Inputs inputs;
+    const std::string result = inputs.folder.file("found.csv");
+    const Outcome outcome =
+        run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--with", "closest,site", "--json"});
+    BOOST_TEST(outcome.status == 0);
+    const nlohmann::json report = nlohmann::json::parse(outcome.out);
+    BOOST_TEST(report["count"] == 4);
+    BOOST_TEST(report["inside"] == 1);
+    BOOST_TEST(report["sign"] == "nonzero");
+    BOOST_TEST(report["within"].is_null());
+    const auto rows = table_of(result);
+    BOOST_REQUIRE(rows.size() == 5U);
+    const std::vector<std::string> names{"x", "y", "z", "distance", "site", "closest_x", "closest_y", "closest_z"};
+    BOOST_TEST(rows[0] == names, boost::test_tools::per_element());
+    BOOST_TEST(std::stod(rows[1][3]) == -0.5);
+    BOOST_TEST(std::stod(rows[2][3]) == 2);
+    BOOST_TEST(std::stod(rows[2][5]) == 1);
+    BOOST_TEST(rows[3][3] == "0");
+    BOOST_TEST(std::stod(rows[4][3]) == std::sqrt(5.0), boost::test_tools::tolerance(1e-7));
+    BOOST_TEST(std::stoi(rows[4][4]) < 6);  // an edge or a vertex
+    BOOST_TEST(read_points(result) == inputs.points, boost::test_tools::per_element());
+}
+
+BOOST_AUTO_TEST_CASE(reads_and_writes_every_format_alike) {
+    const Inputs inputs;
+    const std::string first = inputs.folder.file("a.csv");
+    const std::vector<std::string> options{"--with", "triangle,barycentric", "--within", "1.5", "--quiet"};
+    const auto run = [&](const std::string& points, const std::string& result) {
+        std::vector<std::string> arguments{"query", inputs.mesh, points, "-o", result};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        const Outcome outcome = run_command(arguments);
+        BOOST_TEST(outcome.status == 0);
+        BOOST_TEST(outcome.error.empty(), outcome.error);
+    };
+    run(inputs.csv, first);
+    const std::string expected = content_of(first);
+    BOOST_TEST(table_of(first)[2][3] == "1.5");         // beyond the limit
+    BOOST_TEST(table_of(first)[2][4] == "4294967295");  // no triangle
+    const std::string ply = inputs.folder.file("a.ply"), second = inputs.folder.file("b.csv");
+    run(inputs.csv, ply);
+    run(ply, second);
+    BOOST_TEST((content_of(second) == expected));
+    for (const std::string& points :
+         {inputs.folder.file("f4.npy", npy("<f4", "4, 3", bytes_of<float>(inputs.points))),
+          inputs.folder.file("f8.npy", npy("<f8", "4, 3", bytes_of<double>(inputs.points)))}) {
+        run(points, second);
+        BOOST_TEST((content_of(second) == expected));
+    }
+    const std::string array = inputs.folder.file("a.npy");
+    run(inputs.csv, array);
+    const std::string content = content_of(array);
+    BOOST_TEST(content.find("{'descr': [('distance', '<f4'), ('triangle', '<u4'), ('barycentric', '<f4', (2,))], "
+                            "'fortran_order': False, 'shape': (4,), }") != std::string::npos);
+    BOOST_REQUIRE(content.size() % 64 == 4 * 16 % 64);
+    float distance = 0;
+    std::memcpy(&distance, content.data() + content.size() - 4 * 16, sizeof(distance));
+    BOOST_TEST(distance == -0.5F);
+}
+
+BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
+    const Inputs inputs;
+    const std::string result = inputs.folder.file("found.csv");
+    const auto query = [&](const std::string& points) {
+        return run_command({"query", inputs.mesh, points, "-o", result});
+    };
+    check_refused(query(inputs.folder.file("a.csv", "x,y\n1,2\n")), 3, {"a.csv", ":1:", "'z'"});
+    check_refused(query(inputs.folder.file("b.csv", "x,y,z\n1,2,3\n4,five,6\n")), 3, {"b.csv", "3", "five"});
+    check_refused(query(inputs.folder.file("c.csv", "x,y,z\n1,2\n")), 3, {"c.csv:2", "2 fields", "3 columns"});
+    check_refused(query(inputs.folder.file("d.csv", "x,y,z\n1,2,3\n1,nan,3\n")), 2, {"d.csv", "point 1", "not finite"});
+    check_refused(query(inputs.folder.file("e.npy", npy("<f4", "2, 2", std::string(16, '\0')))), 3,
+                  {"e.npy", "(2, 2)", "(n, 3)"});
+    check_refused(query(inputs.folder.file("g.npy", npy("<f4", "2, 3", std::string(16, '\0')))), 3, {"g.npy"});
+    check_refused(query(inputs.folder.file("none.csv")), 3, {"none.csv"});
+    check_refused(query("points.xyz"), 2, {"points.xyz", ".npy, .csv and .ply"});
+    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", "found.xyz"}), 2, {"found.xyz", ".npy"});
+    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--within", "-1"}), 2, {"--within"});
+    check_refused(run_command({"query", inputs.mesh, inputs.csv}), 2, {"--output"});
+}
+
+BOOST_AUTO_TEST_SUITE_END()
