@@ -103,7 +103,8 @@ const std::vector<Benchmark> benchmarks{
      {"--method", "--series", "--seconds-per-call"}},
     {"floors", "the device's own limits, and each stage against them", run_bench_floors, {"--workload"}},
     {"papers", "the comparisons of the papers: polyhedra, scans, saddle vertices", run_bench_papers, {}},
-    {"calls", "the calls of a time step: a grid again, one sample, patches, vertices that move", run_bench_calls, {}}};
+    {"calls", "the calls of a time step: a grid again, one sample, patches, vertices that move", run_bench_calls, {}},
+    {"points", "points anywhere: uniform, near the surface, along rays, in many calls", run_bench_points, {}}};
 
 void check_options(const Benchmark& chosen, const CLI::App& parser) {
     for (const Benchmark& other : benchmarks)

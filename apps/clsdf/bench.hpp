@@ -85,3 +85,4 @@ nlohmann::ordered_json run_bench_scaling(const BenchOptions& stated);
 nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
 nlohmann::ordered_json run_bench_papers(const BenchOptions& options);
 nlohmann::ordered_json run_bench_calls(const BenchOptions& options);
+nlohmann::ordered_json run_bench_points(const BenchOptions& options);

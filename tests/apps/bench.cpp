@@ -112,6 +112,22 @@ BOOST_AUTO_TEST_CASE(calls_have_ratios_limits_and_errors) {
     BOOST_TEST(names == expected, boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(points_have_speeds_and_no_errors) {
+    const json result = result_of({"points", "knot"});
+    std::vector<std::string> names;
+    for (const json& row : result["rows"]) {
+        names.push_back(row["name"]);
+        BOOST_TEST_INFO_SCOPE(names.back());
+        BOOST_TEST(row["points_per_second"].get<double>() > 0);
+        BOOST_TEST(row["judged"].get<int>() > 0);
+        BOOST_TEST(row["wrong"] == 0);
+        BOOST_TEST(row["wrong_signs"] == 0);
+        BOOST_TEST(row["max_error_voxels"].get<double>() < 1e-4);  // 2 ulp of 256 voxels
+    }
+    const std::vector<std::string> expected = {"uniform", "near", "rays", "calls", "first"};
+    BOOST_TEST(names == expected, boost::test_tools::per_element());
+}
+
 BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "bunny00", "--meshes", "/nonexistent"}), 3,
                   {"bunny00.off", "scripts/fetch-meshes"});
@@ -125,7 +141,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "nomesh"}), 2, {"nomesh", "noisy_sphere", "refined_elephant", "knot"});
     check_refused(run_command({"bench", "floors", "seashel"}), 2, {"did you mean seashell?"});
     check_refused(run_command({"bench", "scaling", "knot", "torus"}), 2, {"one mesh", "torus"});
-    for (const char* benchmark : {"peers", "scaling", "floors", "papers", "calls"})
+    for (const char* benchmark : {"peers", "scaling", "floors", "papers", "calls", "points"})
         check_refused(run_command({"bench", benchmark, "--quick", "--device", "xyzzy"}), 4, {"--device xyzzy"});
     check_refused(run_command({"bench", "peers", "--workload", "W9"}), 2, {"W9"});
 }

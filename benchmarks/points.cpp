@@ -1,0 +1,183 @@
+#include "benchmarks/points.hpp"
+
+#include "benchmarks/cost.hpp"
+
+#include <clsdf/reference.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <random>
+#include <span>
+
+namespace clsdf::bench {
+
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// Random points about a mesh.
+class PointMaker {
+public:
+    PointMaker(const Mesh& mesh, std::uint64_t seed) : mesh_(mesh), random_(seed) {
+        double area = 0;
+        for (std::size_t t = 0; t < mesh.triangles().size(); ++t) areas_.push_back(area += area_of(t));
+    }
+
+    /// In the box and 10% of its longest side around it.
+    std::vector<Vec3> uniform(std::size_t count) {
+        std::vector<Vec3> points(count);
+        for (Vec3& p : points) p = in_box();
+        return points;
+    }
+
+    /// A point of the surface, and up to 1.2% of the longest side away from it on each axis.
+    std::vector<Vec3> near(std::size_t count) {
+        std::vector<Vec3> points(count);
+        for (Vec3& p : points) {
+            p = on_surface();
+            for (double& x : p) x += 0.012 * side_ * (2 * part_(random_) - 1);
+        }
+        return points;
+    }
+
+    /// Rays between two points of the box, 1,000 points along each.
+    std::vector<Vec3> along_rays(std::size_t count) {
+        constexpr std::size_t of_ray = 1000;
+        std::vector<Vec3> points(count);
+        Vec3 from{}, to{};
+        for (std::size_t i = 0; i < count; ++i) {
+            if (i % of_ray == 0) {
+                from = in_box();
+                to = in_box();
+            }
+            const double share = static_cast<double>(i % of_ray) / static_cast<double>(of_ray);
+            for (std::size_t axis = 0; axis < 3; ++axis) points[i][axis] = from[axis] + share * (to[axis] - from[axis]);
+        }
+        return points;
+    }
+
+private:
+    const Vec3& corner(std::size_t triangle, std::size_t k) const {
+        return mesh_.vertices()[mesh_.triangles()[triangle][k]];
+    }
+
+    double area_of(std::size_t triangle) const {
+        Vec3 u{}, v{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            u[axis] = corner(triangle, 1)[axis] - corner(triangle, 0)[axis];
+            v[axis] = corner(triangle, 2)[axis] - corner(triangle, 0)[axis];
+        }
+        return std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+    }
+
+    Vec3 in_box() {
+        Vec3 p{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double low = mesh_.box().lower[axis] - 0.1 * side_, high = mesh_.box().upper[axis] + 0.1 * side_;
+            p[axis] = low + part_(random_) * (high - low);
+        }
+        return p;
+    }
+
+    Vec3 on_surface() {
+        const double place = part_(random_) * areas_.back();
+        const auto found = std::upper_bound(areas_.begin(), areas_.end() - 1, place);
+        const auto triangle = static_cast<std::size_t>(found - areas_.begin());
+        double a = part_(random_), b = part_(random_);
+        if (a + b > 1) {
+            a = 1 - a;
+            b = 1 - b;
+        }
+        Vec3 p{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            p[axis] = corner(triangle, 0)[axis] + a * (corner(triangle, 1)[axis] - corner(triangle, 0)[axis]) +
+                      b * (corner(triangle, 2)[axis] - corner(triangle, 0)[axis]);
+        return p;
+    }
+
+    const Mesh& mesh_;
+    double side_ = mesh_.box().longest_side();
+    std::vector<double> areas_;  ///< of the triangles up to each, summed
+    std::mt19937_64 random_;
+    std::uniform_real_distribution<double> part_{0, 1};
+};
+
+/// Compares results with the reference.
+class Judge {
+public:
+    Judge(const Mesh& mesh, const MeasureOptions& options)
+        : oracle_(mesh), voxel_(mesh.box().longest_side() / 256), options_(options) {}
+
+    void look_at(std::span<const Vec3> points, std::span<const float> distance, bool with_sign, PointCost& cost) const {
+        const std::size_t most = options_.samples_judged == 0 ? points.size() : options_.samples_judged;
+        const std::size_t step = std::max<std::size_t>(1, points.size() / most);
+        for (std::size_t i = 0; i < points.size(); i += step) {
+            const double expected = oracle_.nearest(points[i]).distance;
+            const std::optional<int> winding = oracle_.winding_number(points[i]);
+            const bool is_inside = with_sign && winding.value_or(0) != 0;
+            const double error = std::abs(std::abs(static_cast<double>(distance[i])) - expected);
+            const double ulp = expected * static_cast<double>(std::numeric_limits<float>::epsilon());
+            ++cost.judged;
+            if (!(error <= std::max(2 * ulp, 1e-5 * voxel_))) ++cost.wrong;
+            if (std::signbit(distance[i]) != is_inside) ++cost.wrong_signs;
+            cost.max_error_voxels = std::max(cost.max_error_voxels, error / voxel_);
+        }
+    }
+
+private:
+    reference::Oracle oracle_;
+    double voxel_;
+    const MeasureOptions& options_;
+};
+
+}  // namespace
+
+std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
+                                      bool is_quick) {
+    PointMaker maker(mesh, options.seed);
+    const Judge judge(mesh, options);
+    const std::size_t million = is_quick ? 20000 : 1000000, thousand = is_quick ? 200 : 1000;
+    std::optional<DistanceTransform> transform(std::in_place, device, mesh);
+    std::vector<float> distance(million);
+    std::vector<PointCost> costs;
+    const auto measure = [&](PointCost cost, const std::vector<Vec3>& points, const auto& prepare) {
+        cost.points = points.size();
+        const std::size_t of_call = points.size() / cost.calls;
+        std::vector<double> seconds, processor;
+        for (std::size_t n = 0; n < options.repetitions + 1; ++n) {
+            if (options.progress) options.progress(cost.name);
+            std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::quiet_NaN());
+            prepare();
+            const CostWatch watch;
+            for (std::size_t begin = 0; begin < points.size(); begin += of_call)
+                transform->query(std::span(points).subspan(begin, of_call), no_limit,
+                                 {.distance = std::span(distance).subspan(begin, of_call)});
+            const Cost of_calls = watch.cost();
+            if (n == 0) continue;  // warms up
+            seconds.push_back(of_calls.wall);
+            processor.push_back(of_calls.processor);
+        }
+        cost.seconds = spread_of(seconds);
+        cost.processor_seconds = spread_of(processor);
+        judge.look_at(points, std::span(distance).first(points.size()), transform->sign() != SignRule::none, cost);
+        costs.push_back(std::move(cost));
+    };
+    const auto nothing = [] {};
+    measure({"uniform", "in the mesh's box and 10% of its longest side around it, in one call"}, maker.uniform(million),
+            nothing);
+    measure({"near", "within 1.2% of the longest side from the surface on each axis, in one call"}, maker.near(million),
+            nothing);
+    measure({"rays", "along rays through the box, 1,000 points each, in one call"}, maker.along_rays(million), nothing);
+    PointCost many{"calls", "uniform, as many points a call as there are calls"};
+    many.calls = thousand;
+    measure(many, maker.uniform(million / thousand * thousand), nothing);
+    measure({"first", "uniform, with a transform that has prepared nothing"}, maker.uniform(thousand), [&] {
+        transform.reset();
+        transform.emplace(device, mesh);
+    });
+    return costs;
+}
+
+}  // namespace clsdf::bench

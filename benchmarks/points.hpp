@@ -1,0 +1,34 @@
+#pragma once
+
+#include "benchmarks/measure.hpp"
+
+#include <clsdf/clsdf.hpp>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace clsdf::bench {
+
+/// The cost and the errors of distances at points of one kind.
+struct PointCost {
+    std::string name;
+    std::string what;
+    std::size_t points = 0;      ///< of a measurement, all its calls together
+    std::size_t calls = 1;       ///< of a measurement
+    Spread seconds{};            ///< by the clock on the wall
+    Spread processor_seconds{};  ///< user and system time of all threads
+    std::size_t judged = 0;      ///< points compared with the reference
+    std::size_t wrong = 0;       ///< off by more than 1e-5 voxel and 2 ulp
+    std::size_t wrong_signs = 0;
+    double max_error_voxels = 0;  ///< a voxel is 1/256 of the mesh's longest side
+
+    double points_per_second() const { return static_cast<double>(points) / seconds.median; }
+};
+
+/// Signed distances at points without a limit, by a transform that has been used before: uniform in the mesh's box and
+/// 10% around it, near the surface, along rays, and in many small calls; and the first call of a transform.
+std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
+                                      bool is_quick);
+
+}  // namespace clsdf::bench
