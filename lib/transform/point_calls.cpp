@@ -44,7 +44,8 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         const std::scoped_lock lock(mutex);
         transform::throw_if_stopped(call);
         const Stopwatch compile_watch;
-        compiling.first_use = points::ensure_points_tested(device, programs, compiling.watch(points::point_test_steps));
+        compiling.first_use = points::ensure_points_tested(
+            device, programs, compiling.watch(device::context_of(device), points::point_test_steps));
         compiling.seconds = compile_watch.seconds();
         pool->restart_peak();
         const Stopwatch watch;

@@ -43,7 +43,9 @@ std::string key_of(const device::Context& context, const std::string& name, cons
 }
 
 std::vector<cl::Program> common_programs(const Programs& programs) {
-    return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill};
+    std::vector<cl::Program> common{programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill};
+    if (programs.mesh_records() != nullptr) common.push_back(programs.mesh_records);
+    return common;
 }
 
 }  // namespace

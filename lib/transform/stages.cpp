@@ -240,8 +240,8 @@ void Stages::keep_within(std::size_t budget) {
 }
 
 std::size_t Stages::device_bytes() const {
-    std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) +
-                        (points_ ? points_->device_bytes() : 0);
+    std::size_t bytes =
+        (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) + (points_ ? points_->device_bytes() : 0);
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }

@@ -109,8 +109,8 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_the_lists_and_the_field_only) {
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.programs_built == 0U);
     BOOST_TEST(counts.blocking_waits <= 3U);
-    // 40 bytes a triangle and 24 a vertex, where a record has 280; beside them, numbers of the faces' groups, the order of
-    // the lists, and the records that the host writes.
+    // 40 bytes a triangle and 24 a vertex, where a record has 280; beside them, numbers of the faces' groups, the order
+    // of the lists, and the records that the host writes.
     BOOST_TEST(counts.bytes_up <= 40 * mesh().triangles().size() + 24 * mesh().vertices().size() + 4096);
     BOOST_TEST(counts.kernels.contains("face_records"));
 }
