@@ -21,8 +21,8 @@ struct LocatedPoints {
 /// Sets CLSDF_POINT_INSIDE, _OUTSIDE or _ON_SURFACE for each, exactly for the caller's coordinates. Without a sign no
 /// point is inside.
 ///
-/// A point that lies in a ball around another one which does not reach the surface has its sign. Of the others the
-/// crossings with the surface are counted on the way from a point nearby, or on a ray along x.
+/// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
+/// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x.
 void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs);
 
 }  // namespace clsdf::points

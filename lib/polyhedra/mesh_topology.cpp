@@ -15,8 +15,8 @@ namespace {
 
 /// Numbers vertices as faces first name them, by parts of the faces. Each part lists the vertices that it names and no
 /// earlier part has named so far; for the time being the vertex at place i of the list has the number
-/// 3 * (first face) + i, so that earlier parts give lower ones. What several parts list, because they run side by side,
-/// belongs to the first of them, which is the first to name it: how far the others were makes no difference.
+/// 3 * (first face) + i, so that earlier parts give lower ones. Parts run side by side, so several may list the same
+/// vertex; it belongs to the first of them, however far the others were.
 class Numbering {
 public:
     Numbering(const Mesh& mesh, std::span<const std::uint32_t> order, OrderedFaces& faces)

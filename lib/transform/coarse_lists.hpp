@@ -27,7 +27,7 @@ struct CoarseLists {
     std::vector<cl_uint> lengths;
 };
 
-/// What the lists are made with, for either body. What it refers to must outlive it.
+/// The inputs of the lists, for either body. It refers to the caller's objects, which must outlive it.
 struct ListJob {
     device::Context& context;
     const Programs& programs;

@@ -21,8 +21,8 @@ struct Batch {
 std::vector<HostTargets> targets_of(std::span<const Request> requests);
 
 /// Each request in one batch. A block has samples that no request asks for, and a call for each request has a cost of
-/// its own: requests of a lattice are divided where that is estimated to be cheaper. What is computed together changes
-/// no byte. box: the mesh's.
+/// its own: requests of a lattice are divided where that is estimated to be cheaper. The division
+/// changes no byte. box: the mesh's.
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostTargets> targets, const Box& box);
 
 }  // namespace clsdf::transform

@@ -23,7 +23,7 @@ struct Crossings {
 /// The launches that find the crossings.
 class CrossingSearch {
 public:
-    /// Enqueues the search and does not wait for it. What is given must outlive this.
+    /// Enqueues the search and does not wait for it. The arguments must outlive this.
     CrossingSearch(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                    const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches);
     CrossingSearch(const CrossingSearch&) = delete;

@@ -25,7 +25,7 @@ struct SignBits {
 /// too.
 class SignSweep {
 public:
-    /// Enqueues the search for the crossings. Without a mesh all bits are 0. What is given must outlive this.
+    /// Enqueues the search for the crossings. Without a mesh all bits are 0. The arguments must outlive this.
     SignSweep(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
               const Layout& layout, const SweepMesh* mesh, SignRule rule, const ShortLaunches& launches);
 

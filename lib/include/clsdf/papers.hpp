@@ -171,8 +171,8 @@ CLSDF_EXPORT std::vector<std::uint32_t> triangles_at(const Mesh& mesh, std::uint
 CLSDF_EXPORT std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
                                                       double half_width);
 
-/// The same of Peikert & Sigg's polyhedra, before or after their gaps were closed. What reaches farther than eight half
-/// widths from the triangle's box is cut off: planes that are nearly parallel to the triangle meet anywhere.
+/// The same of Peikert & Sigg's polyhedra, before or after their gaps were closed. They are cut off
+/// at eight half widths from the triangle's box: planes that are nearly parallel to the triangle meet anywhere.
 CLSDF_EXPORT std::vector<BoundingSolid> peikert_sigg_solids(const Mesh& mesh, std::span<const std::uint32_t> selected,
                                                             double half_width, bool close_gaps = true);
 
