@@ -1,5 +1,5 @@
-// Particles that fall on a solid and bounce: in each step the distance, the normal and the triangle of those near the
-// surface, from one call. The solid turns, so its vertices move between the steps.
+// Particles fall on a solid and bounce. In each step one call gives the distance, the normal and the triangle of every
+// particle near the surface. The solid turns, so its vertices move between the steps.
 //
 // example_contact_points [PARTICLES [STEPS]]
 
@@ -26,7 +26,7 @@ struct Particles {
         : position(count), velocity(count), distance(count), normal(3 * count), triangle(count) {}
 };
 
-/// Above the solid, at rest.
+/// Particles at rest above the solid.
 Particles drop(std::size_t count, const clsdf::Box& box) {
     Particles particles(count);
     std::mt19937_64 generator(1);
@@ -50,7 +50,7 @@ void fall(Particles& particles, double time) {
     }
 }
 
-/// Those that overlap the solid are put on its surface and bounce off. Returns their number.
+/// Moves particles that overlap the solid to its surface and lets them bounce. Returns their number.
 std::size_t bounce(Particles& particles, double radius) {
     std::size_t contacts = 0;
     for (std::size_t i = 0; i < particles.position.size(); ++i) {
@@ -86,7 +86,7 @@ int main(int argument_count, char** arguments) {
             fall(particles, 0.02 * std::sqrt(side));
             transform.move(turned(0.05 * step), {0, 0, 0});
             clsdf::TransformStatistics statistics;
-            // Nothing falls deeper in a step than a few hundredths of the solid.
+            // In one step no particle enters the solid deeper than a few hundredths of its longest side.
             transform.query(
                 particles.position, 0.1 * side,
                 {.distance = particles.distance, .triangle = particles.triangle, .gradient = particles.normal},

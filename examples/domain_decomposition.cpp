@@ -1,7 +1,7 @@
-// A grid that is divided among the ranks of a parallel simulation, each with a layer of ghost samples.
+// A grid is divided among the ranks of a parallel simulation. Each rank has a layer of ghost samples.
 //
-// A part of a grid keeps the grid's origin and spacing, and has the same bytes as the whole. So ghost samples agree on
-// both sides and need no exchange.
+// A part of a grid keeps the origin and spacing of the grid, and has the same bytes as the whole. So ghost samples are
+// equal on both sides and need no exchange.
 
 #include <clsdf/clsdf.hpp>
 
@@ -14,7 +14,7 @@
 
 namespace {
 
-/// The samples of one rank of `ranks` along x, with a ghost layer on the sides where it has a neighbour.
+/// The samples of one rank of `ranks` along x, with a ghost layer on each side that has a neighbour.
 clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t ranks) {
     constexpr std::int64_t ghosts = 2;
     const std::int64_t samples = domain.size[0];
@@ -53,7 +53,7 @@ int main() {
         for (std::int64_t rank = 0; rank < ranks; ++rank) {
             const clsdf::Grid block = block_of(domain, rank, ranks);
 
-            // The simulation's own memory.
+            // Memory of the simulation.
             std::vector<float> distance(block.sample_count());
             transform.compute(block, band, {.distance = distance});
 

@@ -1,8 +1,8 @@
 // Computes a field in the caller's own OpenCL context, queue and memory, for the caller's own kernels.
 //
-// A plan allocates everything once. Plan::enqueue() then puts the field's computation into the caller's queue, between
-// the caller's own commands, and neither blocks nor copies. Here a kernel integrates the volume of a solid over the
-// field, and eight bytes are all that comes back to the host.
+// A plan allocates everything once. Then Plan::enqueue() puts the computation of the field into the caller's queue,
+// between the caller's own commands. It neither blocks nor copies. Here a kernel integrates the volume of a solid over
+// the field. Only eight bytes return to the host.
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -20,8 +20,8 @@ void require(cl_int status, const char* call) {
     std::exit(2);
 }
 
-/// A smoothed Heaviside function of the distance, `width` on both sides of the surface, is the share of a cell that is
-/// solid: summed by rows of samples first, then over all rows.
+/// The solid share of a cell is a smoothed Heaviside function of the distance, `width` on both sides of the surface.
+/// The kernels sum it over each row of samples, then over all rows.
 constexpr const char* integration = R"(
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 
@@ -101,13 +101,13 @@ double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransfo
     cl_mem sums = simulation.buffer(static_cast<std::size_t>(rows) * sizeof(float));
     cl_mem volume = simulation.buffer(sizeof(double));
 
-    // May block and allocate: polyhedra, lists, the sign. The next calls do neither.
+    // plan() may block and allocate: polyhedra, lists, the sign. The next calls do neither.
     clsdf::Plan plan = transform.plan(grid, band);
 
     clsdf::OutputTargets outputs;
     outputs.distance = distance;
     cl_event computed = plan.enqueue(simulation.queue, outputs);
-    // This queue is in order, so the kernels run after the field; another queue would have to wait for the event.
+    // This queue is in order, so the kernels run after the field. Another queue would have to wait for the event.
     const auto width = static_cast<float>(band.outside);
     const double cell = grid.spacing[0] * grid.spacing[1] * grid.spacing[2];
     simulation.enqueue("sum_rows", static_cast<std::size_t>(rows), distance, row_length, width, sums);
@@ -134,7 +134,7 @@ int main() {
         const clsdf::Mesh mesh = clsdf::make_shape("sphere5");
         clsdf::DistanceTransform transform(device, mesh);
 
-        // The integral needs only two samples on both sides of the surface.
+        // The integral needs only two samples on each side of the surface.
         clsdf::GridOptions options;
         options.resolution = 128;
         options.margin = clsdf::Length::in_voxels(2);
@@ -147,7 +147,7 @@ int main() {
         std::printf("volume on %s: %.6f; the ball's that the mesh approximates: %.6f\n", device.name().c_str(), volume,
                     of_the_ball);
 
-        // The mesh lies inside the ball: its volume is smaller by less than a hundredth.
+        // The mesh lies inside the ball. Its volume is smaller by less than a hundredth.
         const bool right = volume < of_the_ball && volume > 0.99 * of_the_ball;
         std::puts(right ? "as it should be" : "WRONG");
         return right ? 0 : 1;

@@ -1,5 +1,6 @@
-// Patches of three levels of refinement, each with ghost samples, in one call: the start of a level set, or the walls
-// of an adaptive mesh (AMR). The field decides where the next level is needed: at cells that the surface may cross.
+// Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). One call
+// computes all patches of a level, ghost samples included. A cell is refined if the field shows that the surface may
+// cross it.
 
 #include <clsdf/clsdf.hpp>
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::int64_t side = 16, ghosts = 2, ratio = 2;
 
-/// A patch of samples at the centres of cells, with the memory that the simulation has for it.
+/// A patch of samples at the centres of cells, with its memory in the simulation.
 struct Patch {
     clsdf::Index3 place{};  ///< in patches of its level
     clsdf::Grid grid;       ///< with its ghost samples
@@ -41,8 +42,8 @@ void compute(const clsdf::DistanceTransform& transform, const clsdf::Band& band,
     transform.compute(requests);
 }
 
-/// The patches of the next level that the surface may cross: those with a cell no farther from it than half its
-/// diagonal.
+/// The patches of the next level that the surface may cross. Such a patch has a cell no farther from the surface than
+/// half the diagonal of a cell.
 std::set<clsdf::Index3> next_places(const std::vector<Patch>& patches) {
     std::set<clsdf::Index3> places;
     for (const Patch& patch : patches) {
@@ -61,7 +62,7 @@ std::set<clsdf::Index3> next_places(const std::vector<Patch>& patches) {
     return places;
 }
 
-/// Samples of neighbouring patches that are one sample of the lattice, and are not one value.
+/// The number of samples of the lattice that two patches share and that have different values in them.
 std::size_t differences(const std::vector<Patch>& patches) {
     std::size_t count = 0;
     for (const Patch& patch : patches)

@@ -1,7 +1,7 @@
 // From arrays in memory to a signed distance field, and a use of it.
 //
-// A simulation has a solid as arrays of vertices and triangles, and wants to know which of its cells are solid, how
-// much of a cell on the surface is, and which triangle a fluid particle near the wall would hit.
+// A simulation has a solid as arrays of vertices and triangles. It needs to know which of its cells are solid, the
+// solid share of a cell on the surface, and the triangle of the wall that is nearest to a fluid particle.
 
 #include <clsdf/clsdf.hpp>
 
@@ -36,7 +36,7 @@ Solid torus(double ring_radius, double tube_radius, std::uint32_t around, std::u
     return solid;
 }
 
-/// By the divergence theorem: the volume that the field should find.
+/// The exact volume, by the divergence theorem.
 double volume_of(const Solid& solid) {
     double six_volumes = 0;
     for (std::size_t t = 0; t < solid.triangles.size(); t += 3) {
@@ -55,7 +55,7 @@ int main() {
     try {
         const Solid solid = torus(1.0, 0.4, 120, 48);
 
-        // Arrays are viewed where they lie; the transform checks and copies them. A transform serves many grids.
+        // A view refers to the arrays; a mesh is a checked copy of them. One transform serves many grids.
         const clsdf::MeshView view(solid.vertices, solid.triangles);
         const clsdf::Mesh mesh(view, "torus");
         const clsdf::Device device = clsdf::Device::best();
@@ -63,13 +63,13 @@ int main() {
         options.log = [](const std::string& message) { std::printf("clsdf says: %s\n", message.c_str()); };
         clsdf::DistanceTransform transform(device, mesh, options);
 
-        // 96 cells on the longest side, and distances where they are wanted: a tenth of a unit on both sides.
+        // 96 samples on the longest side, and distances up to a tenth of a unit on both sides of the surface.
         const clsdf::Band band = clsdf::Band::symmetric(0.1);
         const clsdf::Grid grid = clsdf::Grid::around(mesh, 96, band);
         const clsdf::Field field = transform(grid, band, {.triangle = true});
 
-        // A cell is solid where its centre is inside, in the band and beyond it; on the surface, as much of it as the
-        // distance says.
+        // A cell is solid if its centre is inside, in the band or beyond it. The distance gives the solid share of a
+        // cell on the surface.
         const double h = grid.voxel();
         double cells = 0, solid_cells = 0;
         for (const float distance : field.distance) {
@@ -81,7 +81,7 @@ int main() {
         std::printf("volume: %.5f by the triangles, %.5f by counting cells, %.5f by the distance\n", exact, by_counting,
                     by_distance);
 
-        // Beside the tube's outer rim: the distance to the wall, and the triangle there.
+        // A particle beside the tube's outer rim: its distance to the wall, and the nearest triangle.
         const auto sample = [&](std::size_t axis, double x) { return std::lround((x - grid.origin[axis]) / h); };
         const std::size_t particle = grid.offset(sample(0, 1.45), sample(1, 0), sample(2, 0));
         const std::uint32_t triangle = field.triangle[particle];
