@@ -5,8 +5,7 @@
 // through the tree nor on the pair that the search begins with.
 
 #include "finish.h"
-#include "lanes.h"
-#include "point_tree.h"
+#include "point_distance.h"
 
 // The nearest face so far.
 typedef struct Found {
@@ -35,26 +34,10 @@ INLINE PointBox box_of_point(double3 p) {
 // Squared distances of a leaf's faces, LANES from number `first` on.
 INLINE doubleL squared_distances(__global const PointLeaf* leaf, double3 p, int first) {
 #define OF_LEAF(member) load_lanes(0, leaf->member + first)
-    const doubleL x = OF_LEAF(gradient[0][0]) * p.x +
-                      (OF_LEAF(gradient[1][0]) * p.y + (OF_LEAF(gradient[2][0]) * p.z + OF_LEAF(offset[0])));
-    const doubleL y = OF_LEAF(gradient[0][1]) * p.x +
-                      (OF_LEAF(gradient[1][1]) * p.y + (OF_LEAF(gradient[2][1]) * p.z + OF_LEAF(offset[1])));
-    const doubleL z = OF_LEAF(gradient[0][2]) * p.x +
-                      (OF_LEAF(gradient[1][2]) * p.y + (OF_LEAF(gradient[2][2]) * p.z + OF_LEAF(offset[2])));
-    const longL left = x < 0.0, below = y < 0.0;
-    const doubleL away = left ? -x : x;
-    const doubleL along = left ? OF_LEAF(normal_along[CLSDF_HALF_LEFT]) : OF_LEAF(normal_along[CLSDF_HALF_RIGHT]);
-    const doubleL across = left ? OF_LEAF(normal_across[CLSDF_HALF_LEFT]) : OF_LEAF(normal_across[CLSDF_HALF_RIGHT]);
-    const doubleL beyond = away - (left ? OF_LEAF(base[CLSDF_HALF_LEFT]) : OF_LEAF(base[CLSDF_HALF_RIGHT]));
-    const doubleL above_apex = y - OF_LEAF(altitude);
+    LeafFrame frame;
+    SET_LEAF_FRAME(OF_LEAF, p, frame)
 #undef OF_LEAF
-    // See distance.h.
-    const doubleL r = below ? -y : along * beyond + across * y;
-    const doubleL before = below ? beyond : across * beyond - along * y;
-    const doubleL past = below ? beyond : along * above_apex - across * away;
-    const doubleL farther = GREATER(past, before), zero = (doubleL)0.0;
-    const doubleL end = GREATER(farther, zero), outward = GREATER(r, zero);
-    return end * end + (outward * outward + z * z);
+    return leaf_distance(frame).squared;
 }
 
 INLINE void take_if_nearer(__private Found* found, double squared, __global const PointLeaf* leaf, uint number,

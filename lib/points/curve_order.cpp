@@ -2,50 +2,119 @@
 
 #include "core/parallel.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
+#include <array>
+#include <vector>
 
 namespace clsdf::points {
 
 namespace {
 
-constexpr double cells = 1 << 21;
+constexpr std::uint32_t cell_bits = 10;  // per axis
+constexpr std::uint32_t digit_bits = 10, digits = 3, buckets = 1U << digit_bits;
+static_assert(digits * digit_bits == 3 * cell_bits);
+constexpr std::size_t together = std::size_t{1} << 14;  // points that one thread counts
 
 struct Keyed {
-    std::uint64_t code;
+    std::uint32_t key;
     std::uint32_t point;
-
-    bool operator<(const Keyed& other) const {
-        return code < other.code || (code == other.code && point < other.point);
-    }
 };
 
-/// The 21 bits of `x`, each followed by two zeros.
-std::uint64_t spread(std::uint64_t x) {
-    x = (x | x << 32) & 0x001f00000000ffffU;
-    x = (x | x << 16) & 0x001f0000ff0000ffU;
-    x = (x | x << 8) & 0x100f00f00f00f00fU;
-    x = (x | x << 4) & 0x10c30c30c30c30c3U;
-    return (x | x << 2) & 0x1249249249249249U;
+/// The bits of `x`, each followed by two zeros.
+std::uint32_t spread(std::uint32_t x) {
+    x = (x | x << 16) & 0x030000ffU;
+    x = (x | x << 8) & 0x0300f00fU;
+    x = (x | x << 4) & 0x030c30c3U;
+    return (x | x << 2) & 0x09249249U;
+}
+
+/// The place of a cell on the curve (J. Skilling, Programming the Hilbert curve, 2004).
+std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    for (std::uint32_t bit = 1U << (cell_bits - 1); bit > 1; bit >>= 1) {
+        const std::uint32_t below = bit - 1;
+        const auto turn = [&](std::uint32_t& axis) {
+            const std::uint32_t is_set = (axis & bit) != 0 ? ~0U : 0U;
+            const std::uint32_t exchanged = (x ^ axis) & below & ~is_set;
+            x ^= (below & is_set) | exchanged;
+            axis ^= exchanged;
+        };
+        x ^= (x & bit) != 0 ? below : 0U;
+        turn(y);
+        turn(z);
+    }
+    y ^= x;
+    z ^= y;
+    std::uint32_t flips = 0;
+    for (std::uint32_t bit = 1U << (cell_bits - 1); bit > 1; bit >>= 1) flips ^= (z & bit) != 0 ? bit - 1 : 0U;
+    return spread(x ^ flips) << 2 | spread(y ^ flips) << 1 | spread(z ^ flips);
+}
+
+/// The box of the points, cut off at another one.
+Box box_within(std::span<const Vec3> points, const Box& most) {
+    const std::size_t ranges = stretch_count(points.size(), together);
+    std::vector<Box> boxes(ranges);
+    for_each_stretch(points.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+        Box box{points[begin], points[begin]};
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box.lower[axis] = std::min(box.lower[axis], points[i][axis]);
+                box.upper[axis] = std::max(box.upper[axis], points[i][axis]);
+            }
+        boxes[range] = box;
+    });
+    Box all = boxes[0];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (const Box& box : boxes) {
+            all.lower[axis] = std::min(all.lower[axis], box.lower[axis]);
+            all.upper[axis] = std::max(all.upper[axis], box.upper[axis]);
+        }
+        all.lower[axis] = std::clamp(all.lower[axis], most.lower[axis], most.upper[axis]);
+        all.upper[axis] = std::clamp(all.upper[axis], most.lower[axis], most.upper[axis]);
+    }
+    return all;
+}
+
+/// Sorts by one digit of the keys and leaves equal ones as they are.
+void sort_by_digit(const UninitializedVector<Keyed>& from, UninitializedVector<Keyed>& to, std::uint32_t digit) {
+    const auto bucket_of = [digit](const Keyed& keyed) { return keyed.key >> digit * digit_bits & (buckets - 1); };
+    std::vector<std::array<std::uint32_t, buckets>> places(stretch_count(from.size(), together));
+    for_each_stretch(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+        places[range].fill(0);
+        for (std::size_t i = begin; i < end; ++i) ++places[range][bucket_of(from[i])];
+    });
+    std::uint32_t place = 0;
+    for (std::uint32_t bucket = 0; bucket < buckets; ++bucket)
+        for (auto& of_range : places) {
+            const std::uint32_t count = of_range[bucket];
+            of_range[bucket] = place;
+            place += count;
+        }
+    for_each_stretch(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) to[places[range][bucket_of(from[i])]++] = from[i];
+    });
 }
 
 }  // namespace
 
-UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, const Box& box) {
+UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, const Box& most) {
+    UninitializedVector<std::uint32_t> order(points.size());
+    if (points.empty()) return order;
+    const Box box = box_within(points, most);
+    constexpr double cells = 1U << cell_bits;
     const double longest = box.longest_side();
     const double scale = longest > 0 ? cells / longest : 0;
-    UninitializedVector<Keyed> keyed(points.size());
+    UninitializedVector<Keyed> keyed(points.size()), sorted(points.size());
     for_each_index(points.size(), [&](std::size_t i) {
-        std::uint64_t code = 0;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double cell = std::clamp((points[i][axis] - box.lower[axis]) * scale, 0.0, cells - 1);
-            code |= spread(static_cast<std::uint64_t>(cell)) << axis;
-        }
-        keyed[i] = {code, static_cast<std::uint32_t>(i)};
+        std::array<std::uint32_t, 3> cell{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            cell[axis] =
+                static_cast<std::uint32_t>(std::clamp((points[i][axis] - box.lower[axis]) * scale, 0.0, cells - 1));
+        keyed[i] = {hilbert_key(cell[0], cell[1], cell[2]), static_cast<std::uint32_t>(i)};
     });
-    tbb::parallel_sort(keyed.begin(), keyed.end());
-    UninitializedVector<std::uint32_t> order(points.size());
+    for (std::uint32_t digit = 0; digit < digits; ++digit) {
+        sort_by_digit(keyed, sorted, digit);
+        keyed.swap(sorted);
+    }
     for_each_index(points.size(), [&](std::size_t i) { order[i] = keyed[i].point; });
     return order;
 }

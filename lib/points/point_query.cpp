@@ -94,6 +94,16 @@ public:
 
     void find_nearest(const std::function<void(double)>& between) {
         PointBuffer<double> squared(pool_, count(), "squared distances of points");
+        if (inputs_.scanned)
+            scan_points(
+                {context_, programs_, pool_, *inputs_.mesh, *inputs_.scanned, in_units_, *device_points_, most()},
+                *device_faces_, *squared, between);
+        else
+            search_tree(*squared, between);
+        squared.read(queue_, squared_);
+    }
+
+    void search_tree(const cl::Buffer& squared, const std::function<void(double)>& between) {
         const PointMesh& mesh = *inputs_.mesh;
         cl::Kernel kernel(program_, "nearest_of_points");
         kernel.setArg(nearest_tree, mesh.tree);
@@ -103,13 +113,12 @@ public:
         kernel.setArg(nearest_run, static_cast<cl_uint>(run()));
         kernel.setArg(nearest_most, most());
         kernel.setArg(nearest_faces, *device_faces_);
-        kernel.setArg(nearest_squared, *squared);
+        kernel.setArg(nearest_squared, squared);
         in_launches(between, [&](std::size_t begin, std::size_t end) {
             kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
             kernel.setArg(nearest_end, static_cast<cl_uint>(end));
             enqueue(kernel, stretch_count(end - begin, run()));
         });
-        squared.read(queue_, squared_);
     }
 
     void find_signs() {

@@ -4,6 +4,7 @@
 #include <clsdf/topology.hpp>
 
 #include "points/point_mesh.hpp"
+#include "points/point_scan.hpp"
 #include "transform/finishing.hpp"
 #include "transform/programs.hpp"
 #include "transform/slab_pipeline.hpp"
@@ -18,6 +19,7 @@ namespace clsdf::points {
 /// What the outputs of points follow from.
 struct PointInputs {
     std::shared_ptr<const PointMesh> mesh;
+    std::shared_ptr<const ScannedMesh> scanned;           ///< null: points are looked up one by one
     std::shared_ptr<const transform::DeviceSites> sites;  ///< with normals if the gradient is asked for
     SignRule sign = SignRule::none;
     bool is_inside_out = false;  ///< the faces look inwards, and the points have a sign
@@ -42,12 +44,12 @@ PointTimes query_points(device::Context& context, const transform::Programs& pro
                         std::span<const Vec3> points, double within, const transform::HostArrays& arrays,
                         const std::function<void(double)>& between);
 
-/// Builds the program and, the first time on this device and driver version, computes a small known field at its
+/// Builds the programs and, the first time on this device and driver version, computes a small known field at its
 /// samples and compares. Returns whether it was tested here. Throws Error(device_failure) that says what differs.
-bool ensure_points_tested(const Device& device, const transform::Programs& programs,
+bool ensure_points_tested(const Device& device, const transform::Programs& programs, bool are_scanned,
                           const device::BuildWatch& watch = {});
 
 /// How often `begins` of a watch is called by ensure_points_tested() for programs that have not been tested, about.
-inline constexpr std::size_t point_test_steps = 2;
+inline constexpr std::size_t point_test_steps = 3;
 
 }  // namespace clsdf::points

@@ -10,7 +10,7 @@ namespace clsdf::points {
 namespace {
 
 /// The known field's grid has the same samples at points, whose distances have no limit.
-std::optional<std::string> run_point_test(const Device& device, const transform::Programs& programs) {
+std::optional<std::string> run_point_test(const Device& device, const transform::Programs& programs, bool are_scanned) {
     transform::KnownFieldKind kind;
     kind.wide = true;
     const transform::KnownField known(kind);
@@ -27,18 +27,24 @@ std::optional<std::string> run_point_test(const Device& device, const transform:
     transform::HostArrays arrays;
     arrays.distance = {true, false, reinterpret_cast<std::byte*>(distance.data())};
     arrays.triangle = {true, false, reinterpret_cast<std::byte*>(triangle.data())};
-    const PointInputs inputs{stages.points(), stages.sites(false), SignRule::nonzero, false};
+    PointInputs inputs{stages.points(), nullptr, stages.sites(false), SignRule::nonzero, false};
+    if (are_scanned) inputs.scanned = stages.scanned_mesh();
     query_points(context, programs, pool, inputs, points, known.band().outside, arrays, {});
     return known.difference(distance, triangle);
 }
 
 }  // namespace
 
-bool ensure_points_tested(const Device& device, const transform::Programs& programs, const device::BuildWatch& watch) {
-    const cl::Program program = device::guarded([&] { return programs.points(device::context_of(device), watch); });
+bool ensure_points_tested(const Device& device, const transform::Programs& programs, bool are_scanned,
+                          const device::BuildWatch& watch) {
+    device::Context& context = device::context_of(device);
     const char* const body = programs.body == KernelBody::by_group ? "by_group" : "by_vector";
-    const transform::TestSubject subject{fmt::format("{} points", body), {program}};
-    return transform::test_once(device, subject, watch, [&] { return run_point_test(device, programs); });
+    transform::TestSubject subject{fmt::format("{} {}points", body, are_scanned ? "many " : ""), {}};
+    device::guarded([&] {
+        subject.programs.push_back(programs.points(context, watch));
+        if (are_scanned) subject.programs.push_back(programs.point_scan(context, watch));
+    });
+    return transform::test_once(device, subject, watch, [&] { return run_point_test(device, programs, are_scanned); });
 }
 
 }  // namespace clsdf::points

@@ -3,5 +3,6 @@ target_sources(
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/curve_order.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_query.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/point_scan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_signs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_test.cpp)

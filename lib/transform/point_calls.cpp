@@ -14,9 +14,11 @@
 
 namespace clsdf {
 
-points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs) {
+points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs, std::size_t count) {
     const auto make = [&] {
-        points::PointInputs inputs{stages->points(), stages->sites(outputs.gradient), sign};
+        points::PointInputs inputs{stages->points(), nullptr, stages->sites(outputs.gradient), sign};
+        if (points::is_scan_worthwhile(programs, count, mesh().triangles().size()))
+            inputs.scanned = stages->scanned_mesh();
         inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
         return inputs;
     };
@@ -31,7 +33,7 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
 points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, double within, const Outputs& outputs,
                                                    const transform::HostArrays& arrays,
                                                    const std::function<void(double)>& between) {
-    const points::PointInputs inputs = point_inputs(outputs);
+    const points::PointInputs inputs = point_inputs(outputs, part.size());
     return points::query_points(device::context_of(device), programs, pool, inputs, part, within, arrays, between);
 }
 
@@ -44,12 +46,15 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         const std::scoped_lock lock(mutex);
         transform::throw_if_stopped(call);
         const Stopwatch compile_watch;
-        compiling.first_use = points::ensure_points_tested(
-            device, programs, compiling.watch(device::context_of(device), points::point_test_steps));
+        const device::BuildWatch builds = compiling.watch(device::context_of(device), points::point_test_steps);
+        compiling.first_use = points::ensure_points_tested(device, programs, false, builds);
+        if (points::is_scan_worthwhile(programs, all.size(), mesh().triangles().size()) &&
+            points::ensure_points_tested(device, programs, true, builds))
+            compiling.first_use = true;
         compiling.seconds = compile_watch.seconds();
         pool->restart_peak();
         const Stopwatch watch;
-        const points::PointInputs inputs = point_inputs(outputs);
+        const points::PointInputs inputs = point_inputs(outputs, all.size());
         statistics.polyhedra_seconds = watch.seconds();
         // Nothing is computed if a point is refused.
         points::check_points(*inputs.mesh, all);

@@ -49,6 +49,8 @@ struct ProgramSources {
     /// For devices with memory of their own.
     ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(1)}; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
+    /// Of many points, by vectors.
+    ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;

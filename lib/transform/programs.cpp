@@ -51,6 +51,10 @@ cl::Program Programs::points(device::Context& context, const device::BuildWatch&
     return compiled(context, points_source(), watch);
 }
 
+cl::Program Programs::point_scan(device::Context& context, const device::BuildWatch& watch) const {
+    return compiled(context, point_scan_source(), watch);
+}
+
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {
     if (body == KernelBody::by_vector) {
         const std::size_t most = std::max<std::size_t>(histogram_budget / histogram, 1);

@@ -34,6 +34,8 @@ struct Programs : ProgramSources {
 
     /// Of points anywhere.
     cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
+    /// Of many points anywhere, by vectors.
+    cl::Program point_scan(device::Context& context, const device::BuildWatch& watch = {}) const;
 
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
     std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;

@@ -97,6 +97,7 @@ void Stages::move(std::vector<Vec3> positions) {
     faces_.reset();
     sites_.reset();
     points_.reset();
+    scanned_mesh_.reset();
 }
 
 const polyhedra::MeshTopology& Stages::topology() {
@@ -223,6 +224,19 @@ std::shared_ptr<const points::PointMesh> Stages::points() {
     }
 }
 
+std::shared_ptr<const points::ScannedMesh> Stages::scanned_mesh() {
+    try {
+        if (!scanned_mesh_) {
+            PreparedMesh records = all_records(points()->lattice);
+            scanned_mesh_ = std::make_shared<const points::ScannedMesh>(
+                points::make_scanned_mesh(context_, pool_, topology(), frusta(), std::move(records)));
+        }
+        return scanned_mesh_;
+    } catch (const std::bad_alloc&) {
+        throw preparation_error(mesh_);
+    }
+}
+
 void Stages::keep_within(std::size_t budget) {
     std::size_t bytes = sites_ ? sites_->bytes() : 0;
     if (bytes > budget) sites_.reset();
@@ -233,6 +247,8 @@ void Stages::keep_within(std::size_t budget) {
     }
     bytes += points_ ? points_->device_bytes() : 0;
     if (bytes > budget) points_.reset();
+    bytes += scanned_mesh_ ? scanned_mesh_->device_bytes() : 0;
+    if (bytes > budget) scanned_mesh_.reset();
     for (auto it = lattices_.begin(); it != lattices_.end();) {
         bytes += it->bytes();
         it = bytes > budget ? lattices_.erase(it) : std::next(it);
@@ -240,8 +256,8 @@ void Stages::keep_within(std::size_t budget) {
 }
 
 std::size_t Stages::device_bytes() const {
-    std::size_t bytes =
-        (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) + (points_ ? points_->device_bytes() : 0);
+    std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) +
+                        (points_ ? points_->device_bytes() : 0) + (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0);
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }

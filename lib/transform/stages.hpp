@@ -7,6 +7,7 @@
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "points/point_mesh.hpp"
+#include "points/point_scan.hpp"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/mesh_topology.hpp"
@@ -43,6 +44,7 @@ struct Inputs {
 ///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
+///     scanned mesh   + frusta                            the same, once many points are asked for
 ///
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. The field has the same
 /// bytes either way. For one thread at a time.
@@ -70,6 +72,9 @@ public:
 
     /// What points anywhere are looked up in. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const points::PointMesh> points();
+
+    /// What many points are looked up in beside it. Throws as points().
+    std::shared_ptr<const points::ScannedMesh> scanned_mesh();
 
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
@@ -112,6 +117,7 @@ private:
     std::shared_ptr<const DeviceFaces> faces_;
     std::shared_ptr<const DeviceSites> sites_;
     std::shared_ptr<const points::PointMesh> points_;
+    std::shared_ptr<const points::ScannedMesh> scanned_mesh_;
     std::list<Lattice> lattices_;  // that was used last first
 };
 

@@ -100,7 +100,8 @@ private:
     bool test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
     transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs);
 
-    points::PointInputs point_inputs(const Outputs& outputs);
+    /// For a query of `count` points.
+    points::PointInputs point_inputs(const Outputs& outputs, std::size_t count);
     /// Some of the points of a query into packed arrays.
     points::PointTimes query(std::span<const Vec3> part, double within, const Outputs& outputs,
                              const transform::HostArrays& arrays, const std::function<void(double)>& between);

@@ -228,6 +228,40 @@ BOOST_AUTO_TEST_CASE(a_result_does_not_depend_on_the_batch) {
         }
 }
 
+// Many points are scanned in groups, few are looked up one by one. On a grid around a symmetric mesh many triangles are
+// equally near.
+BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
+    std::vector<Mesh> all = meshes();
+    all.push_back(make_shape("sphere4"));
+    all.push_back(make_shape("torus"));
+    for (const Mesh& mesh : all)
+        for (const double within : {no_limit, 0.05 * mesh.box().longest_side()}) {
+            std::vector<Vec3> points = samples_of(grid_around(mesh, 24, 2));
+            for (const Vec3& p : points_around(mesh, 20011, 71)) points.push_back(p);
+            points.push_back({1e9, -1e7, 3});
+            const DistanceTransform transform(test_device(), mesh);
+            const Field many = query(transform, points, within);
+            constexpr std::size_t few = 1511;
+            for (std::size_t begin = 0; begin < points.size(); begin += few) {
+                const std::size_t count = std::min(few, points.size() - begin);
+                const Field some = query(transform, std::span(points).subspan(begin, count), within);
+                visit_outputs(
+                    [&](const char* name, const auto& of_many, const auto& of_some) {
+                        const std::size_t size = of_many.size() / points.size();
+                        std::size_t differences = 0, first = 0;
+                        for (std::size_t i = 0; i < count; ++i)
+                            if (std::memcmp(&of_many[size * (begin + i)], &of_some[size * i],
+                                            size * sizeof(of_many[0])) != 0 &&
+                                differences++ == 0)
+                                first = begin + i;
+                        BOOST_TEST(differences == 0U, mesh.name() << ", " << name << ": " << differences
+                                                                  << " points differ, first " << first);
+                    },
+                    many, some);
+            }
+        }
+}
+
 BOOST_AUTO_TEST_CASE(the_sign_follows_the_rule_at_the_very_point) {
     const Mesh mesh = overlapping_cubes();
     const reference::Oracle oracle(mesh);

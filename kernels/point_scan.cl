@@ -1,0 +1,470 @@
+// The nearest triangles of many points: a scan of groups of points (point_groups.h), on processors.
+//
+// From superblocks to vectors, a group's list of polyhedra goes to its 16 children at once, a child a lane: a
+// polyhedron stays if it overlaps the child's box within the child's upper bound of the distance. The distances of a
+// vector's points to the triangles of its list are taken in float. All that are, within their error, the least are
+// decided in double, with the faces beside them; so a point's result is the pair (squared distance, triangle) that
+// points.cl finds.
+//
+// Compile-time options: LANES (lanes.h), 16 or 8.
+
+#include "frame.h"
+#include "point_distance.h"
+#include "point_groups.h"
+
+#define PARTS (CLSDF_GROUP_WIDTH / LANES)
+
+// Slack of the overlap test, in units: what polyhedra need (frusta.hpp) and the rounding of floats, with room.
+#define SLACK 4.0e-3f
+#define SLACK_RATE 4.0e-5f    // per distance
+#define SLACK_EXTENT 2.0e-6f  // per extent of the group
+// Of distances in float, relative to the lengths that they follow from (frame.h), with room.
+#define DISTANCE_ERROR 2.0e-6f
+// Squared distances are taken for equal before faces are looked at that share a site.
+#define TIE_RATE 1.0e-9
+#define TIE_SLACK 1.0e-15
+
+typedef struct Children {
+    floatL centre[3][PARTS], half_side[3][PARTS];
+    floatL bound[PARTS];  // upper bound of the distance of each one's points
+    floatL slack[PARTS];
+    uint present;  // bit for each
+} Children;
+
+// All that a scan reads of the mesh.
+typedef struct ScanMesh {
+    PolyhedronCounts counts;
+    __global const Polyhedron* polyhedra;
+    __global const PointLeaf* leaves;
+    __global const FaceNeighbours* neighbours;
+    __global const uint* ring_starts;  // of each vertex in ring_faces, and the end
+    __global const uint* ring_faces;
+    __global const uint* site_vertices;  // of the point sites
+} ScanMesh;
+
+INLINE void load_children(__global const PointGroup* group, __private Children* children) {
+    for (int part = 0; part < PARTS; ++part)
+        for (int axis = 0; axis < 3; ++axis) {
+            children->centre[axis][part] = load_lanes(part, group->centre[axis]);
+            children->half_side[axis][part] = load_lanes(part, group->half_side[axis]);
+        }
+    children->present = (1u << group->children) - 1u;
+}
+
+// Takes a point of the surface, if it is nearer to a child's centre: `least` are squared distances.
+INLINE void look_at_foot(__global const Polyhedron* p, int3 origin, const __private Children* children,
+                         __private floatL* least) {
+    const float x = (float)(p->origin_x - origin.x) + p->foot[0], y = (float)(p->origin_y - origin.y) + p->foot[1],
+                z = (float)(p->origin_z - origin.z) + p->foot[2];
+    for (int part = 0; part < PARTS; ++part) {
+        const floatL dx = children->centre[0][part] - x, dy = children->centre[1][part] - y,
+                     dz = children->centre[2][part] - z;
+        const floatL squared = dx * dx + (dy * dy + dz * dz);
+        least[part] = LESSER(squared, least[part]);
+    }
+}
+
+// Sets the bounds and slacks from the squared distances of the centres. most: an upper bound of all.
+INLINE void set_bounds(__private Children* children, const __private floatL* least, float most) {
+    for (int part = 0; part < PARTS; ++part) {
+        const floatL x = children->half_side[0][part], y = children->half_side[1][part],
+                     z = children->half_side[2][part];
+        const floatL radius = sqrt(x * x + (y * y + z * z));
+        const floatL extent = fabs(children->centre[0][part]) + fabs(children->centre[1][part]) +
+                              fabs(children->centre[2][part]) + radius;
+        const floatL bound = (sqrt(least[part]) + radius) * (1.0f + 1.0e-5f) + (SLACK + SLACK_EXTENT * extent);
+        children->bound[part] = LESSER(bound, (floatL)most);
+        children->slack[part] = SLACK + SLACK_RATE * children->bound[part] + SLACK_EXTENT * extent;
+    }
+}
+
+INLINE int3 origin_of(__global const PointGroup* group) {
+    return vload3(0, group->origin);
+}
+
+// A polyhedron's frame at an integer origin (X, Y, Z, -), and how it changes along the lattice's axes.
+typedef struct Frame {
+    float4 at, x, y, z;
+    float4 normal;  // along right, left, across right, left
+    float2 base;
+} Frame;
+
+INLINE Frame frame_from(__global const Polyhedron* p, int3 origin) {
+    Frame f;
+    f.x = vload4(0, p->gradient_x);
+    f.y = vload4(0, p->gradient_y);
+    f.z = vload4(0, p->gradient_z);
+    if (p->flags & CLSDF_POLYHEDRON_NEAR) {
+        const float i = (float)(origin.x - p->origin_x), j = (float)(origin.y - p->origin_y),
+                    k = (float)(origin.z - p->origin_z);
+        f.at = f.x * i + (f.y * j + (f.z * k + vload4(0, p->constant_at_origin)));
+    } else {
+        f.at = convert_float4(frame_at(p, origin.x, origin.y, origin.z));
+    }
+    f.normal = vload4(0, p->normal_along);
+    f.base = vload2(0, p->base);
+    return f;
+}
+
+// Bits of the children whose boxes the polyhedron overlaps (see polyhedron.h), with slack.
+INLINE uint overlapped_children(__global const Polyhedron* p, Frame f, const __private Children* children) {
+    const float along_right = f.normal.x, along_left = f.normal.y, across_right = f.normal.z, across_left = f.normal.w;
+    const float right_x = along_right * f.x.x + across_right * f.x.y, left_x = across_left * f.x.y - along_left * f.x.x,
+                right_y = along_right * f.y.x + across_right * f.y.y, left_y = across_left * f.y.y - along_left * f.y.x,
+                right_z = along_right * f.z.x + across_right * f.z.y, left_z = across_left * f.z.y - along_left * f.z.x;
+    const float right_at = along_right * (f.at.x - f.base.x) + across_right * f.at.y,
+                left_at = across_left * f.at.y - along_left * (f.at.x + f.base.y);
+    const bool is_compact = (p->flags & CLSDF_POLYHEDRON_COMPACT) != 0;
+    uint bits = 0;
+    for (int part = 0; part < PARTS; ++part) {
+        const floatL cx = children->centre[0][part], cy = children->centre[1][part], cz = children->centre[2][part];
+        const floatL hx = children->half_side[0][part], hy = children->half_side[1][part],
+                     hz = children->half_side[2][part];
+        const floatL slack = children->slack[part], bound = children->bound[part];
+#define AT(at, x, y, z) (cx * (x) + (cy * (y) + (cz * (z) + (at))))
+#define REACH(x, y, z) (hx * fabs(x) + (hy * fabs(y) + (hz * fabs(z) + slack)))
+        const floatL height = AT(f.at.z, f.x.z, f.y.z, f.z.z), reach = REACH(f.x.z, f.y.z, f.z.z);
+        const floatL above = reach + height, below = reach - height;
+#define WIDTH(edge) GREATER(p->slope_above[edge] * above, p->slope_below[edge] * below)
+        floatL base = WIDTH(CLSDF_EDGE_BASE), right = WIDTH(CLSDF_EDGE_RIGHT), left = WIDTH(CLSDF_EDGE_LEFT);
+#undef WIDTH
+        intL in = fabs(height) <= reach + bound;
+        if (!is_compact) {
+            base = LESSER(base, bound);
+            right = LESSER(right, bound);
+            left = LESSER(left, bound);
+            const floatL x = AT(f.at.x, f.x.x, f.y.x, f.z.x), widened = REACH(f.x.x, f.y.x, f.z.x) + bound;
+            in &= (x - f.base.x <= widened) & (-x - f.base.y <= widened);
+        }
+        in &= (AT(-f.at.y, -f.x.y, -f.y.y, -f.z.y) <= base + REACH(f.x.y, f.y.y, f.z.y)) &
+              (AT(right_at, right_x, right_y, right_z) <= right + REACH(right_x, right_y, right_z)) &
+              (AT(left_at, left_x, left_y, left_z) <= left + REACH(left_x, left_y, left_z));
+#undef REACH
+#undef AT
+        bits |= lanes_to_bits(in) << part * LANES;
+    }
+    return bits & children->present;
+}
+
+// The number of the i-th polyhedron: point sites come behind whole groups of faces.
+INLINE uint polyhedron_number(PolyhedronCounts counts, uint i) {
+    return i < counts.faces ? i : i - counts.faces + counts.first_site;
+}
+INLINE uint polyhedron_count(PolyhedronCounts counts) {
+    return counts.faces + (counts.end - counts.first_site);
+}
+
+// Squares of upper bounds of the distances of the centres of superblocks' children, a work-item a superblock. Looks at
+// every `stride`-th polyhedron.
+__kernel void bound_blocks(__global const PointGroup* superblocks, uint first, uint stride, PolyhedronCounts counts,
+                           __global const Polyhedron* polyhedra, __global float* squares) {
+    const uint number = first + (uint)get_global_id(0);
+    Children children;
+    load_children(superblocks + number, &children);
+    floatL least[PARTS];
+    for (int part = 0; part < PARTS; ++part) least[part] = (floatL)INFINITY;
+    for (uint i = 0; i < counts.faces; i += stride)
+        look_at_foot(polyhedra + i, origin_of(superblocks + number), &children, least);
+    for (int part = 0; part < PARTS; ++part) store_lanes(least[part], part, squares + number * CLSDF_GROUP_WIDTH);
+}
+
+// Sets, for each polyhedron of a range and each superblock, the bits of the children that it overlaps. A work-item
+// takes `run` polyhedra of one superblock.
+__kernel void mark_blocks(__global const PointGroup* superblocks, uint first, uint run, PolyhedronCounts counts,
+                          __global const Polyhedron* polyhedra, float most, __global const float* squares,
+                          __global ushort* marks) {
+    const uint count = polyhedron_count(counts), runs = (count + run - 1) / run;
+    const uint item = first + (uint)get_global_id(0), number = item / runs, begin = item % runs * run;
+    const uint end = min(count, begin + run);
+    Children children;
+    load_children(superblocks + number, &children);
+    floatL least[PARTS];
+    for (int part = 0; part < PARTS; ++part) least[part] = load_lanes(part, squares + number * CLSDF_GROUP_WIDTH);
+    set_bounds(&children, least, most);
+    const int3 origin = origin_of(superblocks + number);
+    for (uint i = begin; i < end; ++i) {
+        __global const Polyhedron* p = polyhedra + polyhedron_number(counts, i);
+        marks[(size_t)number * count + i] = (ushort)overlapped_children(p, frame_from(p, origin), &children);
+    }
+}
+
+// A distance from its square, rounded up.
+INLINE float limit_of(double squared) {
+    return (float)sqrt(squared) * (1.0f + 1.0e-6f);
+}
+
+// The bounds of a group's children from its list.
+INLINE void find_bounds(__global const PointGroup* group, __global const Polyhedron* polyhedra, uint count,
+                        __global const uint* list, float most, __private Children* children) {
+    load_children(group, children);
+    floatL least[PARTS];
+    for (int part = 0; part < PARTS; ++part) least[part] = (floatL)INFINITY;
+    const uint stride = count > 64 ? 4 : 1;
+    for (uint i = 0; i < count; i += stride) look_at_foot(polyhedra + list[i], origin_of(group), children, least);
+    set_bounds(children, least, most);
+}
+
+// Decisions in double. ------------------------------------------------------------------------------------------------
+
+#define OF_VECTOR(part) (vector * CLSDF_GROUP_WIDTH + (part)*LANES)
+
+// Takes a face for the points of a vector that it is nearest to so far. Returns the squared distances, in part `part`.
+INLINE LeafDistance take_face(ScanMesh mesh, uint face, uint vector, int part, __global PointBrick* brick) {
+    __global const PointLeaf* leaf = mesh.leaves + face / CLSDF_TREE_WIDTH;
+    const uint lane = face % CLSDF_TREE_WIDTH;
+    const uint at = OF_VECTOR(part);
+    struct {
+        doubleL x, y, z;
+    } p = {load_lanes(0, brick->at[0] + at), load_lanes(0, brick->at[1] + at), load_lanes(0, brick->at[2] + at)};
+#define OF_FACE(member) ((doubleL)leaf->member[lane])
+    LeafFrame frame;
+    SET_LEAF_FRAME(OF_FACE, p, frame)
+#undef OF_FACE
+    const LeafDistance d = leaf_distance(frame);
+    const doubleL squared = load_lanes(0, brick->squared + at);
+    const uintL triangle = load_lanes(0, brick->triangle + at);
+    const uint own = leaf->triangle[lane];
+    const intL is_less = convert_intL(d.squared < squared), is_equal = convert_intL(d.squared == squared);
+    const intL takes = is_less | (is_equal & (own < triangle));
+    if (lanes_to_bits(takes)) {
+        const uintL of_face = load_lanes(0, brick->face + at);
+        store_doubles(LESSER(d.squared, squared), brick->squared + at);
+        store_lanes(takes ? (uintL)own : triangle, 0, brick->triangle + at);
+        store_lanes(takes ? (uintL)face : of_face, 0, brick->face + at);
+    }
+    return d;
+}
+
+// Takes all faces at a vertex for points whose nearest site it may be.
+static void take_vertex(ScanMesh mesh, uint vertex, uint vector, int part, uint lanes, __global PointBrick* brick) {
+    __global uint* done = brick->vertex + OF_VECTOR(part);
+    uint left = 0;
+    for (uint rest = lanes; rest; rest &= rest - 1) {
+        const uint lane = lowest_bit(rest);
+        left |= done[lane] != vertex;
+        done[lane] = vertex;
+    }
+    if (!left) return;
+    for (uint i = mesh.ring_starts[vertex]; i < mesh.ring_starts[vertex + 1]; ++i)
+        take_face(mesh, mesh.ring_faces[i], vector, part, brick);
+}
+
+// Takes the faces that share a face's edge with points whose nearest site it may be.
+INLINE void take_across(ScanMesh mesh, __global const FaceNeighbours* neighbours, uint edge, uint vector, int part,
+                        uint lanes, __global PointBrick* brick) {
+    const uint across = neighbours->across[edge];
+    if (lanes == 0 || across == CLSDF_NONE_ACROSS) return;
+    if (across == CLSDF_MANY_ACROSS)
+        take_vertex(mesh, neighbours->vertex[edge], vector, part, lanes, brick);
+    else
+        take_face(mesh, across, vector, part, brick);
+}
+
+INLINE uint three_after(uint first, uint steps) {
+    return (first + steps) % 3u;
+}
+
+#define BITS_OF(mask) lanes_to_bits(convert_intL(mask))
+
+// Decides a candidate in double. Where the nearest point lies on an edge or a vertex, other faces share it, which need
+// not be in the list; rounding decides between them, too. reach: how near, in units, an edge counts.
+static void decide(ScanMesh mesh, uint polyhedron, uint vector, int part, uint lanes, float reach,
+                   __global PointBrick* brick) {
+    if (polyhedron >= mesh.counts.first_site) {
+        take_vertex(mesh, mesh.site_vertices[polyhedron - mesh.counts.first_site], vector, part, lanes, brick);
+        return;
+    }
+    __global const Polyhedron* p = mesh.polyhedra + polyhedron;
+    __global const FaceNeighbours* neighbours = mesh.neighbours + polyhedron;
+    const LeafDistance d = take_face(mesh, polyhedron, vector, part, brick);
+    const doubleL squared = load_lanes(0, brick->squared + OF_VECTOR(part));
+    lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
+    const uint left = BITS_OF(d.left) & lanes, right = lanes & ~left;
+    const double near = -(double)reach;
+    const uint slanted = BITS_OF(d.outward >= near) & lanes;
+    const uint base = BITS_OF(d.y <= (double)reach) & lanes;
+    if ((slanted | base) == 0) return;
+    const uint end = ((base & BITS_OF(d.beyond >= near)) | (slanted & BITS_OF(d.before >= near)));
+    const uint apex = slanted & BITS_OF(d.past >= near);
+    const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+    if (end & left) take_vertex(mesh, neighbours->vertex[first], vector, part, end & left, brick);
+    if (end & right) take_vertex(mesh, neighbours->vertex[three_after(first, 1)], vector, part, end & right, brick);
+    if (apex) take_vertex(mesh, neighbours->vertex[three_after(first, 2)], vector, part, apex, brick);
+    const uint edges = ~(end | apex);
+    take_across(mesh, neighbours, first, vector, part, base & edges, brick);
+    take_across(mesh, neighbours, three_after(first, 1), vector, part, slanted & right & edges, brick);
+    take_across(mesh, neighbours, three_after(first, 2), vector, part, slanted & left & edges, brick);
+}
+
+// How far the distances of a polyhedron in float may be off, for points within `bound` of the surface.
+INLINE float distance_error(__global const Polyhedron* p, float bound, float extent) {
+    return DISTANCE_ERROR * (bound + 2.0f * (p->base[0] + p->base[1]) + extent + 2.0f);
+}
+
+static void decide_candidates(ScanMesh mesh, uint count, const __private float* bounds, float extent,
+                              __global PointBrick* brick) {
+    for (uint i = 0; i < count; ++i) {
+        const uint polyhedron = brick->polyhedron[i], vector = brick->vector[i];
+        for (int part = 0; part < PARTS; ++part) {
+            const floatL bound = load_lanes(0, brick->bound + OF_VECTOR(part));
+            const uint lanes = lanes_to_bits(load_lanes(part, brick->candidate[i]) <= bound);
+            if (lanes)
+                decide(mesh, polyhedron, vector, part, lanes,
+                       distance_error(mesh.polyhedra + polyhedron, bounds[vector], extent), brick);
+        }
+    }
+}
+
+// Distances in float. -------------------------------------------------------------------------------------------------
+
+// Squared distances of points displaced by (x, y, z) from the origin of a frame: see distance.h.
+INLINE floatL squared_from(Frame f, float altitude, floatL i, floatL j, floatL k) {
+    const floatL x = i * f.x.x + (j * f.y.x + (k * f.z.x + f.at.x));
+    const floatL y = i * f.x.y + (j * f.y.y + (k * f.z.y + f.at.y));
+    const floatL z = i * f.x.z + (j * f.y.z + (k * f.z.z + f.at.z));
+    const intL left = x < 0.0f, below = y < 0.0f;
+    const floatL away = fabs(x);
+    const floatL along = left ? (floatL)f.normal.y : (floatL)f.normal.x;
+    const floatL across = left ? (floatL)f.normal.w : (floatL)f.normal.z;
+    const floatL beyond = away - (left ? (floatL)f.base.y : (floatL)f.base.x);
+    const floatL r = below ? -y : along * beyond + across * y;
+    const floatL before = below ? beyond : across * beyond - along * y;
+    const floatL past = below ? beyond : along * (y - altitude) - across * away;
+    const floatL farther = GREATER(past, before), zero = (floatL)0.0f;
+    const floatL end = GREATER(farther, zero), outward = GREATER(r, zero);
+    return end * end + (outward * outward + z * z);
+}
+
+// Loads a brick's points. Returns the greatest distance of one from the origin, rounded up.
+static float load_points(__global const double* points, uint begin, uint end, int3 origin, double most,
+                         __global PointBrick* brick) {
+    float farthest = 0.0f;
+    for (uint i = 0; i < CLSDF_POINTS_OF_BRICK; ++i) {
+        const double3 p = vload3(min(begin + i, end - 1), points);
+        const float x = (float)(p.x - origin.x), y = (float)(p.y - origin.y), z = (float)(p.z - origin.z);
+        brick->at[0][i] = p.x;
+        brick->at[1][i] = p.y;
+        brick->at[2][i] = p.z;
+        brick->from_origin[0][i] = x;
+        brick->from_origin[1][i] = y;
+        brick->from_origin[2][i] = z;
+        brick->squared[i] = most;
+        brick->triangle[i] = 0xFFFFFFFFu;
+        brick->face[i] = CLSDF_NO_FACE;
+        brick->vertex[i] = 0xFFFFFFFFu;
+        const float extent = fabs(x) + fabs(y) + fabs(z);
+        farthest = GREATER(farthest, extent);
+    }
+    return farthest;
+}
+
+// The nearest faces of a brick's points. list: polyhedra, of which there are `count`.
+static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global const double* points, uint begin,
+                       uint end, uint count, __global const uint* list, double most, __global PointBrick* brick) {
+    const int3 origin = origin_of(group);
+    const float extent = load_points(points, begin, end, origin, most, brick);
+    Children vectors;
+    find_bounds(group, mesh.polyhedra, count, list, limit_of(most), &vectors);
+    float bounds[CLSDF_GROUP_WIDTH];
+    for (int part = 0; part < PARTS; ++part) store_lanes(vectors.bound[part], part, bounds);
+    for (uint i = 0; i < CLSDF_POINTS_OF_BRICK; ++i) {
+        const float bound = bounds[i / CLSDF_GROUP_WIDTH];
+        brick->bound[i] = bound * bound * (1.0f + 1.0e-5f);
+    }
+    uint candidates = 0;
+    for (uint n = 0; n < count; ++n) {
+        __global const Polyhedron* p = mesh.polyhedra + list[n];
+        const Frame frame = frame_from(p, origin);
+        uint overlapped = overlapped_children(p, frame, &vectors);
+        if (overlapped == 0) continue;
+        const float altitude = (float)p->exact_altitude;
+        for (; overlapped; overlapped &= overlapped - 1) {
+            const uint vector = lowest_bit(overlapped);
+            const float error = distance_error(p, bounds[vector], extent);
+            const float margin = 2.0f * error * (bounds[vector] + error);
+            uint is_near = 0;
+            floatL least[PARTS];
+            for (int part = 0; part < PARTS; ++part) {
+                const uint at = OF_VECTOR(part);
+                const floatL squared =
+                    squared_from(frame, altitude, load_lanes(0, brick->from_origin[0] + at),
+                                 load_lanes(0, brick->from_origin[1] + at), load_lanes(0, brick->from_origin[2] + at));
+                const floatL bound = load_lanes(0, brick->bound + at);
+                least[part] = squared - margin;
+                const uint bits = lanes_to_bits(least[part] <= bound);
+                is_near |= bits;
+                if (bits) store_lanes(LESSER(squared + margin, bound), 0, brick->bound + at);
+            }
+            if (!is_near) continue;
+            for (int part = 0; part < PARTS; ++part) store_lanes(least[part], part, brick->candidate[candidates]);
+            brick->polyhedron[candidates] = list[n];
+            brick->vector[candidates] = vector;
+            if (++candidates == CLSDF_CANDIDATES) {
+                decide_candidates(mesh, candidates, bounds, extent, brick);
+                candidates = 0;
+            }
+        }
+    }
+    decide_candidates(mesh, candidates, bounds, extent, brick);
+}
+
+// Appends the numbers of the polyhedra of a list, or of all if it is null, whose mark has a bit. Returns how many.
+static uint choose(PolyhedronCounts counts, uint count, __global const uint* list, __global const ushort* marks,
+                   uint bit, __global uint* chosen) {
+    uint length = 0, i = 0;
+    for (; i + 16 <= count; i += 16) {
+        const ulong4 some = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
+        const ulong2 two = some.lo | some.hi;
+        if ((two.x | two.y) == 0) continue;
+        for (uint k = i; k < i + 16; ++k) {
+            chosen[length] = list ? list[k] : polyhedron_number(counts, k);
+            length += marks[k] >> bit & 1u;
+        }
+    }
+    for (; i < count; ++i) {
+        chosen[length] = list ? list[i] : polyhedron_number(counts, i);
+        length += marks[i] >> bit & 1u;
+    }
+    return length;
+}
+
+// Work-items take blocks begin + turns[0]++ until `end`. lists: room for two lists of all polyhedra and one more number
+// for each work-item; marks: for one.
+__kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __global const PointGroup* blocks,
+                                __global const PointGroup* bricks, __global const double* points, uint point_count,
+                                double most, PolyhedronCounts counts, __global const Polyhedron* polyhedra,
+                                __global const PointLeaf* leaves, __global const FaceNeighbours* neighbours,
+                                __global const uint* ring_starts, __global const uint* ring_faces,
+                                __global const uint* site_vertices, __global const ushort* marks_of_blocks,
+                                __global uint* all_lists, __global ushort* all_marks, __global PointBrick* all_bricks,
+                                __global uint* faces, __global double* squared) {
+    const ScanMesh mesh = {counts, polyhedra, leaves, neighbours, ring_starts, ring_faces, site_vertices};
+    const uint all = polyhedron_count(counts);
+    __global uint* list = all_lists + get_global_id(0) * 2 * (size_t)(all + 1);
+    __global uint* brick_list = list + (all + 1);
+    __global ushort* marks = all_marks + get_global_id(0) * (size_t)all;
+    __global PointBrick* brick = all_bricks + get_global_id(0);
+    for (;;) {
+        const uint block = begin + atomic_inc(turns);
+        if (block >= end) break;
+        const uint count = choose(counts, all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
+                                  block % CLSDF_GROUP_WIDTH, list);
+        Children children;
+        find_bounds(blocks + block, polyhedra, count, list, limit_of(most), &children);
+        const int3 origin = origin_of(blocks + block);
+        for (uint i = 0; i < count; ++i) {
+            __global const Polyhedron* p = polyhedra + list[i];
+            marks[i] = (ushort)overlapped_children(p, frame_from(p, origin), &children);
+        }
+        for (uint b = 0; b < blocks[block].children; ++b) {
+            const uint first = block * CLSDF_POINTS_OF_BLOCK + b * CLSDF_POINTS_OF_BRICK;
+            const uint chosen = choose(counts, count, list, marks, b, brick_list);
+            scan_brick(mesh, bricks + block * CLSDF_GROUP_WIDTH + b, points, first, point_count, chosen, brick_list,
+                       most, brick);
+            for (uint i = 0; i < CLSDF_POINTS_OF_BRICK && first + i < point_count; ++i) {
+                faces[first + i] = brick->face[i];
+                squared[first + i] = brick->squared[i];
+            }
+        }
+    }
+}

@@ -1,0 +1,324 @@
+#include "points/point_scan.hpp"
+
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
+#include "device/host_filling.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace clsdf::points {
+
+namespace {
+
+constexpr std::size_t width = CLSDF_GROUP_WIDTH;
+// Fewer points do not fill the groups.
+constexpr std::size_t fewest_scanned = 16384;
+// Beyond, the integer origin of a group stays behind: floats are as coarse there.
+constexpr double farthest_origin = 1 << 22;
+// Polyhedra that one work-item marks, and of how many one bounds the distances of superblocks.
+constexpr std::size_t marked_together = 4096, bound_stride = 16;
+// Of a core, rounded up; later launches follow the time of those before.
+constexpr double seconds_per_mark = 5e-8, seconds_per_point = 1e-6;
+
+enum BoundArgument : cl_uint {
+    bound_superblocks,
+    bound_first,
+    bound_stride_argument,
+    bound_counts,
+    bound_polyhedra,
+    bound_squares
+};
+enum MarkArgument : cl_uint {
+    mark_superblocks,
+    mark_first,
+    mark_run,
+    mark_counts,
+    mark_polyhedra,
+    mark_most,
+    mark_squares,
+    mark_marks
+};
+enum ScanArgument : cl_uint {
+    scan_begin,
+    scan_end,
+    scan_turns,
+    scan_blocks,
+    scan_bricks,
+    scan_points_argument,
+    scan_point_count,
+    scan_most,
+    scan_counts,
+    scan_polyhedra,
+    scan_leaves,
+    scan_neighbours,
+    scan_ring_starts,
+    scan_ring_faces,
+    scan_site_vertices,
+    scan_marks_of_blocks,
+    scan_lists,
+    scan_marks,
+    scan_brick_memory,
+    scan_faces,
+    scan_squared
+};
+
+/// A box that grows.
+struct Extent {
+    Vec3 lower{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+               std::numeric_limits<double>::infinity()};
+    Vec3 upper{-lower[0], -lower[1], -lower[2]};
+
+    void add(const Vec3& low, const Vec3& high) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis] = std::min(lower[axis], low[axis]);
+            upper[axis] = std::max(upper[axis], high[axis]);
+        }
+    }
+    void add(const Extent& other) { add(other.lower, other.upper); }
+};
+
+/// The boxes of children as kernels read them. A box is widened by the rounding of floats there.
+PointGroup group_of(std::span<const Extent> children) {
+    Extent all;
+    for (const Extent& child : children) all.add(child);
+    PointGroup group{};
+    group.children = static_cast<clsdf_uint32>(children.size());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double origin =
+            std::round(std::clamp((all.lower[axis] + all.upper[axis]) / 2, -farthest_origin, farthest_origin));
+        group.origin[axis] = static_cast<clsdf_int32>(origin);
+        for (std::size_t i = 0; i < children.size(); ++i) {
+            group.centre[axis][i] =
+                static_cast<float>((children[i].lower[axis] + children[i].upper[axis]) / 2 - origin);
+            group.half_side[axis][i] = static_cast<float>((children[i].upper[axis] - children[i].lower[axis]) / 2);
+        }
+    }
+    return group;
+}
+
+/// The groups of one level, and their own boxes.
+struct Level {
+    UninitializedVector<PointGroup> groups;
+    std::vector<Extent> extents;
+};
+
+/// extent(i): of child i.
+template <typename ExtentOf>
+Level level_of(std::size_t children, const ExtentOf& extent_of) {
+    const std::size_t count = stretch_count(children, width);
+    Level level{UninitializedVector<PointGroup>(count), std::vector<Extent>(count)};
+    for_each_stretch(count, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            std::array<Extent, width> of_children;
+            const std::size_t size = std::min(width, children - i * width);
+            for (std::size_t k = 0; k < size; ++k) {
+                of_children[k] = extent_of(i * width + k);
+                level.extents[i].add(of_children[k]);
+            }
+            level.groups[i] = group_of(std::span(of_children).first(size));
+        }
+    });
+    return level;
+}
+
+template <typename Value>
+device::BufferPool::Lease upload(const cl::CommandQueue& queue, device::BufferPool& pool, std::span<const Value> values,
+                                 const char* purpose) {
+    auto lease = pool.lease(std::max<std::size_t>(values.size_bytes(), 4), purpose);
+    if (!values.empty()) queue.enqueueWriteBuffer(*lease, CL_TRUE, 0, values.size_bytes(), values.data());
+    return lease;
+}
+
+FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_t face) {
+    FaceNeighbours neighbours{};
+    const polyhedra::FaceEdges& edges = topology.edges.faces[face];
+    for (std::size_t k = 0; k < 3; ++k) {
+        neighbours.vertex[k] = topology.faces.triangles[face][k];
+        const std::uint8_t marks = edges.marks[k];
+        const bool is_alone = (marks & polyhedra::edge_open) != 0;
+        // An edge from a vertex to itself has that vertex' faces.
+        const bool are_many = (marks & (polyhedra::edge_non_manifold | polyhedra::edge_at_box)) != 0;
+        neighbours.across[k] = are_many   ? CLSDF_MANY_ACROSS
+                               : is_alone ? CLSDF_NONE_ACROSS
+                                          : polyhedra::Corner::unpack(edges.across[k]).face;
+    }
+    return neighbours;
+}
+
+}  // namespace
+
+ScannedMesh make_scanned_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                              const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                              transform::PreparedMesh records) {
+    ScannedMesh mesh;
+    mesh.records = std::move(records);
+    const std::size_t faces = topology.order.size(), vertices = topology.rings.vertex_count();
+    mesh.counts.faces = static_cast<clsdf_uint32>(faces);
+    mesh.counts.end = static_cast<clsdf_uint32>(mesh.records.record_count);
+    mesh.counts.first_site = static_cast<clsdf_uint32>(mesh.records.record_count - frusta.sites.size());
+    device::HostFilling neighbours(context, pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
+    auto* const to = static_cast<FaceNeighbours*>(neighbours.memory());
+    for_each_index(faces, [&](std::size_t face) { to[face] = neighbours_of(topology, face); });
+    mesh.neighbours = neighbours.finish();
+    std::vector<std::uint32_t> starts(vertices + 1), ring_faces, site_vertices(frusta.sites.size());
+    for (std::size_t v = 0; v < vertices; ++v)
+        starts[v + 1] = starts[v] + static_cast<std::uint32_t>(topology.rings.size(v));
+    ring_faces.resize(starts.back());
+    for_each_index(vertices, [&](std::size_t v) {
+        for (std::size_t i = 0; i < topology.rings.size(v); ++i)
+            ring_faces[starts[v] + i] = topology.rings.corner(v, i).face;
+    });
+    for (std::size_t i = 0; i < site_vertices.size(); ++i) site_vertices[i] = frusta.sites[i].vertex;
+    device::guarded([&] {
+        const cl::CommandQueue& queue = context.queue();
+        mesh.ring_starts = upload<std::uint32_t>(queue, *pool, starts, "rings of vertices");
+        mesh.ring_faces = upload<std::uint32_t>(queue, *pool, ring_faces, "faces of rings");
+        mesh.site_vertices = upload<std::uint32_t>(queue, *pool, site_vertices, "vertices of point sites");
+    });
+    return mesh;
+}
+
+bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces) {
+    return programs.body == KernelBody::by_vector && points >= std::max(faces, fewest_scanned);
+}
+
+namespace {
+
+/// The computation of a ScanJob.
+class Scan {
+public:
+    explicit Scan(const ScanJob& job)
+        : job_(job), queue_(job.context.queue()), program_(job.programs.point_scan(job.context)) {
+        const std::span<const Vec3> points = job.in_units;
+        const Level bricks = level_of(stretch_count(points.size(), width), [&](std::size_t vector) {
+            Extent extent;
+            for (std::size_t i = vector * width; i < std::min(points.size(), (vector + 1) * width); ++i)
+                extent.add(points[i], points[i]);
+            return extent;
+        });
+        const auto above = [](const Level& level) {
+            return level_of(level.extents.size(), [&](std::size_t i) { return level.extents[i]; });
+        };
+        const Level blocks = above(bricks), superblocks = above(blocks);
+        block_count_ = blocks.groups.size();
+        superblock_count_ = superblocks.groups.size();
+        bricks_ = upload<PointGroup>(queue_, job.pool, bricks.groups, "bricks of points");
+        blocks_ = upload<PointGroup>(queue_, job.pool, blocks.groups, "blocks of points");
+        superblocks_ = upload<PointGroup>(queue_, job.pool, superblocks.groups, "superblocks of points");
+    }
+
+    /// The polyhedra that the blocks' points are looked up in.
+    void mark_blocks(const std::function<void(double)>& between) {
+        const auto squares = job_.pool.lease(superblock_count_ * width * sizeof(float), "bounds of points");
+        const std::size_t polyhedra = polyhedron_count();
+        marks_ = job_.pool.lease(superblock_count_ * polyhedra * sizeof(cl_ushort), "lists of blocks of points");
+        cl::Kernel bound(program_, "bound_blocks");
+        bound.setArg(bound_superblocks, *superblocks_);
+        bound.setArg(bound_first, cl_uint{0});
+        bound.setArg(bound_stride_argument,
+                     static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1));
+        bound.setArg(bound_counts, job_.scanned.counts);
+        bound.setArg(bound_polyhedra, *job_.scanned.records.polyhedra);
+        bound.setArg(bound_squares, *squares);
+        enqueue(bound, superblock_count_);
+        cl::Kernel mark(program_, "mark_blocks");
+        mark.setArg(mark_superblocks, *superblocks_);
+        mark.setArg(mark_run, static_cast<cl_uint>(marked_together));
+        mark.setArg(mark_counts, job_.scanned.counts);
+        mark.setArg(mark_polyhedra, *job_.scanned.records.polyhedra);
+        mark.setArg(mark_most, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)));
+        mark.setArg(mark_squares, *squares);
+        mark.setArg(mark_marks, *marks_);
+        const std::size_t items = superblock_count_ * stretch_count(polyhedra, marked_together);
+        const auto step =
+            static_cast<std::size_t>(job_.context.capabilities().launch_seconds * static_cast<double>(cores()) /
+                                     (seconds_per_mark * marked_together)) +
+            1;
+        for (std::size_t begin = 0; begin < items; begin += step) {
+            if (between) {
+                queue_.finish();
+                between(0);
+            }
+            mark.setArg(mark_first, static_cast<cl_uint>(begin));
+            enqueue(mark, std::min(step, items - begin));
+        }
+    }
+
+    void find_nearest(const cl::Buffer& faces, const cl::Buffer& squared, const std::function<void(double)>& between) {
+        const std::size_t items = std::min<std::size_t>(cores(), block_count_), polyhedra = polyhedron_count();
+        const auto lists =
+            job_.pool.lease(items * 2 * (polyhedra + 1) * sizeof(cl_uint), "lists of polyhedra near points");
+        const auto marks = job_.pool.lease(items * polyhedra * sizeof(cl_ushort), "lists of bricks of points");
+        const auto memory = job_.pool.lease(items * sizeof(PointBrick), "bricks of points in work");
+        const auto turns = job_.pool.lease(sizeof(cl_uint), "turns");
+        cl::Kernel kernel(program_, "nearest_by_groups");
+        kernel.setArg(scan_turns, *turns);
+        kernel.setArg(scan_blocks, *blocks_);
+        kernel.setArg(scan_bricks, *bricks_);
+        kernel.setArg(scan_points_argument, job_.device_points);
+        kernel.setArg(scan_point_count, static_cast<cl_uint>(job_.in_units.size()));
+        kernel.setArg(scan_most, cl_double{job_.most});
+        kernel.setArg(scan_counts, job_.scanned.counts);
+        kernel.setArg(scan_polyhedra, *job_.scanned.records.polyhedra);
+        kernel.setArg(scan_leaves, *job_.mesh.leaves);
+        kernel.setArg(scan_neighbours, *job_.scanned.neighbours);
+        kernel.setArg(scan_ring_starts, *job_.scanned.ring_starts);
+        kernel.setArg(scan_ring_faces, *job_.scanned.ring_faces);
+        kernel.setArg(scan_site_vertices, *job_.scanned.site_vertices);
+        kernel.setArg(scan_marks_of_blocks, *marks_);
+        kernel.setArg(scan_lists, *lists);
+        kernel.setArg(scan_marks, *marks);
+        kernel.setArg(scan_brick_memory, *memory);
+        kernel.setArg(scan_faces, faces);
+        kernel.setArg(scan_squared, squared);
+        const double launch_seconds = job_.context.capabilities().launch_seconds;
+        auto size = static_cast<std::size_t>(launch_seconds * static_cast<double>(cores()) /
+                                             (seconds_per_point * CLSDF_POINTS_OF_BLOCK));
+        for (std::size_t begin = 0; begin < block_count_;) {
+            const std::size_t end = std::min(block_count_, begin + std::max(size, items));
+            if (between) between(static_cast<double>(begin) / static_cast<double>(block_count_));
+            const Stopwatch watch;
+            queue_.enqueueFillBuffer(*turns, cl_uint{0}, 0, sizeof(cl_uint));
+            kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
+            kernel.setArg(scan_end, static_cast<cl_uint>(end));
+            enqueue(kernel, items);
+            queue_.finish();
+            const double ratio = std::clamp(launch_seconds / std::max(watch.seconds(), 1e-6), 0.5, 4.0);
+            size = static_cast<std::size_t>(static_cast<double>(end - begin) * ratio);
+            begin = end;
+        }
+    }
+
+private:
+    std::size_t cores() const { return job_.context.capabilities().compute_units; }
+    std::size_t polyhedron_count() const {
+        const PolyhedronCounts& counts = job_.scanned.counts;
+        return counts.faces + (counts.end - counts.first_site);
+    }
+    void enqueue(const cl::Kernel& kernel, std::size_t items) const {
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(1));
+    }
+
+    const ScanJob& job_;
+    cl::CommandQueue queue_;
+    cl::Program program_;
+    std::size_t block_count_ = 0, superblock_count_ = 0;
+    device::BufferPool::Lease bricks_, blocks_, superblocks_;
+    device::BufferPool::Lease marks_;
+};
+
+}  // namespace
+
+void scan_points(const ScanJob& job, const cl::Buffer& faces, const cl::Buffer& squared,
+                 const std::function<void(double)>& between) {
+    Scan scan(job);
+    scan.mark_blocks(between);
+    scan.find_nearest(faces, squared, between);
+}
+
+}  // namespace clsdf::points

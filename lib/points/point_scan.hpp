@@ -1,0 +1,56 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "point_groups.h"
+#include "points/point_mesh.hpp"
+#include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+namespace clsdf::points {
+
+/// What the scan of many points reads of a mesh beside its tree.
+struct ScannedMesh {
+    transform::PreparedMesh records;  ///< of all faces and point sites, for PointMesh::lattice
+    PolyhedronCounts counts{};
+    device::BufferPool::Lease neighbours;     ///< FaceNeighbours, of each face
+    device::BufferPool::Lease ring_starts;    ///< of each vertex in ring_faces, and the end
+    device::BufferPool::Lease ring_faces;     ///< the faces at each vertex
+    device::BufferPool::Lease site_vertices;  ///< the vertex of each point site
+
+    std::size_t device_bytes() const {
+        return records.device_bytes() + neighbours.bytes() + ring_starts.bytes() + ring_faces.bytes() +
+               site_vertices.bytes();
+    }
+};
+
+/// `records`: of all faces and point sites. Throws Error(out_of_memory).
+ScannedMesh make_scanned_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                              const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                              transform::PreparedMesh records);
+
+/// Whether points are scanned in groups rather than looked up one by one. The results are the same.
+bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces);
+
+/// Points for the scan.
+struct ScanJob {
+    device::Context& context;
+    const transform::Programs& programs;
+    device::BufferPool& pool;
+    const PointMesh& mesh;
+    const ScannedMesh& scanned;
+    std::span<const Vec3> in_units;   ///< in the order of a curve
+    const cl::Buffer& device_points;  ///< the same
+    double most;                      ///< a squared distance in units beyond which nothing is looked for
+};
+
+/// Writes the nearest face of each point, and its squared distance in units. `between`, which may be empty and may
+/// throw, is called between launches with the fraction done.
+void scan_points(const ScanJob& job, const cl::Buffer& faces, const cl::Buffer& squared,
+                 const std::function<void(double)>& between);
+
+}  // namespace clsdf::points
