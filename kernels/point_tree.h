@@ -19,6 +19,12 @@
 #define CLSDF_POINT_OUTSIDE 0
 #define CLSDF_POINT_INSIDE 1
 #define CLSDF_POINT_ON_SURFACE 2
+#define CLSDF_POINT_UNDECIDED 3
+
+// Sides of a face, in 16 bits. Bits 0 to 5: the face's site of that number tells a point's side as the face does.
+#define CLSDF_SIDES_KNOWN 0x40u
+#define CLSDF_SIDES_FRONT_INSIDE 0x80u
+#define CLSDF_SIDES_BACK_INSIDE 0x100u
 
 // The nearest face of a point beyond the search's limit.
 #define CLSDF_NO_FACE 0xFFFFFFFFu

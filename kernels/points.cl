@@ -160,6 +160,34 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
     }
 }
 
+// The sign of a point by its side of the nearest face, a work-item each; CLSDF_POINT_UNDECIDED if it does not follow
+// from that beyond all rounding. Not for points without a nearest face.
+#define SQUARE_OF_LEAST_DISTANCE 1.0e-12  // in units: rounding is far below the distance
+#define LEAST_COSINE 1.0e-3               // between a site's pseudonormal and the way to the point
+__kernel void signs_of_points(__global const double* points, __global const uint* faces,
+                              __global const ushort* sides_of_faces, uint begin, uint end,
+                              __global const Polyhedron* polyhedra, __global uchar* signs, FINISHING_PARAMETERS) {
+    const uint i = begin + (uint)get_global_id(0);
+    if (i >= end) return;
+    SET_FINISHING(finishing)
+    signs[i] = CLSDF_POINT_UNDECIDED;
+    if (faces[i] == CLSDF_NO_FACE) return;
+    const uint sides = sides_of_faces[faces[i]];
+    if (sides == 0) return;
+    Nearest nearest;
+    find_nearest_at(&finishing, vload3(i, points), faces[i], false, &nearest);
+    const double squared = dot(nearest.from, nearest.from);
+    if (squared <= SQUARE_OF_LEAST_DISTANCE) return;
+    double outward = nearest.from.z;
+    if (nearest.frame_site != CLSDF_SITE_OF_FACE) {
+        if (!(sides >> nearest.normal % 6u & 1u)) return;
+        outward = dot(offset_of(&nearest), convert_double3(vload3(nearest.normal, finishing.normals)));
+    }
+    if (!(outward * outward > LEAST_COSINE * LEAST_COSINE * squared)) return;
+    signs[i] = sides & (outward > 0.0 ? CLSDF_SIDES_FRONT_INSIDE : CLSDF_SIDES_BACK_INSIDE) ? CLSDF_POINT_INSIDE
+                                                                                            : CLSDF_POINT_OUTSIDE;
+}
+
 // The outputs of a point, a work-item each. places: where each point's results go. within: in the mesh's units.
 __kernel void finish_points(__global const double* points, __global const uint* places, __global const uint* faces,
                             __global const uchar* signs, uint begin, uint end, double within,

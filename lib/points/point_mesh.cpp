@@ -146,6 +146,31 @@ polyhedra::LatticeView lattice_for_points(const Mesh& mesh) {
     return lattice;
 }
 
+UnitBox::UnitBox(const Vec3& p) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto nearest = static_cast<float>(p[axis]);
+        lower[axis] = std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+        upper[axis] = std::nextafter(nearest, std::numeric_limits<float>::infinity());
+    }
+}
+
+void UnitBox::add(const UnitBox& other) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        lower[axis] = std::min(lower[axis], other.lower[axis]);
+        upper[axis] = std::max(upper[axis], other.upper[axis]);
+    }
+}
+
+UnitBox leaf_box(const PointMesh& mesh, std::size_t leaf) {
+    UnitBox box;
+    const PointNode& node = mesh.nodes[leaf / width];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = node.lower[axis][leaf % width];
+        box.upper[axis] = node.upper[axis][leaf % width];
+    }
+    return box;
+}
+
 PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
                           std::shared_ptr<const polyhedra::MeshTopology> topology) {
     PointMesh result;

@@ -8,6 +8,7 @@
 #include "polyhedra/mesh_topology.hpp"
 #include "polyhedra/triangle_frame.hpp"
 
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -43,6 +44,50 @@ struct PointMesh {
     std::size_t host_bytes() const { return positions.size() * sizeof(Vec3) + nodes.size() * sizeof(PointNode); }
     std::size_t device_bytes() const { return device_nodes.bytes() + leaves.bytes() + polyhedra.bytes(); }
 };
+
+/// A box in units, closed.
+struct UnitBox {
+    std::array<float, 3> lower{}, upper{};
+
+    UnitBox() = default;
+    /// The smallest one around a point.
+    explicit UnitBox(const Vec3& p);
+
+    void add(const UnitBox& other);
+};
+
+/// Around a leaf's faces, with room for the rounding of frames.
+UnitBox leaf_box(const PointMesh& mesh, std::size_t leaf);
+
+namespace detail {
+
+template <typename Visit>
+bool visit_leaves(const PointMesh& mesh, const UnitBox& box, std::size_t level, std::size_t number,
+                  const Visit& visit) {
+    constexpr std::size_t width = CLSDF_TREE_WIDTH;
+    const PointNode& node = mesh.nodes[mesh.tree.first[level] + number];
+    std::array<unsigned char, width> is_met{};
+    for (std::size_t i = 0; i < width; ++i) {
+        bool is_apart = false;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            is_apart |= (node.lower[axis][i] > box.upper[axis]) | (node.upper[axis][i] < box.lower[axis]);
+        is_met[i] = is_apart ? 0 : 1;
+    }
+    for (std::size_t i = 0; i < width; ++i) {
+        if (is_met[i] == 0) continue;
+        const std::size_t child = number * width + i;
+        if (level > 0 ? visit_leaves(mesh, box, level - 1, child, visit) : visit(child)) return true;
+    }
+    return false;
+}
+
+}  // namespace detail
+
+/// Calls visit(leaf) for all leaves that overlap the box, until it returns true. Returns whether it did.
+template <typename Visit>
+bool visit_leaves(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
+    return detail::visit_leaves(mesh, box, mesh.tree.levels - 1, 0, visit);
+}
 
 /// Throws Error(invalid_argument or out_of_memory).
 PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,

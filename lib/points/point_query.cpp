@@ -38,6 +38,16 @@ enum NearestArgument : cl_uint {
     nearest_faces,
     nearest_squared
 };
+enum SignArgument : cl_uint {
+    sign_points,
+    sign_faces,
+    sign_sides,
+    sign_begin,
+    sign_end,
+    sign_polyhedra,
+    sign_signs,
+    sign_rest  // those of transform::Finishing
+};
 enum FinishArgument : cl_uint {
     finish_points,
     finish_places,
@@ -123,6 +133,10 @@ public:
 
     void find_signs() {
         signs_.resize(count());
+        if (inputs_.sides)
+            find_signs_by_sides();
+        else
+            std::fill(signs_.begin(), signs_.end(), std::uint8_t{CLSDF_POINT_UNDECIDED});
         points::find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, in_units_, squared_}, signs_);
     }
 
@@ -171,6 +185,23 @@ public:
     }
 
 private:
+    void find_signs_by_sides() {
+        PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
+        const transform::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
+        cl::Kernel kernel(program_, "signs_of_points");
+        kernel.setArg(sign_points, *device_points_);
+        kernel.setArg(sign_faces, *device_faces_);
+        kernel.setArg(sign_sides, *inputs_.sides->sides);
+        kernel.setArg(sign_begin, cl_uint{0});
+        kernel.setArg(sign_end, static_cast<cl_uint>(count()));
+        kernel.setArg(sign_polyhedra, *inputs_.mesh->polyhedra);
+        kernel.setArg(sign_signs, *signs);
+        finishing.set_arguments(kernel, sign_rest, {});
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(count())),
+                                    cl::NDRange(transform::common_group));
+        signs.read(queue_, signs_);
+    }
+
     template <typename>
     using MemoryOf = transform::OutputMemory;
 

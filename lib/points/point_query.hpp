@@ -3,6 +3,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
+#include "points/face_sides.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_scan.hpp"
 #include "transform/finishing.hpp"
@@ -20,6 +21,7 @@ namespace clsdf::points {
 struct PointInputs {
     std::shared_ptr<const PointMesh> mesh;
     std::shared_ptr<const ScannedMesh> scanned;           ///< null: points are looked up one by one
+    std::shared_ptr<const FaceSides> sides;               ///< null: signs by crossings; else the sites have normals
     std::shared_ptr<const transform::DeviceSites> sites;  ///< with normals if the gradient is asked for
     SignRule sign = SignRule::none;
     bool is_inside_out = false;  ///< the faces look inwards, and the points have a sign

@@ -77,68 +77,20 @@ bool is_on_triangle(const Corners& corners, const Vec3& p) {
     return is_on_segment(a, b, p) || is_on_segment(b, c, p) || is_on_segment(c, a, p);
 }
 
-/// A box in units, closed.
-struct UnitBox {
-    std::array<float, 3> lower{}, upper{};
-
-    /// The smallest one around a point.
-    explicit UnitBox(const Vec3& p) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto nearest = static_cast<float>(p[axis]);
-            lower[axis] = std::nextafter(nearest, -std::numeric_limits<float>::infinity());
-            upper[axis] = std::nextafter(nearest, std::numeric_limits<float>::infinity());
-        }
-    }
-
-    void add(const UnitBox& other) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            lower[axis] = std::min(lower[axis], other.lower[axis]);
-            upper[axis] = std::max(upper[axis], other.upper[axis]);
-        }
-    }
-};
-
 /// Calls visit(corners) for all faces whose leaves overlap the box, until it returns true. Returns whether it did.
 template <typename Visit>
-bool visit_faces(const PointMesh& mesh, const UnitBox& box, std::size_t level, std::size_t number, const Visit& visit) {
-    const PointNode& node = mesh.nodes[mesh.tree.first[level] + number];
-    std::array<unsigned char, width> is_met{};
-    for (std::size_t i = 0; i < width; ++i) {
-        bool is_apart = false;
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            is_apart |= (node.lower[axis][i] > box.upper[axis]) | (node.upper[axis][i] < box.lower[axis]);
-        is_met[i] = is_apart ? 0 : 1;
-    }
-    for (std::size_t i = 0; i < width; ++i) {
-        if (is_met[i] == 0) continue;
-        const std::size_t child = number * width + i;
-        if (level > 0) {
-            if (visit_faces(mesh, box, level - 1, child, visit)) return true;
-            continue;
-        }
-        const std::size_t end = std::min((child + 1) * width, mesh.face_count());
-        for (std::size_t face = child * width; face < end; ++face)
-            if (visit(mesh.corners(face))) return true;
-    }
-    return false;
-}
-
-template <typename Visit>
 bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
-    return visit_faces(mesh, box, mesh.tree.levels - 1, 0, visit);
+    return visit_leaves(mesh, box, [&](std::size_t leaf) {
+        const std::size_t end = std::min((leaf + 1) * width, mesh.face_count());
+        for (std::size_t face = leaf * width; face < end; ++face)
+            if (visit(mesh.corners(face))) return true;
+        return false;
+    });
 }
 
 bool is_on_surface(const PointMesh& mesh, const Vec3& p, const Vec3& in_units) {
     return visit_faces(mesh, UnitBox(in_units), [&](const Corners& corners) { return is_on_triangle(corners, p); });
 }
-
-/// The surface's crossings on a way from outside the mesh to a point.
-struct Crossings {
-    int winding = 0;  ///< the winding number of a surface that is balanced
-    int count = 0;    ///< even or odd, as many of them as of any other way if the surface is closed
-
-    bool are_inside(SignRule rule) const { return rule == SignRule::parity ? count % 2 != 0 : winding != 0; }
-};
 
 /// Whether the face lies beyond the box of two points on an axis.
 bool is_apart(const Corners& corners, const Vec3& p, const Vec3& q, std::size_t axis) {
@@ -261,11 +213,16 @@ bool holds(const Box& box, const Vec3& p) {
 
 }  // namespace
 
+Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& in_units) {
+    return crossings_of_ray(mesh, point, in_units);
+}
+
 void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs) {
     constexpr std::size_t together = 256;
     for_each_stretch(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
         KnownBalls balls;
         for (std::size_t i = begin; i < end; ++i) {
+            if (signs[i] != CLSDF_POINT_UNDECIDED) continue;
             signs[i] = CLSDF_POINT_OUTSIDE;
             const Vec3& p = points.callers[points.order[i]];
             if (!holds(mesh.box, p)) continue;

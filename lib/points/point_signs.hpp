@@ -10,6 +10,17 @@
 
 namespace clsdf::points {
 
+/// The surface's crossings on a way from outside the mesh to a point.
+struct Crossings {
+    int winding = 0;  ///< the winding number of a surface that is balanced
+    int count = 0;    ///< even or odd, as many of them as of any other way if the surface is closed
+
+    bool are_inside(SignRule rule) const { return rule == SignRule::parity ? count % 2 != 0 : winding != 0; }
+};
+
+/// Of a point that is not on the surface, in the caller's coordinates and in units; exactly for the former.
+Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& in_units);
+
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.
 struct LocatedPoints {
     std::span<const Vec3> callers;         ///< the caller's coordinates, in the caller's order
@@ -18,8 +29,8 @@ struct LocatedPoints {
     std::span<const double> squared;       ///< of the distance in units, or a lower bound of it above 0
 };
 
-/// Sets CLSDF_POINT_INSIDE, _OUTSIDE or _ON_SURFACE for each, exactly for the caller's coordinates. Without a sign no
-/// point is inside.
+/// Sets CLSDF_POINT_INSIDE, _OUTSIDE or _ON_SURFACE for each that is CLSDF_POINT_UNDECIDED, exactly for the caller's
+/// coordinates. Without a sign no point is inside.
 ///
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
 /// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x.

@@ -27,8 +27,14 @@ std::optional<std::string> run_point_test(const Device& device, const transform:
     transform::HostArrays arrays;
     arrays.distance = {true, false, reinterpret_cast<std::byte*>(distance.data())};
     arrays.triangle = {true, false, reinterpret_cast<std::byte*>(triangle.data())};
-    PointInputs inputs{stages.points(), nullptr, stages.sites(false), SignRule::nonzero, false};
-    if (are_scanned) inputs.scanned = stages.scanned_mesh();
+    PointInputs inputs;
+    inputs.mesh = stages.points();
+    inputs.sign = SignRule::nonzero;
+    if (are_scanned) {
+        inputs.scanned = stages.scanned_mesh();
+        inputs.sides = stages.face_sides(inputs.sign, true);
+    }
+    inputs.sites = stages.sites(are_scanned);
     query_points(context, programs, pool, inputs, points, known.band().outside, arrays, {});
     return known.difference(distance, triangle);
 }

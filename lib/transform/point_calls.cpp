@@ -16,9 +16,13 @@ namespace clsdf {
 
 points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs, std::size_t count) {
     const auto make = [&] {
-        points::PointInputs inputs{stages->points(), nullptr, stages->sites(outputs.gradient), sign};
-        if (points::is_scan_worthwhile(programs, count, mesh().triangles().size()))
-            inputs.scanned = stages->scanned_mesh();
+        points::PointInputs inputs;
+        inputs.mesh = stages->points();
+        const bool are_many = points::is_scan_worthwhile(programs, count, mesh().triangles().size());
+        if (are_many) inputs.scanned = stages->scanned_mesh();
+        if (sign != SignRule::none) inputs.sides = stages->face_sides(sign, are_many);
+        inputs.sites = stages->sites(outputs.gradient || inputs.sides != nullptr);
+        inputs.sign = sign;
         inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
         return inputs;
     };

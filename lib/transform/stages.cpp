@@ -98,6 +98,7 @@ void Stages::move(std::vector<Vec3> positions) {
     sites_.reset();
     points_.reset();
     scanned_mesh_.reset();
+    face_sides_.reset();
 }
 
 const polyhedra::MeshTopology& Stages::topology() {
@@ -237,6 +238,17 @@ std::shared_ptr<const points::ScannedMesh> Stages::scanned_mesh() {
     }
 }
 
+std::shared_ptr<const points::FaceSides> Stages::face_sides(SignRule sign, bool is_found) {
+    try {
+        if (!face_sides_ && is_found)
+            face_sides_ =
+                std::make_shared<const points::FaceSides>(points::find_face_sides(context_, pool_, *points(), sign));
+        return face_sides_;
+    } catch (const std::bad_alloc&) {
+        throw preparation_error(mesh_);
+    }
+}
+
 void Stages::keep_within(std::size_t budget) {
     std::size_t bytes = sites_ ? sites_->bytes() : 0;
     if (bytes > budget) sites_.reset();
@@ -249,6 +261,8 @@ void Stages::keep_within(std::size_t budget) {
     if (bytes > budget) points_.reset();
     bytes += scanned_mesh_ ? scanned_mesh_->device_bytes() : 0;
     if (bytes > budget) scanned_mesh_.reset();
+    bytes += face_sides_ ? face_sides_->sides.bytes() : 0;
+    if (bytes > budget) face_sides_.reset();
     for (auto it = lattices_.begin(); it != lattices_.end();) {
         bytes += it->bytes();
         it = bytes > budget ? lattices_.erase(it) : std::next(it);
@@ -257,7 +271,8 @@ void Stages::keep_within(std::size_t budget) {
 
 std::size_t Stages::device_bytes() const {
     std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) +
-                        (points_ ? points_->device_bytes() : 0) + (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0);
+                        (points_ ? points_->device_bytes() : 0) + (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0) +
+                        (face_sides_ ? face_sides_->sides.bytes() : 0);
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }

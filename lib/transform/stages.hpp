@@ -6,6 +6,7 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
+#include "points/face_sides.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_scan.hpp"
 #include "polyhedra/cluster_index.hpp"
@@ -44,6 +45,7 @@ struct Inputs {
 ///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
+///     face sides     + sign rule                         the same, once many points are asked for
 ///     scanned mesh   + frusta                            the same, once many points are asked for
 ///
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. The field has the same
@@ -75,6 +77,10 @@ public:
 
     /// What many points are looked up in beside it. Throws as points().
     std::shared_ptr<const points::ScannedMesh> scanned_mesh();
+
+    /// What the sides of faces tell about the signs of points; null if it is not known and not to be `found`, too. The
+    /// rule is the same in all calls.
+    std::shared_ptr<const points::FaceSides> face_sides(SignRule sign, bool is_found);
 
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
@@ -118,6 +124,7 @@ private:
     std::shared_ptr<const DeviceSites> sites_;
     std::shared_ptr<const points::PointMesh> points_;
     std::shared_ptr<const points::ScannedMesh> scanned_mesh_;
+    std::shared_ptr<const points::FaceSides> face_sides_;
     std::list<Lattice> lattices_;  // that was used last first
 };
 

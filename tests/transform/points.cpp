@@ -6,6 +6,8 @@
 
 #include "device/context.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -228,19 +230,44 @@ BOOST_AUTO_TEST_CASE(a_result_does_not_depend_on_the_batch) {
         }
 }
 
-// Many points are scanned in groups, few are looked up one by one. On a grid around a symmetric mesh many triangles are
-// equally near.
+/// Surfaces whose sides are hard to tell: that touch, nearly touch, lie upon each other, or fold to almost nothing.
+std::vector<Mesh> meshes_with_near_sides() {
+    std::vector<Mesh> meshes{together({cube(1), shifted(cube(1), {2, 0, 0})}, "with a common face"),
+                             together({cube(1), shifted(cube(1), {2, 2, 0})}, "with a common edge"),
+                             together({cube(1), shifted(cube(1), {2, 2, 2})}, "with a common vertex"),
+                             together({cube(1), cube(1)}, "twice"),
+                             together({cube(1), reversed(shifted(cube(1), {1e-3, 2e-3, 3e-3}))}, "a shell")};
+    for (const double gap : {1e-3, 1e-6, 1e-9, 1e-13})
+        meshes.push_back(together({cube(1), shifted(cube(1), {2 + gap, 0.1, 0})}, fmt::format("a gap of {}", gap)));
+    for (const double thickness : {1e-2, 1e-5, 1e-8})
+        meshes.push_back(Mesh(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0.3, 1, 0}, {0.4, 0.3, thickness}},
+                              std::vector<Triangle>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
+                              fmt::format("thin by {}", thickness)));
+    meshes.push_back(Mesh(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 0.3, 20}},
+                          std::vector<Triangle>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, "a needle"));
+    return meshes;
+}
+
+// Many points are scanned in groups, few are looked up one by one; many have signs by the sides of faces, few by
+// crossings. On a grid around a symmetric mesh many triangles are equally near.
 BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
     std::vector<Mesh> all = meshes();
-    all.push_back(make_shape("sphere4"));
-    all.push_back(make_shape("torus"));
+    for (const char* shape : {"sphere4", "torus"}) all.push_back(make_shape(shape));
+    for (Mesh& mesh : meshes_with_near_sides()) all.push_back(std::move(mesh));
     for (const Mesh& mesh : all)
         for (const double within : {no_limit, 0.05 * mesh.box().longest_side()}) {
             std::vector<Vec3> points = samples_of(grid_around(mesh, 24, 2));
             for (const Vec3& p : points_around(mesh, 20011, 71)) points.push_back(p);
             points.push_back({1e9, -1e7, 3});
+            std::mt19937_64 generator(73);
+            for (const double distance : {1e-3, 1e-6, 1e-9, 1e-12, 1e-15})
+                for (int i = 0; i < 200; ++i) {
+                    Vec3 p = points[generator() % points.size()];
+                    for (double& x : p) x += distance * (std::uniform_real_distribution<double>(-1, 1)(generator));
+                    points.push_back(p);
+                }
+            const Field many = query(DistanceTransform(test_device(), mesh), points, within);
             const DistanceTransform transform(test_device(), mesh);
-            const Field many = query(transform, points, within);
             constexpr std::size_t few = 1511;
             for (std::size_t begin = 0; begin < points.size(); begin += few) {
                 const std::size_t count = std::min(few, points.size() - begin);

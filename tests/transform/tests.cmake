@@ -31,7 +31,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   endif()
 endif()
 foreach(instructions width IN ZIP_LISTS names widths)
-  foreach(test shapes accuracy)
+  foreach(test shapes accuracy points)
     add_test(NAME transform_${test}_${instructions} COMMAND test_transform_${test} --color_output=no)
     set_tests_properties(transform_${test}_${instructions} PROPERTIES ENVIRONMENT
                          "POCL_KERNELLIB_NAME=${instructions};CLSDF_MAX_FLOAT_WIDTH=${width}")
