@@ -99,8 +99,7 @@ bool are_apart(const Shape& f, const Shape& g) {
         return true;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
-            const Vector axis =
-                (f.corners[(i + 1) % 3] - f.corners[i]).cross(g.corners[(j + 1) % 3] - g.corners[j]);
+            const Vector axis = (f.corners[(i + 1) % 3] - f.corners[i]).cross(g.corners[(j + 1) % 3] - g.corners[j]);
             if (axis.squaredNorm() > 1e-20 && separates(axis, f.corners, g.corners, least_gap)) return true;
         }
     return false;
@@ -321,7 +320,8 @@ FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device
                           const PointMesh& mesh, SignRule rule) {
     const std::vector<std::uint16_t> sides = Finder(mesh, rule).find();
     FaceSides result;
-    result.known = static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), [](auto bits) { return bits != 0; }));
+    result.known =
+        static_cast<std::size_t>(std::count_if(sides.begin(), sides.end(), [](auto bits) { return bits != 0; }));
     const std::size_t bytes = sides.size() * sizeof(std::uint16_t);
     result.sides = pool->lease(bytes, "sides of faces");
     device::guarded([&] { context.queue().enqueueWriteBuffer(*result.sides, CL_TRUE, 0, bytes, sides.data()); });

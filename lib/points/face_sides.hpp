@@ -10,9 +10,9 @@ namespace clsdf::points {
 
 /// What lies on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
 ///
-/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if the
-/// face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its front is
-/// then the same place as the fronts beside it, and one point's crossings tell for all of them.
+/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if
+/// the face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its
+/// front is then the same place as the fronts beside it, and one point's crossings tell for all of them.
 struct FaceSides {
     device::BufferPool::Lease sides;
     std::size_t known = 0;  ///< faces whose sides are

@@ -31,9 +31,13 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   endif()
 endif()
 foreach(instructions width IN ZIP_LISTS names widths)
-  foreach(test shapes accuracy points)
+  foreach(test shapes accuracy)
     add_test(NAME transform_${test}_${instructions} COMMAND test_transform_${test} --color_output=no)
     set_tests_properties(transform_${test}_${instructions} PROPERTIES ENVIRONMENT
                          "POCL_KERNELLIB_NAME=${instructions};CLSDF_MAX_FLOAT_WIDTH=${width}")
   endforeach()
+  add_test(NAME transform_points_${instructions}
+           COMMAND test_transform_points --color_output=no --run_test=many_points_give_the_bytes_of_few)
+  set_tests_properties(transform_points_${instructions} PROPERTIES ENVIRONMENT
+                       "POCL_KERNELLIB_NAME=${instructions};CLSDF_MAX_FLOAT_WIDTH=${width}")
 endforeach()
