@@ -83,7 +83,7 @@ std::unique_ptr<PapersMethod> make_scanned(const Device& device, const std::stri
     return std::make_unique<Scanned>(device, name, polyhedra, scan);
 }
 
-std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device) {
+std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device, const Workload& workload) {
     std::vector<std::unique_ptr<PapersMethod>> methods;
     methods.push_back(make_software_mauch(1));
     methods.push_back(make_software_mauch(0));
@@ -91,6 +91,9 @@ std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device) 
     methods.push_back(make_scanned(device, "peikert-sigg, slices", Polyhedra::peikert_sigg, Scan::slices));
     methods.push_back(make_scanned(device, "leaned, slices", Polyhedra::leaned, Scan::slices));
     methods.push_back(make_scanned(device, "leaned, bricks", Polyhedra::leaned, Scan::bricks));
+    constexpr std::size_t most_distances = 1'000'000'000;  // about a second
+    if (workload.grid.sample_count() <= most_distances / workload.mesh.triangles().size())
+        methods.push_back(make_scanned(device, "brute force", Polyhedra::leaned, Scan::brute_force));
     return methods;
 }
 
@@ -107,6 +110,7 @@ std::vector<PapersCase> papers_cases() {
     add("sphere6", 256, 10, about_five);
     add("knot", 256, 10, about_five);
     add("bunny00", 256, 10, about_five);
+    add("knot", 64, 10, "and every triangle at every sample");
     add("sphere7", 256, 10, "131,072 triangles, each of about a voxel's area; the paper: 3.30 times");
     for (const std::int64_t resolution : {64, 128}) add("bunny00", resolution, 10, "");
     for (const int percent : {1, 3}) add("bunny00", 256, percent, "");

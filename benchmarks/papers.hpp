@@ -31,8 +31,9 @@ std::unique_ptr<PapersMethod> make_scanned(const Device& device, const std::stri
                                            Scan scan);
 
 /// The methods of the papers, and clsdf: Mauch's polyhedra in software on one thread and on all, and on the device;
-/// Peikert & Sigg's on the device; clsdf's on the device by slices and by bricks.
-std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device);
+/// Peikert & Sigg's on the device; clsdf's on the device by slices and by bricks; and, if the workload is small, every
+/// triangle at every sample.
+std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device, const Workload& workload);
 
 /// A mesh on a grid for which the papers state a figure, or one of a series.
 struct PapersCase {

@@ -137,7 +137,6 @@ ordered_json run_bench_papers(const BenchOptions& options) {
     ordered_json result = describe_run("papers", options, device);
     result["table_1"] = count_saddles(meshes, options);
     result["rows"] = ordered_json::array();
-    const std::vector<std::unique_ptr<PapersMethod>> methods = clsdf::bench::papers_methods(device);
     for (PapersCase c : clsdf::bench::papers_cases()) {
         const clsdf::Mesh* const mesh = find_mesh(meshes, c.mesh);
         if (mesh == nullptr) continue;
@@ -145,6 +144,7 @@ ordered_json run_bench_papers(const BenchOptions& options) {
         // The paper's figures are for its own grid.
         if (options.quick) c.remark.clear();
         const Workload workload = make_workload(c.layout(), c.mesh, *mesh, device);
+        const auto methods = clsdf::bench::papers_methods(device, workload);
         for (ordered_json& row : measure_case(c, workload, methods, options)) result["rows"].push_back(std::move(row));
     }
     return result;

@@ -121,7 +121,7 @@ void add_method_options(CLI::App& parser, ComputeOptions& options) {
                                  "how their samples are found; auto: by bricks if the polyhedra allow it")
                      ->capture_default_str()
                      ->group(group),
-                 {"auto", "bricks", "slices"});
+                 {"auto", "bricks", "slices", "brute-force"});
 }
 
 }  // namespace
@@ -153,8 +153,8 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
       outputs(parse_outputs(options.with)),
       polyhedra(value_named(options.polyhedra,
                             {clsdf::Polyhedra::leaned, clsdf::Polyhedra::peikert_sigg, clsdf::Polyhedra::mauch})),
-      scan(resolve_scan(
-          polyhedra, value_named(options.scan, {clsdf::Scan::automatic, clsdf::Scan::bricks, clsdf::Scan::slices}))) {
+      scan(resolve_scan(polyhedra, value_named(options.scan, {clsdf::Scan::automatic, clsdf::Scan::bricks,
+                                                              clsdf::Scan::slices, clsdf::Scan::brute_force}))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
     if (!options.size.empty() || !options.origin.empty()) {

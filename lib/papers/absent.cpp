@@ -20,6 +20,7 @@ namespace {
 
 std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
     if (resolve_scan(options.polyhedra, options.scan) == Scan::bricks) return nullptr;
+    if (options.scan == Scan::brute_force) refuse("scan by brute force");
     refuse(fmt::format("{} polyhedra scanned by slices", name_of(options.polyhedra)).c_str());
 }
 

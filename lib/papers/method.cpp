@@ -2,6 +2,7 @@
 #include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
+#include "papers/brute_force.hpp"
 #include "papers/mauch.hpp"
 #include "papers/peikert_sigg.hpp"
 #include "papers/slice_scan.hpp"
@@ -39,30 +40,12 @@ transform::PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid
     return transform::polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
 }
 
-device::BufferPool::Lease upload(const transform::Stages& stages, const void* values, std::size_t bytes,
-                                 const char* purpose) {
-    auto lease = stages.pool()->lease(bytes, purpose);
-    if (bytes > 0)
-        device::guarded([&] { stages.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
-    return lease;
-}
-
 /// Polyhedra of any kind, slice by slice.
 class SliceMethod final : public FieldMethod {
 public:
     explicit SliceMethod(const PapersOptions& options) : options_(options) {}
 
-    void check_outputs(const Outputs& outputs) const override {
-        visit_extras(
-            [](const char* name, bool wanted) {
-                if (wanted && std::string_view(name) != "triangle")
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("the scan by slices does not know the output {}; use the scan by bricks, "
-                                            "or do without",
-                                            name));
-            },
-            outputs);
-    }
+    void check_outputs(const Outputs& outputs) const override { check_distance_and_triangle(outputs, "by slices"); }
 
     std::shared_ptr<const PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
                                                 const Layout& layout) const override {
@@ -130,15 +113,11 @@ private:
 
     static UninitializedVector<Polyhedron> leaned_records(transform::Stages& stages,
                                                           const polyhedra::LatticeView& lattice) {
-        const polyhedra::MeshTopology& topology = stages.topology();
         const polyhedra::Frusta& frusta = stages.frusta();
-        const std::size_t faces = topology.order.size();
-        UninitializedVector<Polyhedron> records(faces + frusta.sites.size());
-        const std::span<Polyhedron> all(records);
-        for_each_range(faces, [&](std::size_t begin, std::size_t end) {
-            write_face_records(topology, frusta, lattice, begin, all.subspan(begin, end - begin));
-        });
-        write_site_records(topology, frusta, lattice, 0, all.subspan(faces));
+        UninitializedVector<Polyhedron> records = face_records(stages, lattice);
+        const std::size_t faces = records.size();
+        records.resize(faces + frusta.sites.size());
+        write_site_records(stages.topology(), frusta, lattice, 0, std::span(records).subspan(faces));
         return records;
     }
 
@@ -156,9 +135,45 @@ private:
 
 }  // namespace
 
+device::BufferPool::Lease papers::upload(const transform::Stages& stages, const void* values, std::size_t bytes,
+                                         const char* purpose) {
+    auto lease = stages.pool()->lease(bytes, purpose);
+    if (bytes > 0)
+        device::guarded([&] { stages.context().queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values); });
+    return lease;
+}
+
+UninitializedVector<Polyhedron> papers::face_records(transform::Stages& stages, const polyhedra::LatticeView& lattice) {
+    const polyhedra::MeshTopology& topology = stages.topology();
+    const polyhedra::Frusta& frusta = stages.frusta();
+    UninitializedVector<Polyhedron> records(topology.order.size());
+    for_each_range(records.size(), [&](std::size_t begin, std::size_t end) {
+        write_face_records(topology, frusta, lattice, begin, std::span(records).subspan(begin, end - begin));
+    });
+    return records;
+}
+
+void papers::check_distance_and_triangle(const Outputs& outputs, const char* scan) {
+    visit_extras(
+        [scan](const char* name, bool wanted) {
+            if (wanted && std::string_view(name) != "triangle")
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the scan {} does not know the output {}; use the scan by bricks, or do "
+                                        "without",
+                                        scan, name));
+        },
+        outputs);
+}
+
 std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
-    if (resolve_scan(options.polyhedra, options.scan) == Scan::bricks) return nullptr;
-    return std::make_shared<SliceMethod>(options);
+    switch (resolve_scan(options.polyhedra, options.scan)) {
+        case Scan::bricks:
+            return nullptr;
+        case Scan::brute_force:
+            return make_brute_force();
+        default:
+            return std::make_shared<SliceMethod>(options);
+    }
 }
 
 }  // namespace clsdf

@@ -24,6 +24,8 @@ const char* name_of(Scan scan) {
             return "bricks";
         case Scan::slices:
             return "slices";
+        case Scan::brute_force:
+            return "brute-force";
         default:
             return "auto";
     }
@@ -31,6 +33,11 @@ const char* name_of(Scan scan) {
 
 Scan resolve_scan(Polyhedra polyhedra, Scan asked) {
     if (polyhedra == Polyhedra::leaned) return asked == Scan::automatic ? Scan::bricks : asked;
+    if (asked == Scan::brute_force)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the scan \"brute-force\" asks every triangle at every sample and has no use for {} "
+                                "polyhedra; leave them out",
+                                name_of(polyhedra)));
     if (asked == Scan::bricks)
         throw Error(ErrorCode::unsupported,
                     fmt::format("the scan \"bricks\" is for leaned polyhedra: in a brick a triangle would count for "

@@ -15,6 +15,16 @@
 
 namespace clsdf::papers {
 
+/// A buffer with the values.
+device::BufferPool::Lease upload(const transform::Stages& stages, const void* values, std::size_t bytes,
+                                 const char* purpose);
+
+/// The records of all faces, in the order of the mesh's topology.
+UninitializedVector<Polyhedron> face_records(transform::Stages& stages, const polyhedra::LatticeView& lattice);
+
+/// Throws Error(unsupported) that names the scan for any other output.
+void check_distance_and_triangle(const Outputs& outputs, const char* scan);
+
 /// What the host keeps of a piece.
 struct PieceSlices {
     std::int32_t begin = 0;

@@ -4,7 +4,8 @@ add_library(clsdf::papers ALIAS clsdf_papers)
 set_target_properties(clsdf_papers PROPERTIES EXPORT_NAME papers)
 target_sources(
   clsdf_papers
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/classification.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/classification.cpp
           ${CMAKE_CURRENT_LIST_DIR}/convex_polyhedron.cpp
           ${CMAKE_CURRENT_LIST_DIR}/gap_tests.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mauch.cpp

@@ -35,6 +35,8 @@ BOOST_AUTO_TEST_CASE(the_scan_follows_the_polyhedra_unless_it_is_stated) {
     };
     BOOST_TEST((method_of(dry_run({})) == std::pair<std::string, std::string>("leaned", "bricks")));
     BOOST_TEST((method_of(dry_run({"--scan", "slices"})) == std::pair<std::string, std::string>("leaned", "slices")));
+    BOOST_TEST((method_of(dry_run({"--scan", "brute-force"})) ==
+                std::pair<std::string, std::string>("leaned", "brute-force")));
     const json paper = dry_run({"--polyhedra", "peikert-sigg"});
     BOOST_TEST((method_of(paper) == std::pair<std::string, std::string>("peikert-sigg", "slices")));
     BOOST_REQUIRE(paper["warnings"].size() == 1U);
@@ -54,6 +56,7 @@ BOOST_AUTO_TEST_CASE(what_does_not_go_together_or_is_not_there_is_refused_with_a
         check_refused(run_command(all, no_devices), 2, fragments);
     };
     refused({"--polyhedra", "peikert-sigg", "--scan", "bricks"}, {"bricks", "peikert-sigg", "use the scan \"slices\""});
+    refused({"--polyhedra", "mauch", "--scan", "brute-force"}, {"brute-force", "mauch", "leave them out"});
     refused({"--polyhedra", "peikert-sig"}, {"--polyhedra", "peikert-sig", "did you mean peikert-sigg?"});
     refused({"--scan", "slice"}, {"--scan", "bricks", "did you mean slices?"});
     refused({"--scan", ""}, {"--scan"});

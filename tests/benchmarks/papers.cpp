@@ -15,8 +15,8 @@ BOOST_AUTO_TEST_SUITE(papers)
 BOOST_AUTO_TEST_CASE(only_the_papers_polyhedra_are_wrong_and_only_they_are_reported_so) {
     const Workload workload =
         make_workload({"small", 60, Length::of_extent(0.1)}, "stairs", make_shape("stairs"), Device::best());
-    const std::vector<std::unique_ptr<PapersMethod>> methods = papers_methods(Device::best());
-    BOOST_TEST(methods.size() == 6U);
+    const std::vector<std::unique_ptr<PapersMethod>> methods = papers_methods(Device::best(), workload);
+    BOOST_TEST(methods.size() == 7U);
     for (const auto& method : methods) BOOST_TEST_CONTEXT(method->name()) {
             const Judgement found = test::measure(workload, *method).judgement;
             const bool is_papers = method->name().starts_with("peikert-sigg");

@@ -2,6 +2,7 @@
 // text and NAME.options are the options that clBuildProgram gets. scripts/gpu-compile and the test without_inlining
 // read them.
 #include "device/kernel_text.hpp"
+#include "papers/brute_force.hpp"
 #include "papers/slice_scan.hpp"
 #ifdef CLSDF_TEST_PICTURE
 #include "picture/tracer.hpp"
@@ -50,11 +51,13 @@ std::vector<transform::ProgramSource> sources_of_gpus() {
         const transform::ProgramSources programs(gpu, KernelBody::automatic);
         const std::vector<transform::ProgramSource> added = programs.every_source();
         sources.insert(sources.end(), added.begin(), added.end());
-        for (const transform::BrickVariant& variant : transform::every_variant())
+        for (const transform::BrickVariant& variant : transform::every_variant()) {
+            sources.push_back(papers::brute_force_source(programs, variant));
             for (const bool key_64 : {false, true})
                 for (const char* file : papers::slice_files)
                     if (variant.nearest || !key_64)
                         sources.push_back(papers::slices_source(programs, file, {variant, key_64}));
+        }
     }
 #ifdef CLSDF_TEST_PICTURE
     sources.push_back({picture::tracer_kernel_file, picture::tracer_options});

@@ -19,6 +19,8 @@ foreach(name leaned mauch)
   target_compile_definitions(test_slices_${name} PRIVATE CLSDF_SCANNED=${name})
 endforeach()
 
+clsdf_papers_test(brute_force ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp)
+
 # What a command says that is built without clsdf::papers.
 clsdf_test(papers_absent ${CMAKE_CURRENT_LIST_DIR}/absent.cpp)
 target_link_libraries(test_papers_absent PRIVATE clsdf_papers_absent)

@@ -28,9 +28,10 @@ enum class Polyhedra {
 
 /// How the samples of the polyhedra are found.
 enum class Scan {
-    automatic,  ///< bricks for leaned polyhedra, slices for the others
-    bricks,     ///< bricks of 8 x 8 x 8 samples, each with a list of polyhedra; for leaned polyhedra only
-    slices,     ///< slice by slice, each polyhedron's samples row by row, as in Peikert & Sigg
+    automatic,    ///< bricks for leaned polyhedra, slices for the others
+    bricks,       ///< bricks of 8 x 8 x 8 samples, each with a list of polyhedra; for leaned polyhedra only
+    slices,       ///< slice by slice, each polyhedron's samples row by row, as in Peikert & Sigg
+    brute_force,  ///< every sample with every triangle; for leaned polyhedra, which it does not need
 };
 
 /// How the scan by slices keeps the least distance and its triangle; the result is the same.
@@ -43,11 +44,11 @@ enum class SliceMinimum {
 /// "leaned", "peikert-sigg", "mauch".
 CLSDF_EXPORT const char* name_of(Polyhedra polyhedra);
 
-/// "auto", "bricks", "slices".
+/// "auto", "bricks", "slices", "brute-force".
 CLSDF_EXPORT const char* name_of(Scan scan);
 
-/// The scan that will be used, never `automatic`. Throws Error(unsupported) for bricks of other polyhedra than leaned
-/// ones.
+/// The scan that will be used, never `automatic`. Throws Error(unsupported) for other polyhedra than leaned ones by
+/// bricks or by brute force.
 CLSDF_EXPORT Scan resolve_scan(Polyhedra polyhedra, Scan asked);
 
 struct PapersOptions {
@@ -58,15 +59,18 @@ struct PapersOptions {
 };
 
 /// A method for TransformOptions::method; null for leaned polyhedra by bricks, which is what a transform does without
-/// one. The scan by slices gives the distance and the triangle; other outputs are Error(unsupported). Mauch's towers,
-/// wedges and cones count as TransformStatistics::polyhedra. TransformStatistics::method_counts has:
+/// one. The scans by slices and by brute force give the distance and the triangle; other outputs are
+/// Error(unsupported). Mauch's towers, wedges and cones count as TransformStatistics::polyhedra.
+/// TransformStatistics::method_counts has:
+///
+/// (by slices)
 ///
 ///     closed_gaps          vertices whose gap was closed as in the paper
 ///     active_pieces        (convex piece of a polyhedron, slice)
 ///     slice_intersections  intersections of a piece and a slice that were visited   with CallOptions::count
 ///     empty_intersections  of these, empty ones: none                               with CallOptions::count
 ///
-/// Throws Error(unsupported) for bricks of other polyhedra than leaned ones; computations throw it if the device has no
+/// Throws what resolve_scan() throws; computations throw it if the device has no
 /// 64-bit atomics and `slice_minimum` asks for them. May be shared by transforms and by threads.
 CLSDF_EXPORT std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options);
 
