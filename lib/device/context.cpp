@@ -111,9 +111,13 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
     capabilities.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
     limit_by_environment("CLSDF_MAX_ALLOCATION", capabilities.largest_allocation);
-    limit_by_environment("CLSDF_MAX_MEMORY", capabilities.memory);
     limit_by_environment("CLSDF_MAX_FLOAT_WIDTH", capabilities.float_width);
     return capabilities;
+}
+
+void Context::limit_memory(std::size_t bytes) {
+    capabilities_.memory = std::min(capabilities_.memory, bytes);
+    capabilities_.largest_allocation = std::min(capabilities_.largest_allocation, bytes);
 }
 
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)

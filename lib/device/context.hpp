@@ -44,6 +44,8 @@ public:
         double launch_seconds = 0.1;  ///< how long a launch may last, about: displays and cancellations wait for it
     };
     const Capabilities& capabilities() const { return capabilities_; }
+    /// Before anything is computed.
+    void limit_memory(std::size_t bytes);
 
     /// Builds an embedded kernel file, of the core or of `beside`, once per options, or takes it from the cache. Of
     /// several processes that build the same, one does while the others wait. Throws Error(device_failure) with the

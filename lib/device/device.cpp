@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdlib>
 #include <string_view>
@@ -31,6 +32,45 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
             throw Error(ErrorCode::invalid_argument,
                         "Device::from_handles: the queue belongs to another context or device than those given");
         return Device(std::make_shared<device::Context>(cl::Context(context, true), cl::Device(id, true), callers));
+    });
+}
+
+namespace {
+
+/// So many compute units of a device. Throws cl::Error.
+cl::Device part_of(const cl::Device& whole, unsigned compute_units) {
+    const auto all = whole.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
+    if (compute_units == 0 || compute_units > all)
+        throw Error(ErrorCode::invalid_argument, fmt::format("{} compute units were asked for, and \"{}\" has 1 to {}",
+                                                             compute_units, whole.getInfo<CL_DEVICE_NAME>(), all));
+    if (compute_units == all) return whole;
+    const std::array<cl_device_partition_property, 4> properties{
+        CL_DEVICE_PARTITION_BY_COUNTS, static_cast<cl_device_partition_property>(compute_units),
+        CL_DEVICE_PARTITION_BY_COUNTS_LIST_END, 0};
+    std::vector<cl::Device> parts;
+    try {
+        cl::Device(whole).createSubDevices(properties.data(), &parts);
+    } catch (const cl::Error& error) {
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the device \"{}\" cannot be divided ({}); use all of its {} compute units",
+                                whole.getInfo<CL_DEVICE_NAME>(), device::code_name(error.err()), all));
+    }
+    return parts.at(0);
+}
+
+}  // namespace
+
+Device Device::limited(const DeviceLimits& limits) const {
+    const cl_device_id whole = id();
+    if (limits.memory == std::size_t{0})
+        throw Error(ErrorCode::invalid_argument, "a limit of 0 bytes of device memory leaves none; leave it out");
+    return device::guarded([&] {
+        const cl::Device part =
+            limits.compute_units ? part_of(cl::Device(whole, true), *limits.compute_units) : cl::Device(whole, true);
+        const cl::Context context(part);
+        auto state = std::make_shared<device::Context>(context, part, cl::CommandQueue(context, part));
+        if (limits.memory) state->limit_memory(*limits.memory);
+        return Device(std::move(state));
     });
 }
 

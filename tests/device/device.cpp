@@ -76,6 +76,22 @@ BOOST_AUTO_TEST_CASE(a_null_handle_is_an_error) {
                        [&] { Device::from_handles(callers.context(), callers.device(), nullptr); });
 }
 
+BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_its_own) {
+    const Device whole = Device::best();
+    const unsigned all = device::context_of(whole).capabilities().compute_units;
+    const Device half = whole.limited({.memory = 1 << 20});
+    BOOST_TEST(half.context() != whole.context());
+    BOOST_TEST(half.name() == whole.name());
+    BOOST_TEST(device::context_of(half).capabilities().memory == 1U << 20);
+    BOOST_TEST(device::context_of(half).capabilities().compute_units == all);
+    BOOST_TEST(device::context_of(whole.limited({.compute_units = 1})).capabilities().compute_units == 1U);
+    BOOST_TEST(device::context_of(whole.limited({.compute_units = all})).capabilities().compute_units == all);
+    test::check_throws(ErrorCode::invalid_argument, {"0 bytes"}, [&] { whole.limited({.memory = 0}); });
+    test::check_throws(ErrorCode::invalid_argument, {"0 compute units"}, [&] { whole.limited({.compute_units = 0}); });
+    test::check_throws(ErrorCode::invalid_argument, {std::to_string(all + 1) + " compute units", std::to_string(all)},
+                       [&] { whole.limited({.compute_units = all + 1}); });
+}
+
 BOOST_AUTO_TEST_CASE(a_program_is_built_once_for_all_threads) {
     const Device device = Device::best();
     std::vector<cl::Program> programs(4);

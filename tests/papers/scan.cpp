@@ -1,8 +1,9 @@
 #include "papers/scanned.hpp"
 #include "support/device_memory.hpp"
 #include "support/hostile_meshes.hpp"
-#include "support/sub_device.hpp"
 #include "support/throws.hpp"
+
+#include "device/context.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -108,7 +109,7 @@ BOOST_AUTO_TEST_CASE(the_lowest_of_the_nearest_triangles_is_named) {
 }
 
 BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
-    const Device one = with_compute_units(1);
+    const Device one = test_device().limited({.compute_units = 1});
     const Grid grid = around(noisy(), 40);
     const Band band = Band::symmetric(4 * grid.voxel());
     for (const Polyhedra kind : all_kinds)
@@ -218,7 +219,8 @@ BOOST_AUTO_TEST_CASE(progress_is_told_and_a_stop_is_heard_between_launches) {
     const Grid grid = grid_around(mesh, 110, 2);
     bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(with_compute_units(1), mesh, {.method = papers_method({.scan = Scan::slices})});
+    DistanceTransform transform(test_device().limited({.compute_units = 1}), mesh,
+                                {.method = papers_method({.scan = Scan::slices})});
     const CallOptions call{.progress =
                                [&](double fraction) {
                                    seen.push_back(fraction);

@@ -1,6 +1,5 @@
 #include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
-#include "support/sub_device.hpp"
 #include "support/throws.hpp"
 
 #include <algorithm>
@@ -103,7 +102,7 @@ BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
 BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
     std::vector<double> seen;
     const std::thread::id caller = std::this_thread::get_id();
-    DistanceTransform transform(with_compute_units(1), dense());
+    DistanceTransform transform(test_device().limited({.compute_units = 1}), dense());
     transform(around_dense(), Band::full(), {}, {.progress = [&](double fraction) {
                   BOOST_TEST((std::this_thread::get_id() == caller));
                   seen.push_back(fraction);
@@ -118,7 +117,7 @@ BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) 
     const Field expected = compute(dense(), around_dense(), Band::full());
     bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(with_compute_units(1), dense());
+    DistanceTransform transform(test_device().limited({.compute_units = 1}), dense());
     const CallOptions call{.progress =
                                [&](double fraction) {
                                    seen.push_back(fraction);

@@ -211,17 +211,14 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_the_same_where_there_is_no_memory_for_a_gu
     const Mesh mesh = make_shape("sphere6");
     // Few polyhedra overlap this part, so the guess is far too large.
     const Grid grid = grid_around(mesh, 40, 4).part({0, 0, 0}, {16, 16, 16});
-    const auto coarse_within = [&](const std::string& bytes) {
-        if (!bytes.empty()) setenv("CLSDF_MAX_MEMORY", bytes.c_str(), 1);
-        const Device device = Device::best();
-        unsetenv("CLSDF_MAX_MEMORY");
-        return coarse_of(device, mesh, grid, Band::full(), KernelBody::by_vector);
+    const auto coarse_with = [&](const DeviceLimits& limits) {
+        return coarse_of(Device::best().limited(limits), mesh, grid, Band::full(), KernelBody::by_vector);
     };
-    const Coarse unlimited = coarse_within("");
+    const Coarse unlimited = coarse_with({});
     BOOST_TEST(unlimited.passes == 1U);
     // The guess is five touches a polyhedron or more, of which one is enough here.
     const std::size_t memory = unlimited.peak - 4 * sizeof(Touch) * unlimited.polyhedra.size();
-    const Coarse limited = coarse_within(std::to_string(memory));
+    const Coarse limited = coarse_with({.memory = memory});
     BOOST_TEST(limited.passes == 2U);
     BOOST_TEST(limited.peak <= memory);
     BOOST_CHECK(limited.lists == unlimited.lists);

@@ -1,5 +1,7 @@
+#include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
-#include "support/sub_device.hpp"
+
+#include "device/context.hpp"
 
 #include <array>
 #include <limits>
@@ -95,7 +97,7 @@ BOOST_AUTO_TEST_CASE(other_outputs_and_other_grids_change_nothing) {
 }
 
 BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
-    const Device one = with_compute_units(1);
+    const Device one = test_device().limited({.compute_units = 1});
     BOOST_TEST(device::context_of(one).capabilities().compute_units == 1U);
     const auto check = [&](const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
         const Field expected = compute(mesh, grid, band, body);

@@ -17,17 +17,11 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The tests' device with less of the resource that the variable limits.
-Device with_limit(const char* variable, std::size_t bytes) {
-    setenv(variable, std::to_string(bytes).c_str(), 1);
-    Device device = Device::best();
-    unsetenv(variable);
-    return device;
-}
-
 /// The tests' device with a largest allocation of this many bytes.
 Device with_largest_allocation(std::size_t bytes) {
-    Device device = with_limit("CLSDF_MAX_ALLOCATION", bytes);
+    setenv("CLSDF_MAX_ALLOCATION", std::to_string(bytes).c_str(), 1);
+    Device device = Device::best();
+    unsetenv("CLSDF_MAX_ALLOCATION");
     BOOST_REQUIRE(device::context_of(device).capabilities().largest_allocation == bytes);
     return device;
 }
@@ -110,14 +104,14 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     for (std::size_t percent = 95; slabs == 1; percent -= 5) {
         BOOST_REQUIRE(percent > 0);
         const std::size_t memory = polyhedra + (unlimited.device_bytes - polyhedra) * percent / 100;
-        DistanceTransform transform(with_limit("CLSDF_MAX_MEMORY", memory), fine);
+        DistanceTransform transform(test_device().limited({.memory = memory}), fine);
         TransformStatistics statistics;
         BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true}, {.statistics = &statistics})));
         BOOST_TEST(statistics.device_bytes <= memory);
         slabs = statistics.slabs;
     }
     // Nothing can be divided here.
-    DistanceTransform hopeless(with_limit("CLSDF_MAX_MEMORY", polyhedra / 2), fine);
+    DistanceTransform hopeless(test_device().limited({.memory = polyhedra / 2}), fine);
     check_throws(ErrorCode::out_of_memory, {"polyhedra", std::to_string(polyhedra / 2)}, [&] { hopeless(grid, band); });
 }
 

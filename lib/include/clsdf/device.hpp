@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,16 @@ struct DeviceInfo {
     bool usable() const { return why_not.empty(); }
 };
 
+/// What Device::limited() leaves of a device.
+struct DeviceLimits {
+    /// Of a processor: its cores. Not set: all.
+    std::optional<unsigned> compute_units{};
+    /// Bytes that the buffers of one DistanceTransform take at once, its plans' included and the caller's own not: a
+    /// field that needs more is computed in smaller slabs, or the call ends with Error(out_of_memory). Not set: the
+    /// device's memory.
+    std::optional<std::size_t> memory{};
+};
+
 /// An OpenCL device with a context and a queue. Cheap to copy; copies share them. Once moved from, every member but
 /// assignment and the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT Device {
@@ -71,6 +82,12 @@ public:
 
     /// The caller's own objects; they are retained, and released with the last copy.
     static Device from_handles(cl_context context, cl_device_id id, cl_command_queue queue);
+
+    /// The same device with limits, with a context and a queue of its own. Programs are kept and tested as those of
+    /// select(). The library's loops on the host are oneTBB's: tbb::global_control limits their threads. Throws
+    /// Error(invalid_argument) for a limit of 0, or for more compute units than there are; Error(unsupported) if the
+    /// device cannot be divided, as most GPUs.
+    Device limited(const DeviceLimits& limits) const;
 
     std::string name() const;
     std::string platform() const;
