@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <span>
 
@@ -32,6 +33,25 @@ public:
     void look_at(const Field& field, std::size_t samples, CallCost& cost) {
         std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
         for (std::size_t n = 0; n < samples; ++n) look_at_sample(field, any(random_), cost);
+    }
+
+    /// A point of each of some boxes: wrong if it belies the box's place.
+    void look_at(std::span<const Box> boxes, std::span<const BoxPlace> places, double half_width, std::size_t samples,
+                 CallCost& cost) {
+        std::uniform_int_distribution<std::size_t> any(0, boxes.size() - 1);
+        std::uniform_real_distribution<double> part(0, 1);
+        for (std::size_t n = 0; n < samples; ++n) {
+            const std::size_t i = any(random_);
+            const auto& [lower, upper] = boxes[i];
+            Vec3 point{};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                point[axis] = std::lerp(lower[axis], upper[axis], part(random_));
+            ++cost.judged;
+            if (places[i] == BoxPlace::near) continue;
+            const std::optional<int> winding = oracle_.winding_number(point);
+            const BoxPlace expected = winding.has_value() && *winding != 0 ? BoxPlace::inside : BoxPlace::outside;
+            if (places[i] != expected || oracle_.nearest(point).distance <= half_width) ++cost.wrong;
+        }
     }
 
 private:
@@ -332,6 +352,54 @@ CallCost measure_small_meshes(const Job& job) {
     return cost;
 }
 
+/// The eight halves of each box.
+std::vector<Box> divided(const std::vector<Box>& boxes) {
+    std::vector<Box> result;
+    for (const Box& box : boxes)
+        for (std::size_t n = 0; n < 8; ++n) {
+            Box part = box;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double middle = std::midpoint(box.lower[axis], box.upper[axis]);
+                ((n >> axis) % 2 == 0 ? part.upper : part.lower)[axis] = middle;
+            }
+            result.push_back(part);
+        }
+    return result;
+}
+
+CallCost measure_classify(const Job& job, Judge& judge) {
+    CallCost cost{"classify",
+                  "cells of an octree that is refined near the surface, a call for each level, a million of them / a "
+                  "second"};
+    cost.limit = 1;
+    const std::size_t least = job.is_quick ? 10'000 : 1'000'000;
+    const DistanceTransform transform = job.transform();
+    const Grid around = job.grid(512);
+    const double half_width = around.voxel();
+    std::vector<Box> cells;
+    std::vector<BoxPlace> places;
+    std::size_t count = 0;
+    job.measure(
+        cost,
+        [&] {
+            double seconds = 0;
+            std::vector<Box> near{around.box()};
+            for (count = 0; count < least;) {
+                cells = divided(near);
+                places.resize(cells.size());
+                seconds += seconds_of([&] { transform.classify(cells, half_width, places); });
+                count += cells.size();
+                near.clear();
+                for (std::size_t n = 0; n < cells.size(); ++n)
+                    if (places[n] == BoxPlace::near) near.push_back(cells[n]);
+            }
+            return seconds * 1e6 / static_cast<double>(count);
+        },
+        [] { return 1.0; });
+    judge.look_at(cells, places, half_width, job.options.samples_judged, cost);
+    return cost;
+}
+
 }  // namespace
 
 std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, const MeasureOptions& options,
@@ -340,7 +408,7 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
     Judge judge(mesh, options.seed);
     return {measure_again(job, judge),         measure_one_sample(job, judge), measure_patches(job, judge, false),
             measure_patches(job, judge, true), measure_band_boxes(job, judge), measure_moved(job),
-            measure_small_meshes(job)};
+            measure_classify(job, judge),      measure_small_meshes(job)};
 }
 
 }  // namespace clsdf::bench

@@ -1,6 +1,6 @@
 // Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). One call
-// computes all patches of a level, ghost samples included. A cell is refined if the field shows that the surface may
-// cross it.
+// computes all patches of a level, ghost samples included. The transform says which patches the surface may cross: these
+// are refined.
 
 #include <clsdf/clsdf.hpp>
 
@@ -42,24 +42,24 @@ void compute(const clsdf::DistanceTransform& transform, const clsdf::Band& band,
     transform.compute(requests);
 }
 
-/// The patches of the next level that the surface may cross. Such a patch has a cell no farther from the surface than
-/// half the diagonal of a cell.
-std::set<clsdf::Index3> next_places(const std::vector<Patch>& patches) {
-    std::set<clsdf::Index3> places;
-    for (const Patch& patch : patches) {
-        const double reach = std::sqrt(0.75) * patch.grid.voxel();
-        for (std::int64_t k = 0; k < side; ++k)
-            for (std::int64_t j = 0; j < side; ++j)
-                for (std::int64_t i = 0; i < side; ++i) {
-                    const float distance = patch.distance[patch.grid.offset(i + ghosts, j + ghosts, k + ghosts)];
-                    if (std::abs(static_cast<double>(distance)) > reach) continue;
-                    const auto finer = [&](std::size_t axis, std::int64_t cell) {
-                        return ratio * patch.place[axis] + ratio * cell / side;
-                    };
-                    places.insert({finer(0, i), finer(1, j), finer(2, k)});
-                }
-    }
-    return places;
+/// The patches of the next level that lie within the given ones and that the surface may cross.
+std::set<clsdf::Index3> next_places(const clsdf::DistanceTransform& transform, const clsdf::Grid& next,
+                                    const std::set<clsdf::Index3>& places) {
+    std::vector<clsdf::Index3> candidates;
+    std::vector<clsdf::Box> boxes;
+    for (const clsdf::Index3& place : places)
+        for (std::int64_t n = 0; n < ratio * ratio * ratio; ++n) {
+            const clsdf::Index3 finer{ratio * place[0] + n % ratio, ratio * place[1] + n / ratio % ratio,
+                                      ratio * place[2] + n / (ratio * ratio)};
+            candidates.push_back(finer);
+            boxes.push_back(next.block({finer[0] * side, finer[1] * side, finer[2] * side}, {side, side, side}).box());
+        }
+    std::vector<clsdf::BoxPlace> answers(boxes.size());
+    transform.classify(boxes, std::sqrt(0.75) * next.voxel(), answers);  // half the diagonal of a cell
+    std::set<clsdf::Index3> near;
+    for (std::size_t n = 0; n < boxes.size(); ++n)
+        if (answers[n] == clsdf::BoxPlace::near) near.insert(candidates[n]);
+    return near;
 }
 
 /// The number of samples of the lattice that two patches share and that have different values in them.
@@ -107,8 +107,8 @@ int main() {
                 "level %d: %zu patches of %lld^3 samples, ghost samples included; %zu of their shared samples differ\n",
                 number, patches.size(), static_cast<long long>(side + 2 * ghosts), of_level);
             different += of_level;
-            places = next_places(patches);
             level = level.refined_cells(ratio);
+            places = next_places(transform, level, places);
         }
         return different == 0 ? 0 : 1;
     } catch (const clsdf::Error& error) {

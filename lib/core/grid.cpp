@@ -146,6 +146,10 @@ Vec3 Grid::position(std::int64_t i, std::int64_t j, std::int64_t k) const {
     return result;
 }
 
+Box Grid::box() const {
+    return {position(0, 0, 0), position(size[0] - 1, size[1] - 1, size[2] - 1)};
+}
+
 double Grid::voxel() const {
     return *std::min_element(spacing.begin(), spacing.end());
 }

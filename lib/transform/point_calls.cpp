@@ -1,5 +1,6 @@
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
+#include "points/box_places.hpp"
 #include "points/point_query.hpp"
 #include "transform/output_targets.hpp"
 #include "transform/transform_state.hpp"
@@ -14,8 +15,13 @@
 
 namespace clsdf {
 
+std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
+    const std::scoped_lock lock(mutex);
+    return make_room_for([&] { return stages->points(); });
+}
+
 points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs, std::size_t count) {
-    const auto make = [&] {
+    return make_room_for([&] {
         points::PointInputs inputs;
         inputs.mesh = stages->points();
         const bool are_many = points::is_scan_worthwhile(programs, count, mesh().triangles().size());
@@ -25,13 +31,7 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
         inputs.sign = sign;
         inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
         return inputs;
-    };
-    try {
-        return make();
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
-    }
-    return make();
+    });
 }
 
 points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, double within, const Outputs& outputs,
@@ -109,6 +109,18 @@ void DistanceTransform::query(std::span<const Vec3> points, double within, const
                                 within));
     state.query(points, within, transform::outputs_of(targets),
                 transform::HostTargets::of_points(targets, points.size()), call);
+}
+
+void DistanceTransform::classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const {
+    State& state = this->state();
+    if (!(half_width >= 0))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the half width around boxes is {}, and must be 0 or more", half_width));
+    if (places.size() != boxes.size())
+        throw Error(ErrorCode::invalid_argument, fmt::format("{} boxes have {} places for their answers; give as many",
+                                                             boxes.size(), places.size()));
+    points::check_boxes(boxes);
+    points::find_places(*state.points(), state.sign, boxes, half_width, places);
 }
 
 }  // namespace clsdf

@@ -115,12 +115,7 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
 }
 
 transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
-    try {
-        return make_inputs(grid, band, outputs);
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
-    }
-    return make_inputs(grid, band, outputs);
+    return make_room_for([&] { return make_inputs(grid, band, outputs); });
 }
 
 transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, const Outputs& outputs) {

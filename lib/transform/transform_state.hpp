@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
 
 #include "points/point_query.hpp"
 #include "transform/call.hpp"
@@ -56,6 +57,16 @@ struct DistanceTransform::State {
     void keep_within_budget();
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
+    /// What make() returns; if memory is short, of a second try when nothing is kept.
+    template <typename Make>
+    auto make_room_for(const Make& make) {
+        try {
+            return make();
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
+        }
+        return make();
+    }
 
     /// Adds what was spent on programs and no computation has reported yet.
     void report(const transform::Compiling& compiling, TransformStatistics& statistics);
@@ -73,6 +84,7 @@ struct DistanceTransform::State {
                  bool in_place, std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
 
     // point_calls.cpp
+    std::shared_ptr<const points::PointMesh> points();
     void query(std::span<const Vec3> all, double within, const Outputs& outputs, const transform::HostTargets& targets,
                const CallOptions& call);
 

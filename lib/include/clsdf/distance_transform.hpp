@@ -8,6 +8,7 @@
 #include <clsdf/topology.hpp>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -112,6 +113,14 @@ struct Request {
     Grid grid;
     Band band;
     OutputTargets targets;
+};
+
+/// Where a box lies beside a mesh: see DistanceTransform::classify().
+enum class BoxPlace : std::uint8_t {
+    near,     ///< the surface may be within the half width of a point of the box
+    inside,   ///< the surface is farther from every point of the box, and all of them are inside
+    outside,  ///< the same, and all of them are outside
+    far,      ///< the same, of a mesh that has no sign
 };
 
 /// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
@@ -254,6 +263,17 @@ public:
     /// for memory of the device; Error(cancelled).
     void query(std::span<const Vec3> points, double within, const OutputTargets& targets,
                const CallOptions& call = {}) const;
+
+    /// Sets the place of each box, in the mesh's units: which patches of a refined mesh hold samples of a band, and on
+    /// which side the others lie. A box is `near` if it is within half_width of the box around 16 triangles that are
+    /// neighbours, so also somewhat beyond half_width; the other answers are exact. Boxes are closed, and may be
+    /// points.
+    ///
+    /// An answer depends on the box, half_width and the mesh's positions alone. Works on the host, on all cores. Keeps
+    /// what query() keeps. Throws Error(invalid_argument) that names the index of a box with a coordinate that is not
+    /// finite or a lower corner above its upper one, for half_width below 0 or NaN, and if there are not as many places
+    /// as boxes; Error(out_of_memory).
+    void classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const;
 
     KeptMemory memory() const;
 

@@ -109,6 +109,9 @@ struct CLSDF_EXPORT Grid {
     /// Position of sample (i, j, k) of this block, counted from `first`.
     Vec3 position(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
+    /// The smallest box that holds all samples: from the first one to the last.
+    Box box() const;
+
     /// "A voxel" as a measure: the smallest spacing.
     double voxel() const;
 

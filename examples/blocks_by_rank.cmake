@@ -1,0 +1,18 @@
+# Runs example_blocks_by_rank with 1, 2 and 7 ranks: their lines must be equal.
+set(ENV{OMPI_ALLOW_RUN_AS_ROOT} 1)
+set(ENV{OMPI_ALLOW_RUN_AS_ROOT_CONFIRM} 1)
+set(ENV{OMPI_MCA_rmaps_base_oversubscribe} 1)
+foreach(ranks 1 2 7)
+  execute_process(
+    COMMAND ${MPIEXEC} ${COUNT_FLAG} ${ranks} ${PROGRAM} 64
+    OUTPUT_VARIABLE line
+    RESULT_VARIABLE status)
+  message("${ranks} ranks: ${line}")
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${ranks} ranks end with ${status}")
+  endif()
+  if(DEFINED expected AND NOT line STREQUAL expected)
+    message(FATAL_ERROR "the fields depend on the number of ranks")
+  endif()
+  set(expected "${line}")
+endforeach()

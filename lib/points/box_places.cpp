@@ -1,0 +1,222 @@
+#include "points/box_places.hpp"
+
+#include "core/parallel.hpp"
+#include "core/uninitialized_vector.hpp"
+#include "points/curve_order.hpp"
+#include "points/point_signs.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace clsdf::points {
+
+namespace {
+
+constexpr std::size_t width = CLSDF_TREE_WIDTH;
+// Above the rounding of floats in a sum of three squares.
+constexpr double rounding = 1e-6;
+// Nothing nearer to the mesh than that, in units, is moved by cutting it off there.
+constexpr double farthest = 1e30;
+
+/// In units, rounded outwards.
+struct UnitBox {
+    std::array<float, 3> lower{}, upper{};
+
+    UnitBox(const Box& box, const polyhedra::LatticeView& lattice) {
+        constexpr float infinity = std::numeric_limits<float>::infinity();
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto in_units = [&](double x) {
+                return static_cast<float>(std::clamp((x - lattice.origin[axis]) / lattice.unit, -farthest, farthest));
+            };
+            lower[axis] = std::nextafter(in_units(box.lower[axis]), -infinity);
+            upper[axis] = std::nextafter(in_units(box.upper[axis]), infinity);
+        }
+    }
+};
+
+using Squares = std::array<float, width>;
+
+/// Of the distances between a box and the boxes of a node's children.
+Squares squared_distances(const PointNode& node, const UnitBox& box) {
+    Squares squares{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t i = 0; i < width; ++i) {
+            const float below = node.lower[axis][i] - box.upper[axis], above = box.lower[axis] - node.upper[axis][i];
+            const float apart = std::max(std::max(below, above), 0.0F);
+            squares[i] += apart * apart;
+        }
+    return squares;
+}
+
+/// The same, in the mesh's units, of a box and the smallest one around a triangle. A result above `most` may be less
+/// than the true one.
+double squared_distance(const std::array<Vec3, 3>& corners, const Box& box, double most) {
+    double squared = 0;
+    for (std::size_t axis = 0; axis < 3 && squared <= most; ++axis) {
+        const double a = corners[0][axis], b = corners[1][axis], c = corners[2][axis];
+        const double above = std::min(std::min(a, b), c) - box.upper[axis];
+        const double below = box.lower[axis] - std::max(std::max(a, b), c);
+        const double apart = std::max(std::max(above, below), 0.0);
+        squared += apart * apart;
+    }
+    return squared;
+}
+
+/// A half width as its square, made larger by more than the rounding of what is compared with it.
+struct Reach {
+    double squared;
+    float squared_in_units;
+
+    Reach(double half_width, double unit)
+        : squared(half_width * half_width * (1 + 1e-14)),
+          squared_in_units(static_cast<float>(std::min(half_width / unit * (half_width / unit) * (1 + 4 * rounding),
+                                                       static_cast<double>(std::numeric_limits<float>::max())))) {}
+};
+
+Squares all_infinite() {
+    Squares squares;
+    squares.fill(std::numeric_limits<float>::infinity());
+    return squares;
+}
+
+/// The search for triangles near a box.
+class Search {
+public:
+    Search(const PointMesh& mesh, const Box& box, const Reach& reach)
+        : mesh_(mesh), box_(box), unit_box_(box, mesh.lattice), reach_(reach) {}
+
+    bool finds_face() { return finds_face(mesh_.tree.levels - 1, 0); }
+
+    /// If none is: a lower bound of the square of the distance of all of them, in units.
+    double lower_bound() const { return static_cast<double>(std::ranges::min(bounds_)) * (1 - rounding); }
+
+private:
+    bool finds_face(std::size_t level, std::size_t number) {
+        const Squares squares = squared_distances(mesh_.nodes[mesh_.tree.first[level] + number], unit_box_);
+        constexpr float infinity = std::numeric_limits<float>::infinity();
+        const float most = reach_.squared_in_units;
+        std::uint32_t is_near = 0;
+        for (std::size_t i = 0; i < width; ++i) {
+            is_near |= squares[i] <= most ? 1U << i : 0U;
+            bounds_[i] = std::min(bounds_[i], squares[i] <= most ? infinity : squares[i]);
+        }
+        if (is_near == 0) return false;
+        // The nearest child is the likeliest.
+        const auto nearest = static_cast<std::size_t>(std::ranges::min_element(squares) - squares.begin());
+        if (finds_face_of_child(level, number * width + nearest)) return true;
+        for (is_near &= ~(1U << nearest); is_near != 0; is_near &= is_near - 1)
+            if (finds_face_of_child(level, number * width + static_cast<std::size_t>(std::countr_zero(is_near))))
+                return true;
+        return false;
+    }
+
+    bool finds_face_of_child(std::size_t level, std::size_t child) {
+        if (level > 0) return finds_face(level - 1, child);
+        const std::size_t end = std::min((child + 1) * width, mesh_.face_count());
+        const double per_unit = 1 / mesh_.lattice.unit;
+        for (std::size_t face = child * width; face < end; ++face) {
+            const double squared = squared_distance(mesh_.corners(face), box_, reach_.squared);
+            if (squared <= reach_.squared) return true;
+            bounds_[0] = std::min(bounds_[0], static_cast<float>(squared * per_unit * per_unit));
+        }
+        return false;
+    }
+
+    const PointMesh& mesh_;
+    const Box& box_;
+    UnitBox unit_box_;
+    const Reach& reach_;
+    Squares bounds_ = all_infinite();
+};
+
+Vec3 centre_of(const Box& box) {
+    Vec3 centre;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        centre[axis] =
+            std::clamp(box.lower[axis] + (box.upper[axis] / 2 - box.lower[axis] / 2), box.lower[axis], box.upper[axis]);
+    return centre;
+}
+
+bool holds(const Box& box, const Vec3& p) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (p[axis] < box.lower[axis] || p[axis] > box.upper[axis]) return false;
+    return true;
+}
+
+double least_side(const Box& box) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t axis = 0; axis < 3; ++axis) least = std::min(least, box.upper[axis] - box.lower[axis]);
+    return least;
+}
+
+}  // namespace
+
+void check_boxes(std::span<const Box> boxes) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const auto& [lower, upper] = boxes[i];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const bool is_finite = std::isfinite(lower[axis]) && std::isfinite(upper[axis]);
+            if (is_finite && lower[axis] <= upper[axis]) continue;
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("box {} from ({}, {}, {}) to ({}, {}, {}) {}", i, lower[0], lower[1], lower[2],
+                                    upper[0], upper[1], upper[2],
+                                    is_finite ? "has its corners exchanged; give the lower one first"
+                                              : "is not finite; clip it or leave it out"));
+        }
+    }
+}
+
+void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
+                 std::span<BoxPlace> places) {
+    if (std::isinf(half_width)) {
+        std::ranges::fill(places, BoxPlace::near);
+        return;
+    }
+    const Reach reach(half_width, mesh.lattice.unit);
+    const bool has_sign = rule != SignRule::none;
+    UninitializedVector<double> bounds(boxes.size());
+    for_each_index(boxes.size(), [&](std::size_t i) {
+        Search search(mesh, boxes[i], reach);
+        places[i] = search.finds_face() ? BoxPlace::near : has_sign ? BoxPlace::outside : BoxPlace::far;
+        bounds[i] = search.lower_bound();
+    });
+    if (!has_sign) return;
+
+    // A box that the surface does not meet lies on the side of its centre.
+    std::vector<std::uint32_t> open;
+    std::vector<Vec3> centres;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        if (places[i] == BoxPlace::near) continue;
+        const Vec3 centre = centre_of(boxes[i]);
+        if (!holds(mesh.box, centre)) continue;
+        open.push_back(static_cast<std::uint32_t>(i));
+        centres.push_back(centre);
+    }
+    const UninitializedVector<std::uint32_t> order = curve_order(centres, mesh.box);
+    UninitializedVector<Vec3> centres_in_units(open.size());
+    UninitializedVector<double> squared(open.size());
+    std::vector<std::uint8_t> signs(open.size(), CLSDF_POINT_UNDECIDED);
+    for_each_index(open.size(), [&](std::size_t i) {
+        const std::uint32_t number = order[i];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            centres_in_units[i][axis] = (centres[number][axis] - mesh.lattice.origin[axis]) / mesh.lattice.unit;
+        // The box holds a ball around its centre, and the surface is as far from the box as its bound says.
+        const double distance =
+            std::sqrt(bounds[open[number]]) + least_side(boxes[open[number]]) / 2 / mesh.lattice.unit;
+        squared[i] = distance * distance;
+    });
+    find_signs(mesh, rule, {centres, order, centres_in_units, squared}, signs);
+    for_each_index(open.size(), [&](std::size_t i) {
+        if (signs[i] == CLSDF_POINT_INSIDE) places[open[order[i]]] = BoxPlace::inside;
+    });
+}
+
+}  // namespace clsdf::points
