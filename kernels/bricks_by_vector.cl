@@ -183,13 +183,14 @@ typedef struct Scratch {
 // The host allocates CLSDF_SCRATCH_BYTES for it.
 typedef char ScratchFits[sizeof(Scratch) <= CLSDF_SCRATCH_BYTES ? 1 : -1];
 
-// Which of the 64 bricks of a coarse brick lie in the part.
-static inline ulong bricks_of_part(Layout layout, int3 coarse) {
+// Which of the 64 bricks of a coarse brick lie in the part, and are wanted.
+static inline ulong bricks_of_part(Layout layout, int3 coarse, Output output) {
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     ulong in_part = 0;
     for (uint b = 0; b < 64; ++b) {
         const int3 relative = brick_of_coarse(coarse, b) - brick_first;
-        in_part |= (ulong)(all(relative >= 0) && all(relative < bricks)) << b;
+        if (all(relative >= 0) && all(relative < bricks))
+            in_part |= (ulong)(*mark_of(layout, brick_of_coarse(coarse, b), output) != CLSDF_UNWANTED_BRICK) << b;
     }
     return in_part;
 }
@@ -228,7 +229,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
                                         float coarse_cap, __global const Polyhedron* polyhedra,
                                         __global Scratch* scratch, __global Minimum* minima, Output output,
                                         __private ulong* counters) {
-    const ulong in_part = bricks_of_part(layout, coarse);
+    const ulong in_part = bricks_of_part(layout, coarse, output);
     const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
     BrickCaps caps;
     bool has_caps = false;

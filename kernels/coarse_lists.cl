@@ -7,6 +7,7 @@
 // What touches what is found once, by counting, and kept for filling.
 
 #include "coarse_caps.h"
+#include "face_sources.h"
 #include "request.h"
 
 INLINE uint share_of(uint count, uint number, uint numbers) {
@@ -19,6 +20,12 @@ typedef struct Found {
     uint room, count;
     __global uint* histogram;  // of the part: a counter for each coarse brick
 } Found;
+
+// The first record of cluster c of those that are looked at: all, or the records of `groups`.
+INLINE uint first_of_cluster(__global const uint* groups, int has_groups, uint c) {
+    const uint n = c * LANES;
+    return has_groups ? groups[n / CLSDF_RECORD_GROUP] * CLSDF_RECORD_GROUP + n % CLSDF_RECORD_GROUP : n;
+}
 
 // Of a cluster and those bricks of a group, which starts at `start`, that are `near`. base: the number of the group's
 // first brick in the part, negative if it lies before.
@@ -40,11 +47,12 @@ INLINE void find_touches(Layout layout, __global const Polyhedron* polyhedra, Cl
 }
 
 // Counts each part's entries of each brick, and finds its touches. Launch `step` of `steps` takes its share of each
-// part. `uniform_caps`: no cap is below the half width.
-__kernel void coarse_count(Layout layout, uint count, __global const Polyhedron* polyhedra, __global const float* caps,
-                           int uniform_caps, __global const uint* touch_starts, __global Touch* touches,
-                           __global uint* touch_counts, __global uint* histograms, __global uint* counts, uint step,
-                           uint steps) {
+// part. count: of all records; clusters: of those that are looked at. has_groups: those of `groups` are, else all.
+// `uniform_caps`: no cap is below the half width.
+__kernel void coarse_count(Layout layout, uint count, uint clusters, __global const Polyhedron* polyhedra,
+                           int has_groups, __global const uint* groups, __global const float* caps, int uniform_caps,
+                           __global const uint* touch_starts, __global Touch* touches, __global uint* touch_counts,
+                           __global uint* histograms, __global uint* counts, uint step, uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const size_t bricks = coarse_brick_count(layout);
@@ -58,13 +66,15 @@ __kernel void coarse_count(Layout layout, uint count, __global const Polyhedron*
     float greatest = layout.half_width;
     for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) store_lanes((floatL)layout.half_width, v, group_caps);
 
-    const uint clusters = (count + LANES - 1) / LANES;
     const uint begin = share_of(clusters, part, parts), own = share_of(clusters, part + 1, parts) - begin;
     const uint end = begin + share_of(own, step + 1, steps);
     for (uint c = begin + share_of(own, step, steps); c < end; ++c) {
-        for (uint lane = 0; lane < LANES; ++lane) request(polyhedra + min((c + 2) * LANES + lane, count - 1));
+        const uint ahead = first_of_cluster(groups, has_groups, min(c + 2, clusters - 1));
+        for (uint lane = 0; lane < LANES; ++lane) request(polyhedra + min(ahead + lane, count - 1));
+        const uint n = first_of_cluster(groups, has_groups, c);
+        if (n >= count) continue;  // the last group may have fewer records
         Cluster cluster;
-        find_cluster(layout, polyhedra, c * LANES, min(count - c * LANES, (uint)LANES), &cluster);
+        find_cluster(layout, polyhedra, n, min(count - n, (uint)LANES), &cluster);
         CoarseRange range = bricks_within(layout, cluster, reach);
         // Groups begin with the range, or, where each brick has its own cap, where the caps' groups do.
         int3 start = uniform_caps ? range.low : range.low & ~3;

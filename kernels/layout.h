@@ -25,6 +25,9 @@
 #define CLSDF_NO_TRIANGLE 0xFFFFFFFFu
 #define CLSDF_NO_POLYHEDRON 0xFFFFFFFFu
 
+// A brick's mark is 0 until it is computed. Bricks with this one need not be computed and are not filled.
+#define CLSDF_UNWANTED_BRICK 2
+
 // What the counting variant of the kernels adds up: a set of counters for each work-item.
 #define CLSDF_COUNT_BRICK_PAIRS 0
 #define CLSDF_COUNT_LANES 1

@@ -121,17 +121,18 @@ INLINE void find_crossings(Layout layout, SweepVertex a, SweepVertex b, SweepVer
     }
 }
 
-// Each work-item takes a range of the triangles [begin, end): those with few rows now, the numbers of the others to
-// `large`. Keys: 2 k + (1 where the surface faces -x), k the first sample at or after the crossing, counted from the
-// first brick's first sample and clamped to [0, row_length].
+// Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there:
+// those with few rows now, the numbers of the others to `large`. Keys: 2 k + (1 where the surface faces -x), k the
+// first sample at or after the crossing, counted from the first brick's first sample and clamped to [0, row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
                              uint capacity, __global SweepRecord* records, __global SweepTotals* totals,
-                             __global uint* large) {
+                             __global uint* large, int has_chosen, __global const uint* chosen) {
     const uint part = get_global_id(0), parts = get_global_size(0), count = end - begin;
     const uint own_end = begin + (uint)((ulong)count * (part + 1) / parts);
     Writer writer = {row_counts, records, capacity, totals, 0, 0};
-    for (uint t = begin + (uint)((ulong)count * part / parts); t < own_end; ++t) {
+    for (uint n = begin + (uint)((ulong)count * part / parts); n < own_end; ++n) {
+        const uint t = has_chosen ? chosen[n] : n;
         const SweepVertex a = vertices[triangles[3 * t]], b = vertices[triangles[3 * t + 1]],
                           c = vertices[triangles[3 * t + 2]];
         const RowRange rows = rows_within(layout, a, b, c, bits_y, bits_z);

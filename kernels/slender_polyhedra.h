@@ -147,9 +147,43 @@ INLINE void widths_at(const LaneTriangles* t, uint slopes, floatL height, float 
     for (uint edge = 0; edge < 3; ++edge) widths[edge] = t->words[slopes + edge] * height + margin;
 }
 
-// Which of a coarse brick's polyhedra are slender; `absent`: which have no samples there. cap: of its distances.
+// The samples of a coarse brick whose bricks lie in the part, in units from its first sample, limits included.
+typedef struct PartOfCoarse {
+    bool is_whole;
+    float3 from, to;
+} PartOfCoarse;
+
+static inline PartOfCoarse part_of_coarse(Layout layout, int3 coarse) {
+    const int3 begin = (vload3(0, layout.brick_first) - coarse * CLSDF_BRICKS_PER_COARSE) * CLSDF_BRICK,
+               end = begin + vload3(0, layout.bricks) * CLSDF_BRICK;
+    const int3 low = max(begin, (int3)(0)), high = min(end, (int3)(CLSDF_COARSE)) - 1;
+    PartOfCoarse part;
+    part.is_whole = all(low == 0) && all(high == CLSDF_COARSE - 1);
+    part.from = convert_float3(low) * vload3(0, layout.spacing);
+    part.to = convert_float3(high) * vload3(0, layout.spacing);
+    return part;
+}
+
+// Which triangles may be within the cap of a sample of the part: their balls are, around the feet of their altitudes.
+INLINE intL reaches_part(Layout layout, const LaneTriangles* t, const PartOfCoarse* part, float cap, float margin) {
+    const floatL right = t->words[NUMBER_BASE + CLSDF_HALF_RIGHT], left = t->words[NUMBER_BASE + CLSDF_HALF_LEFT];
+    const floatL longer = GREATER(right, left), slanted = 0.8661f * (right + left);
+    const floatL far = GREATER(longer, slanted) * (1.0f + 1.0e-4f) + (cap * (1.0f + 1.0e-4f) + margin);
+    const float from[3] = {part->from.x, part->from.y, part->from.z}, to[3] = {part->to.x, part->to.y, part->to.z};
+    floatL squared = 0.0f;
+#pragma unroll
+    for (uint axis = 0; axis < 3; ++axis) {
+        const floatL foot = t->to_origin[axis] * layout.spacing[axis] + t->words[WORD_FOOT + axis];
+        const floatL below = from[axis] - foot, above = foot - to[axis], beyond = GREATER(below, above);
+        const floatL gap = GREATER(beyond, (floatL)0.0f);
+        squared += gap * gap;
+    }
+    return squared <= far * far;
+}
+
+// Which of a coarse brick's polyhedra are slender; `absent`: which have no samples in the part. cap: of its distances.
 INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
-                           int3 first, float cap, float slack, uint* absent) {
+                           int3 first, const PartOfCoarse* part, float cap, float slack, uint* absent) {
     LaneTriangles t;
     load_triangles(polyhedra, numbers, first, &t);
     const float margin = margin_of(slack);
@@ -181,7 +215,11 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
 #pragma unroll
     for (uint axis = 0; axis < 3; ++axis)
         regular &= fabs(t.to_origin[axis] - 0.5f * (CLSDF_COARSE - 1)) <= SLENDER_REACH;
-    return lanes_to_bits(regular & present & ~wide);
+    const intL slender = regular & present & ~wide;
+    if (part->is_whole) return lanes_to_bits(slender);
+    const intL near = reaches_part(layout, &t, part, cap, margin);
+    *absent |= lanes_to_bits(slender & ~near);
+    return lanes_to_bits(slender & near);
 }
 
 // The lines below and above six points (a, u), of which three are a section. Any step will do; tight is that of the

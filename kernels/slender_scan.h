@@ -211,6 +211,7 @@ static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count
                               half_height(cap, margin_of(slack)),
                               polyhedra,
                               minima};
+    const PartOfCoarse part = part_of_coarse(layout, coarse);
     SlenderQueue queue;
     queue.count = 0;
     uint other_count = 0;
@@ -220,7 +221,8 @@ static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count
         for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead) request(polyhedra + entries[ahead]);
         const uint in_list = lanes_in_list(e, count);
         uint absent;
-        const uint chosen = in_list & choose_slender(layout, polyhedra, numbers, scan.first, cap, slack, &absent);
+        const uint chosen =
+            in_list & choose_slender(layout, polyhedra, numbers, scan.first, &part, cap, slack, &absent);
         const uint other = in_list & ~(chosen | absent);
         const uintL all = load_lanes(0, numbers);
         store_lanes(packed(all, other), 0, others + other_count);

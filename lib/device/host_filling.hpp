@@ -5,8 +5,21 @@
 #include <cstddef>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace clsdf::device {
+
+/// Few values that kernels read, copied at once: to write them to a buffer of the pool would wait for all that was
+/// enqueued before. There must be one at least.
+template <class Value>
+cl::Buffer copied(const Context& context, const std::vector<Value>& values) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it is read only
+    auto* const data = const_cast<Value*>(values.data());
+    return guarded([&] {
+        return cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, values.size() * sizeof(Value),
+                          data);
+    });
+}
 
 /// A buffer that the host fills: in place, as on a processor, whose memory is the host's, or by way of an array that is
 /// copied at the end.

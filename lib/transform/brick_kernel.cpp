@@ -1,5 +1,7 @@
 #include "transform/brick_kernel.hpp"
 
+#include "device/host_filling.hpp"
+
 #include <algorithm>
 
 namespace clsdf::transform {
@@ -19,11 +21,7 @@ BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device:
         pairs = 0;
         begin = i + 1;
     }
-    // Four bytes a coarse brick, copied at once: to write them to a buffer of the pool would wait for all that was
-    // enqueued before. NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): it is read only
-    if (!lists.order.empty())
-        order_ = cl::Buffer(context.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
-                            lists.order.size() * sizeof(cl_uint), const_cast<cl_uint*>(lists.order.data()));
+    if (!lists.order.empty()) order_ = device::copied(context, lists.order);
     if (counter_sets > 0) counters_ = pool->lease(counter_sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
 }
 

@@ -1,11 +1,14 @@
 #include "transform/brick_scan.hpp"
 
 #include "core/per_output.hpp"
+#include "device/host_filling.hpp"
 #include "transform/brick_kernel.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/layout_of.hpp"
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 namespace clsdf::transform {
 
@@ -17,18 +20,40 @@ constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
 // where so many slices would take too long.
 constexpr std::size_t slices_of_a_group = 32;
 
+/// The first marks of a part's bricks: 0 for those that overlap wanted blocks of the lattice.
+std::vector<cl_uchar> marks_of(const Layout& layout, std::span<const Grid> wanted) {
+    std::vector<cl_uchar> marks(brick_count(layout), CLSDF_UNWANTED_BRICK);
+    for (const Grid& block : wanted) {
+        const Layout of_block = bricks_of(block);
+        std::array<std::int32_t, 3> begin{}, end{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int32_t first = of_block.brick_first[axis] - layout.brick_first[axis];
+            begin[axis] = std::max(first, 0);
+            end[axis] = std::min(first + of_block.bricks[axis], layout.bricks[axis]);
+        }
+        for (std::int32_t z = begin[2]; z < end[2]; ++z)
+            for (std::int32_t y = begin[1]; y < end[1]; ++y) {
+                const auto row = marks.begin() + (std::ptrdiff_t{z} * layout.bricks[1] + y) * layout.bricks[0];
+                if (begin[0] < end[0]) std::fill(row + begin[0], row + end[0], cl_uchar{0});
+            }
+    }
+    return marks;
+}
+
 class BrickScan final : public FieldScan {
 public:
     BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-              const Layout& layout, const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
-              const cl::Buffer& sign_bits, const Finishing* finishing, const BrickVariant& variant,
+              const Layout& layout, const PreparedMesh& mesh, const RecordSelection& selection,
+              const std::shared_ptr<const SurfacePoints>& points, const cl::Buffer& sign_bits,
+              const Finishing* finishing, const BrickVariant& variant, std::span<const Grid> wanted,
               const ShortLaunches& launches)
         : layout_(layout),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
           fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
           fill_group_slices_(programs.body == KernelBody::by_group ? 1 : slices_of_a_group),
-          lists_(make_coarse_lists(context, programs, pool, layout, mesh, points, launches)),
+          lists_(make_coarse_lists(context, programs, pool, layout, mesh, selection, points, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
+        if (!wanted.empty()) first_marks_ = device::copied(context, marks_of(layout, wanted));
         const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_, finishing};
         const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
         bricks_ = make(context, programs, pool, inputs, variant);
@@ -51,7 +76,12 @@ public:
     double fraction_before(std::size_t launch) const override { return bricks_->fraction_before(launch); }
 
     void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) override {
-        chain.then_fill(*computed_, brick_count(layout_));
+        if (first_marks_() == nullptr)
+            chain.then_fill(*computed_, brick_count(layout_));
+        else
+            chain.then([&](auto& queue, auto* wait, auto* event) {
+                queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, brick_count(layout_), wait, event);
+            });
         bricks_->enqueue_reset(chain, outputs);
         fill_kernel_.setArg(fill_distance, outputs.distance);
         outputs_ = outputs;
@@ -77,6 +107,7 @@ public:
     void describe(TransformStatistics& statistics) const override {
         statistics.coarse_pairs = lists_.pairs;
         statistics.coarse_bricks = lists_.order.size();
+        if (first_marks_() != nullptr) statistics.device_bytes += computed_.bytes();
         statistics.device_bytes += bricks_->device_bytes() + lists_.caps.bytes() + lists_.starts.bytes() +
                                    lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
     }
@@ -123,6 +154,7 @@ private:
     cl::NDRange fill_group_ = cl::NullRange;
     CoarseLists lists_;
     device::BufferPool::Lease computed_;
+    cl::Buffer first_marks_;  ///< of the bricks; null: all 0
     std::unique_ptr<BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
     cl::Kernel leave_kernel_;
@@ -134,11 +166,13 @@ private:
 
 std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
                                            const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                                           const PreparedMesh& mesh, const std::shared_ptr<const SurfacePoints>& points,
+                                           const PreparedMesh& mesh, const RecordSelection& selection,
+                                           const std::shared_ptr<const SurfacePoints>& points,
                                            const cl::Buffer& sign_bits, const Finishing* finishing,
-                                           const BrickVariant& variant, const ShortLaunches& launches) {
-    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, points, sign_bits, finishing, variant,
-                                       launches);
+                                           const BrickVariant& variant, std::span<const Grid> wanted,
+                                           const ShortLaunches& launches) {
+    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, selection, points, sign_bits, finishing,
+                                       variant, wanted, launches);
 }
 
 }  // namespace clsdf::transform

@@ -113,7 +113,10 @@ private:
     enum CountArgument : cl_uint {
         count_layout,
         count_count,
+        count_clusters,
         count_polyhedra,
+        count_has_groups,
+        count_groups,
         count_caps,
         count_uniform_caps,
         count_touch_starts,
@@ -140,20 +143,25 @@ private:
     /// many passes that took.
     std::size_t find_touches(const cl::Buffer& caps, const cl::Buffer& starts) {
         const auto counts = job_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
+        const bool has_groups = job_.selection.groups() != nullptr;
+        const std::size_t records =
+            has_groups ? job_.selection.group_count * polyhedra::record_group : job_.records.record_count;
+        const std::size_t clusters = (records + job_.programs.lanes - 1) / job_.programs.lanes;
         cl::Kernel kernel(job_.programs.coarse_lists, "coarse_count");
         kernel.setArg(count_layout, job_.layout);
         kernel.setArg(count_count, static_cast<cl_uint>(job_.records.record_count));
+        kernel.setArg(count_clusters, static_cast<cl_uint>(clusters));
         kernel.setArg(count_polyhedra, *job_.records.polyhedra);
+        kernel.setArg(count_has_groups, cl_int{has_groups ? 1 : 0});
+        kernel.setArg(count_groups, has_groups ? job_.selection.groups : *job_.records.polyhedra);
         kernel.setArg(count_caps, caps);
         kernel.setArg(count_uniform_caps, cl_int{has_uniform_caps(job_.layout) ? 1 : 0});
         kernel.setArg(count_touch_counts, *touch_counts_);
         kernel.setArg(count_histograms, *histograms_);
         kernel.setArg(count_counts, *counts);
-        const std::size_t clusters = (job_.records.record_count + job_.programs.lanes - 1) / job_.programs.lanes;
         const double seconds = seconds_of_a_cluster(job_.layout) * static_cast<double>(clusters);
-        const std::size_t expected =
-            std::min(expected_touches(job_.layout, job_.programs.lanes) * job_.records.record_count,
-                     job_.context.capabilities().largest_allocation / sizeof(Touch) / 2);
+        const std::size_t expected = std::min(expected_touches(job_.layout, job_.programs.lanes) * records,
+                                              job_.context.capabilities().largest_allocation / sizeof(Touch) / 2);
         // The first room is a guess. Where there is no memory for it, touches are only counted at first.
         std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
         if (auto guess = job_.pool->lease_if_it_fits(bytes_of(room), touches_purpose))
@@ -283,10 +291,10 @@ bool has_uniform_caps(const Layout& layout) {
 
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const PreparedMesh& records, const std::shared_ptr<const SurfacePoints>& points,
-                              const ShortLaunches& launches) {
+                              const PreparedMesh& records, const RecordSelection& selection,
+                              const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches) {
     return device::guarded([&] {
-        const ListJob job{context, programs, pool, layout, records, launches};
+        const ListJob job{context, programs, pool, layout, records, selection, launches};
         PointsInUse in_use(context, points);
         CoarseLists lists;
         lists.caps = find_caps(job, points.get());

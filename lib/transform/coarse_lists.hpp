@@ -34,6 +34,7 @@ struct ListJob {
     const std::shared_ptr<device::BufferPool>& pool;
     const Layout& layout;
     const PreparedMesh& records;
+    const RecordSelection& selection;
     const ShortLaunches& launches;
 
     const cl::CommandQueue& queue() const { return context.queue(); }
@@ -47,10 +48,10 @@ std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, Coa
 /// below it.
 bool has_uniform_caps(const Layout& layout);
 
-/// `points`: as in Inputs.
+/// `points`, `selection`: as in Inputs.
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
                               const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const PreparedMesh& records, const std::shared_ptr<const SurfacePoints>& points,
-                              const ShortLaunches& launches);
+                              const PreparedMesh& records, const RecordSelection& selection,
+                              const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches);
 
 }  // namespace clsdf::transform

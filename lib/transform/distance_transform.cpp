@@ -5,6 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
+#include "transform/layout_of.hpp"
 #include "transform/output_targets.hpp"
 #include "transform/slabs.hpp"
 #include "transform/transform_state.hpp"
@@ -44,7 +45,8 @@ void DistanceTransform::State::compute(transform::PlanState& plan, const transfo
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
                                        const transform::HostArrays& arrays, bool in_place, std::vector<Grid> slabs,
-                                       transform::SlabPipeline& pipeline, const CallOptions& call) {
+                                       std::span<const Grid> wanted, transform::SlabPipeline& pipeline,
+                                       const CallOptions& call) {
     TransformStatistics statistics;
     transform::Compiling compiling(call, options.log);
     std::unique_ptr<transform::PlanState> plan;
@@ -60,7 +62,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         transform::throw_if_stopped(call);
         compile(grid, band, outputs, call.count, compiling);
         pool->restart_peak();
-        if (slabs.size() == 1) plan = take_plan(grid, band, outputs, call.count);
+        if (slabs.size() == 1) plan = take_plan(grid, band, outputs, wanted, call.count);
         if (!plan) set_inputs();
     }
     const auto samples = static_cast<double>(grid.sample_count());
@@ -81,7 +83,13 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             } else {
                 pipeline.place_own(slot, slab, arrays);
             }
-            if (!plan) plan = make_plan(inputs_of_grid, slab, band, outputs, call, compiling);
+            if (!plan) {
+                // A part of the grid needs a part of what the grid needs.
+                transform::Inputs inputs_of_slab = inputs_of_grid;
+                if (count < grid.sample_count())
+                    stages->select(slab, transform::layout_of(slab, band, sign), inputs_of_slab);
+                plan = make_plan(std::move(inputs_of_slab), slab, band, outputs, wanted, call, compiling);
+            }
             transform::throw_if_stopped(call);
             compute(*plan, slot, static_cast<double>(done) / samples, static_cast<double>(done + count) / samples,
                     call);
@@ -172,9 +180,9 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
     transform::Compiling compiling(call, state.options.log);
     state.compile(grid, band, outputs, call.count, compiling);
     const Stopwatch watch;
-    transform::Inputs inputs = state.inputs(grid, band, outputs);
+    transform::Inputs inputs = state.inputs(grid, band, outputs, true);
     const double seconds = watch.seconds();
-    auto made = state.make_plan(std::move(inputs), grid, band, outputs, call, compiling);
+    auto made = state.make_plan(std::move(inputs), grid, band, outputs, {}, call, compiling);
     made->statistics.polyhedra_seconds = seconds;
     state.report(compiling, made->statistics);
     if (call.statistics != nullptr) *call.statistics = made->statistics;
@@ -193,11 +201,12 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
                                      true);
     const transform::SlabLimits limits =
         in_place ? transform::limits_of(context.capabilities()) : transform::stream_limits_of(context.capabilities());
-    compute(grid, band, outputs, targets.arrays(), in_place, transform::slabs_of(grid, limits), pipeline, call);
+    compute(grid, band, outputs, targets.arrays(), in_place, transform::slabs_of(grid, limits), {}, pipeline, call);
 }
 
 void DistanceTransform::State::compute(const transform::Batch& batch, std::span<const Request> requests,
-                                       std::span<const transform::HostTargets> targets, const CallOptions& call) {
+                                       std::span<const transform::HostTargets> targets,
+                                       transform::SlabPipeline& pipeline, const CallOptions& call) {
     const std::size_t any = batch.requests.front();
     const Request& request = requests[any];
     const Outputs outputs = transform::outputs_of(request.targets);
@@ -206,15 +215,11 @@ void DistanceTransform::State::compute(const transform::Batch& batch, std::span<
         return;
     }
     const device::Context& context = device::context_of(device);
-    const auto store = [&](const Grid& part, const transform::HostArrays& values) {
-        constexpr std::size_t stretch = 8;
-        for_each_stretch(batch.requests.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
-            for (std::size_t n = begin; n < end; ++n) targets[batch.requests[n]].store(part, values);
-        });
-    };
-    transform::SlabPipeline pipeline(context, pool, store, true);
+    std::vector<Grid> wanted;
+    for (const std::size_t n : batch.requests) wanted.push_back(requests[n].grid);
     compute(batch.block, request.band, outputs, targets[any].arrays(), false,
-            transform::slabs_of(batch.block, transform::stream_limits_of(context.capabilities())), pipeline, call);
+            transform::slabs_of(batch.block, transform::stream_limits_of(context.capabilities())), wanted, pipeline,
+            call);
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
@@ -229,14 +234,25 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
     const std::vector<transform::Batch> batches = transform::batches_of(requests, targets, state.mesh().box());
     double cost = 0, done = 0;
     for (const transform::Batch& batch : batches) cost += batch.cost;
+    const device::Context& context = device::context_of(state.device);
+    const transform::Batch* computed = nullptr;
+    const auto store = [&](const Grid& part, const transform::HostArrays& values) {
+        constexpr std::size_t stretch = 8;
+        for_each_stretch(computed->requests.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
+            for (std::size_t n = begin; n < end; ++n) targets[computed->requests[n]].store(part, values);
+        });
+    };
+    // On a processor the next slab would take the cores that store the one before.
+    transform::SlabPipeline pipeline(context, state.pool, store, !context.capabilities().is_processor);
     TransformStatistics total;
     for (const transform::Batch& batch : batches) {
+        computed = &batch;
         TransformStatistics statistics;
         CallOptions of_batch = call;
         of_batch.statistics = &statistics;
         if (call.progress)
             of_batch.progress = [&](double fraction) { call.progress((done + batch.cost * fraction) / cost); };
-        state.compute(batch, requests, targets, of_batch);
+        state.compute(batch, requests, targets, pipeline, of_batch);
         transform::add_call(total, statistics);
         done += batch.cost;
     }
@@ -255,7 +271,7 @@ void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const 
     };
     transform::SlabPipeline pipeline(context, state.pool, hand_on, options.overlap);
     state.compute(grid, band, outputs, transform::arrays_for(outputs), false,
-                  transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), pipeline, call);
+                  transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), {}, pipeline, call);
 }
 
 std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {

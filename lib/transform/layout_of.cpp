@@ -65,10 +65,7 @@ float squared_limit(double half_width) {
 
 }  // namespace
 
-Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
-    grid.validate();
-    band.validate();
-    check_range(grid, band);
+Layout bricks_of(const Grid& grid) {
     Layout layout{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::int64_t first = grid.first[axis];
@@ -88,6 +85,14 @@ Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
         range(CLSDF_COARSE, layout.coarse_first[axis], layout.coarse_bricks[axis]);
     }
     layout.sign_words = (layout.bricks[0] + 3) / 4;
+    return layout;
+}
+
+Layout layout_of(const Grid& grid, const Band& band, SignRule sign) {
+    grid.validate();
+    band.validate();
+    check_range(grid, band);
+    Layout layout = bricks_of(grid);
 
     const double unit = unit_of(grid);
     const double inside = (sign == SignRule::none ? 0 : band.inside) / unit;

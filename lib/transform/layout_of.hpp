@@ -15,6 +15,9 @@ namespace clsdf::transform {
 /// kernels' range.
 Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
 
+/// Of such a layout where the samples, bricks and coarse bricks lie alone.
+Layout bricks_of(const Grid& grid);
+
 /// How polyhedra see the lattice.
 polyhedra::LatticeView lattice_of(const Grid& grid);
 

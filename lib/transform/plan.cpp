@@ -27,38 +27,31 @@ PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_
       grid(grid_in),
       band(band_in),
       sign(sign_in),
-      outputs(outputs_in) {
+      outputs(outputs_in),
+      wanted(options.wanted) {
     const Stopwatch watch;
     device::Context& context = device::context_of(device);
     const Layout layout = layout_of(grid, band, sign);
     const ShortLaunches launches(context, between_launches);
     Stopwatch sign_watch;
-    SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), sign, launches);
-    const auto finish_sign = [&] {
-        SignBits signs = sweep.finish();
-        sign_bits_ = std::move(signs.bits);
-        has_large_triangles = signs.has_large_triangles;
-        statistics.sign_seconds += sign_watch.seconds();
-    };
-    // To wait is dear on a GPU: there the host waits for the sign and the lists together.
-    const bool waits_once = programs.body == KernelBody::by_group;
-    if (waits_once)
-        statistics.sign_seconds = sign_watch.seconds();
-    else
-        finish_sign();
-    const cl::Buffer sign_bits = waits_once ? sweep.bits() : *sign_bits_;
+    SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches);
+    statistics.sign_seconds = sign_watch.seconds();
+    const cl::Buffer sign_bits = sweep.bits();
     const PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
         const BrickVariant variant{outputs != Outputs{}, options.count, has_long_bricks(grid)};
-        scan_ = options.method
-                    ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
-                    : make_brick_scan(context, programs, pool, layout, records, inputs.points, sign_bits,
-                                      finishing_ ? &*finishing_ : nullptr, variant, launches);
-        if (waits_once) {
-            sign_watch = Stopwatch();
-            finish_sign();
-        }
+        scan_ =
+            options.method
+                ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
+                : make_brick_scan(context, programs, pool, layout, records, inputs.selection, inputs.points, sign_bits,
+                                  finishing_ ? &*finishing_ : nullptr, variant, options.wanted, launches);
+        // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
+        sign_watch = Stopwatch();
+        SignBits signs = sweep.finish();
+        sign_bits_ = std::move(signs.bits);
+        has_large_triangles = signs.has_large_triangles;
+        statistics.sign_seconds += sign_watch.seconds();
         context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
         context.queue().flush();
     });

@@ -15,6 +15,7 @@ namespace clsdf::transform {
 struct PlanOptions {
     bool count = false;  ///< see CallOptions::count
     std::shared_ptr<const FieldMethod> method{};
+    std::vector<Grid> wanted{};  ///< blocks of the lattice outside which samples may be left undefined; empty: none are
 };
 
 /// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
@@ -45,6 +46,7 @@ struct PlanState {
     Band band;
     SignRule sign;
     Outputs outputs;
+    std::vector<Grid> wanted;  ///< see PlanOptions
     TransformStatistics statistics;
     bool has_large_triangles = false;  ///< see SignBits
 

@@ -15,7 +15,12 @@ namespace {
 
 enum SumsArgument : cl_uint { sums_count, sums_values, sums_sums };
 enum OffsetsArgument : cl_uint { offsets_parts, offsets_sums };
+/// Of the launch that writes the starts, also of few values, whose only sum is the total.
 enum WriteArgument : cl_uint { write_count, write_values, write_sums, write_starts };
+
+/// On a processor so few values are summed by one launch, because three take longer to start. (The self-test's field
+/// has sums of more values, too.)
+constexpr std::size_t few_values = 512;
 
 /// A part is a work-item's on a processor: some hundred values, and few enough parts for one work-item to scan their
 /// sums. On a GPU it is a work-group's.
@@ -33,7 +38,8 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
     : what_(what),
       context_(context),
       queue_(context.queue()),
-      parts_(parts_of(count, programs.body == KernelBody::by_group)),
+      is_few_(programs.body != KernelBody::by_group && count <= few_values),
+      parts_(is_few_ ? 0 : parts_of(count, programs.body == KernelBody::by_group)),
       one_part_(programs.body == KernelBody::by_group ? common_group : 1),
       all_parts_(programs.body == KernelBody::by_group ? parts_ * common_group : parts_),
       total_(std::make_unique<cl_ulong>(0)) {
@@ -43,6 +49,14 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
     device::guarded([&] {
         sums_ = pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
         const auto values_count = static_cast<cl_uint>(count);
+        if (is_few_) {
+            write_kernel_ = cl::Kernel(programs.scan, "scan_few");
+            write_kernel_.setArg(write_count, values_count);
+            write_kernel_.setArg(write_values, values);
+            write_kernel_.setArg(write_sums, *sums_);
+            write_kernel_.setArg(write_starts, starts);
+            return;
+        }
         sum_kernel_ = cl::Kernel(programs.scan, "scan_sums");
         sum_kernel_.setArg(sums_count, values_count);
         sum_kernel_.setArg(sums_values, values);
@@ -61,9 +75,13 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
 void PrefixSums::enqueue() {
     device::guarded([&] {
         const cl::NDRange group(common_group);
-        queue_.enqueueNDRangeKernel(sum_kernel_, cl::NullRange, all_parts_, group);
-        queue_.enqueueNDRangeKernel(offset_kernel_, cl::NullRange, one_part_, one_part_);
-        queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, all_parts_, group);
+        if (is_few_) {
+            queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
+        } else {
+            queue_.enqueueNDRangeKernel(sum_kernel_, cl::NullRange, all_parts_, group);
+            queue_.enqueueNDRangeKernel(offset_kernel_, cl::NullRange, one_part_, one_part_);
+            queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, all_parts_, group);
+        }
         queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof *total_, total_.get(), nullptr,
                                  &total_read_);
     });

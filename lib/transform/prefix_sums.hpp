@@ -31,7 +31,8 @@ private:
     const char* what_;
     const device::Context& context_;
     cl::CommandQueue queue_;
-    std::size_t parts_;
+    bool is_few_;
+    std::size_t parts_;      ///< 0 if the values are few
     cl::NDRange one_part_;   ///< work-items of a launch that scans the parts' sums
     cl::NDRange all_parts_;  ///< of the others
     device::BufferPool::Lease sums_;

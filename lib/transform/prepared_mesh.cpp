@@ -89,6 +89,23 @@ PreparedMesh finish_with_sites(RecordFilling& filling, std::size_t count, const 
 
 }  // namespace
 
+RecordSelection select_records(const device::Context& context, const polyhedra::MeshTopology& topology,
+                               const polyhedra::NearRecords& near) {
+    std::vector<cl_uint> groups;
+    const auto add = [&](const polyhedra::RecordRange& range, std::size_t first_group) {
+        for (std::size_t record = range.begin; record < range.end; record += polyhedra::record_group)
+            groups.push_back(static_cast<cl_uint>(first_group + record / polyhedra::record_group));
+    };
+    for (const polyhedra::RecordRange& range : near.faces) add(range, 0);
+    const std::size_t first_site = in_whole_record_groups(topology.order.size()) / polyhedra::record_group;
+    for (const polyhedra::RecordRange& range : near.sites) add(range, first_site);
+    RecordSelection selection;
+    selection.group_count = groups.size();
+    if (groups.empty()) groups.push_back(0);
+    selection.groups = device::copied(context, groups);
+    return selection;
+}
+
 void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared) {
     prepared.triangle_count = topology.order.size();
     prepared.polyhedron_count = topology.order.size() + frusta.sites.size();

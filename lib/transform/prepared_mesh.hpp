@@ -42,6 +42,17 @@ struct PreparedMesh {
     virtual std::size_t device_bytes() const { return polyhedra.bytes(); }
 };
 
+/// Those of a lattice's records that matter to a grid, if they are few: their groups (polyhedra::record_group),
+/// ascending.
+struct RecordSelection {
+    cl::Buffer groups;  ///< null: all records matter
+    std::size_t group_count = 0;
+};
+
+/// Of all records, which all_records() or first_geometry() made.
+RecordSelection select_records(const device::Context& context, const polyhedra::MeshTopology& topology,
+                               const polyhedra::NearRecords& near);
+
 /// Sets the numbers that belong to the whole mesh.
 void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared);
 

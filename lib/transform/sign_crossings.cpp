@@ -38,18 +38,19 @@ constexpr std::size_t most_strips = 64;
 class CrossingSearch::Launches {
 public:
     Launches(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-             const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches)
+             const Layout& layout, const SweepMesh& mesh, const SweepSelection& selection,
+             const ShortLaunches& launches)
         : context_(context),
           queue_(context.queue()),
           programs_(programs),
           pool_(pool),
           row_count_(sign_row_count(layout)),
-          triangle_count_(mesh.triangle_count),
+          triangle_count_(selection.triangles() != nullptr ? selection.count : mesh.triangle_count),
           parts_(programs.parallel_parts(context, 1)),
           launches_(launches),
           row_counts_(pool->lease(row_count_ * sizeof(cl_uint), "counts of the sign's crossings")),
           totals_(pool->lease(sizeof(SweepTotals), "totals of the sign's sweep")),
-          large_(pool->lease(mesh.triangle_count * sizeof(cl_uint), "large triangles of the sign's sweep")),
+          large_(pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
           small_kernel_(programs.sign_sweep, "sign_crossings"),
           large_kernel_(programs.sign_sweep, "sign_crossings_of_large") {
         Layout seen = layout;  // from where the mesh's x is counted
@@ -64,6 +65,9 @@ public:
             kernel->setArg(arg_totals, *totals_);
             kernel->setArg(arg_large, *large_);
         }
+        const bool has_chosen = selection.triangles() != nullptr;
+        small_kernel_.setArg(arg_has_chosen, cl_int{has_chosen ? 1 : 0});
+        small_kernel_.setArg(arg_chosen, has_chosen ? selection.triangles : mesh.triangles());
     }
 
     Launches(const Launches&) = delete;
@@ -107,7 +111,7 @@ public:
     }
 
 private:
-    /// Of both kernels.
+    /// Of both kernels, but for the last two.
     enum Argument : cl_uint {
         arg_layout,
         arg_begin,
@@ -120,7 +124,9 @@ private:
         arg_capacity,
         arg_records,
         arg_totals,
-        arg_large
+        arg_large,
+        arg_has_chosen,
+        arg_chosen
     };
 
     void find_large(const SweepTotals& totals) {
@@ -178,8 +184,8 @@ private:
 
 CrossingSearch::CrossingSearch(device::Context& context, const Programs& programs,
                                const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                               const SweepMesh& mesh, const ShortLaunches& launches)
-    : search_(std::make_unique<Launches>(context, programs, pool, layout, mesh, launches)) {
+                               const SweepMesh& mesh, const SweepSelection& selection, const ShortLaunches& launches)
+    : search_(std::make_unique<Launches>(context, programs, pool, layout, mesh, selection, launches)) {
     const std::size_t rows = sign_row_count(layout);
     crossings_.starts = pool->lease((rows + 1) * sizeof(cl_uint), "starts of the sign's crossings");
     const std::size_t most = std::min<std::size_t>(context.capabilities().largest_allocation / sizeof(SweepRecord),

@@ -25,7 +25,8 @@ class CrossingSearch {
 public:
     /// Enqueues the search and does not wait for it. The arguments must outlive this.
     CrossingSearch(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-                   const Layout& layout, const SweepMesh& mesh, const ShortLaunches& launches);
+                   const Layout& layout, const SweepMesh& mesh, const SweepSelection& selection,
+                   const ShortLaunches& launches);
     CrossingSearch(const CrossingSearch&) = delete;
     CrossingSearch& operator=(const CrossingSearch&) = delete;
     ~CrossingSearch();

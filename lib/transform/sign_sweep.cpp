@@ -48,16 +48,18 @@ device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& 
 
 SignSweep::SignSweep(device::Context& context, const Programs& programs,
                      const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh* mesh,
-                     SignRule rule, const ShortLaunches& launches)
+                     const SweepSelection& selection, SignRule rule, const ShortLaunches& launches)
     : context_(context), programs_(programs), pool_(pool), layout_(layout), rule_(rule), launches_(launches) {
     device::guarded([&] {
         const std::size_t bytes =
             sign_row_count(layout) * static_cast<std::size_t>(layout.sign_words) * sizeof(cl_uint);
         result_.bits = pool->lease(bytes, "sign bits");
-        if (mesh == nullptr || mesh->triangle_count == 0)
+        const bool is_empty =
+            mesh == nullptr || mesh->triangle_count == 0 || (selection.triangles() != nullptr && selection.count == 0);
+        if (is_empty)
             context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
         else
-            search_ = std::make_unique<CrossingSearch>(context, programs, pool, layout, *mesh, launches);
+            search_ = std::make_unique<CrossingSearch>(context, programs, pool, layout, *mesh, selection, launches);
     });
 }
 

@@ -27,7 +27,8 @@ class SignSweep {
 public:
     /// Enqueues the search for the crossings. Without a mesh all bits are 0. The arguments must outlive this.
     SignSweep(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-              const Layout& layout, const SweepMesh* mesh, SignRule rule, const ShortLaunches& launches);
+              const Layout& layout, const SweepMesh* mesh, const SweepSelection& selection, SignRule rule,
+              const ShortLaunches& launches);
 
     /// Where the bits will be.
     const cl::Buffer& bits() const { return *result_.bits; }

@@ -128,7 +128,9 @@ SlabPipeline::~SlabPipeline() {
 }
 
 SlabPipeline::Slot& SlabPipeline::next() {
-    Slot& slot = slots_[turn_++ % slots_.size()];
+    // A sink that is not called meanwhile leaves the slot free.
+    const bool takes_turns = !sink_ || policy_ != std::launch::deferred;
+    Slot& slot = slots_[takes_turns ? turn_++ % slots_.size() : 0];
     if (slot.delivered_.valid()) slot.delivered_.get();
     return slot;
 }
@@ -151,7 +153,7 @@ void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wan
 
 void SlabPipeline::take_back(Slot& slot) {
     slot = {};
-    --turn_;
+    if (turn_ > 0) --turn_;
 }
 
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {

@@ -80,13 +80,8 @@ std::size_t Stages::Lattice::bytes() const {
            (points ? points->size() * sizeof(SurfacePoint) : 0);
 }
 
-Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
-               std::shared_ptr<const FieldMethod> method, cl::Program mesh_records)
-    : context_(context),
-      pool_(std::move(pool)),
-      mesh_records_(std::move(mesh_records)),
-      mesh_(std::move(mesh)),
-      method_(std::move(method)) {}
+Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
+    : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
 
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
@@ -117,8 +112,8 @@ const polyhedra::ClusterIndex& Stages::index() {
 }
 
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
-    if (mesh_records_() == nullptr || method_ || !is_plain(mesh_, lattice)) return nullptr;
-    const DeviceSetUp job{context_, pool_, mesh_records_};
+    if (options_.mesh_records() == nullptr || options_.method || !is_plain(mesh_, lattice)) return nullptr;
+    const DeviceSetUp job{context_, pool_, options_.mesh_records};
     if (!names_) names_ = std::make_shared<const DeviceFaces::Names>(upload_names(job, topology()));
     if (!faces_) faces_ = std::make_shared<const DeviceFaces>(upload_faces(job, names_, frusta()));
     return faces_;
@@ -127,8 +122,8 @@ std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::Lattice
 PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
     if (const auto faces = device_faces(lattice)) {
         const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
-        return records_on_device({context_, pool_, mesh_records_}, *faces, topology(), frusta(), lattice, {&all, 1},
-                                 {&sites, 1});
+        return records_on_device({context_, pool_, options_.mesh_records}, *faces, topology(), frusta(), lattice,
+                                 {&all, 1}, {&sites, 1});
     }
     if (frusta_) return transform::all_records(context_, pool_, topology(), *frusta_, lattice);
     FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, lattice);
@@ -138,8 +133,8 @@ PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
 
 PreparedMesh Stages::near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near) {
     if (const auto faces = device_faces(lattice))
-        return records_on_device({context_, pool_, mesh_records_}, *faces, topology(), frusta(), lattice, near.faces,
-                                 near.sites);
+        return records_on_device({context_, pool_, options_.mesh_records}, *faces, topology(), frusta(), lattice,
+                                 near.faces, near.sites);
     return transform::near_records(context_, pool_, topology(), frusta(), lattice, near);
 }
 
@@ -149,33 +144,63 @@ Stages::Lattice& Stages::lattice(const Grid& grid) {
             lattices_.splice(lattices_.begin(), lattices_, it);
             return lattices_.front();
         }
-    lattices_.push_front({grid.origin, grid.spacing, nullptr, nullptr, nullptr});
+    lattices_.push_front({grid.origin, grid.spacing, nullptr, nullptr, nullptr, 0, 0});
     return lattices_.front();
 }
 
-Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign) {
+Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
     try {
         check_distance(mesh_, lattice_of(grid));
         Inputs inputs;
-        if (method_)
-            inputs.records = method_->prepare(*this, grid, layout);
+        if (options_.method)
+            inputs.records = options_.method->prepare(*this, grid, layout);
         else
-            set_records(grid, layout, inputs);
-        if (sign != SignRule::none) set_sweep_mesh(grid, layout, inputs);
+            set_records(grid, layout, lone, inputs);
+        if (sign != SignRule::none) set_sweep_mesh(grid, layout, lone, inputs);
         return inputs;
     } catch (const std::bad_alloc&) {
         throw preparation_error(mesh_);
     }
 }
 
-void Stages::set_records(const Grid& grid, const Layout& layout, Inputs& inputs) {
+bool Stages::is_shared(bool is_kept, std::size_t packed, double most_share) const {
+    if (!options_.has_selections) return false;
+    return is_kept || (static_cast<double>(packed) > most_share * static_cast<double>(index_->face_count()) &&
+                       device_bytes() + record_bytes() <= budget());
+}
+
+std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box) {
+    if (!is_small(share_of(mesh_.box(), box))) return std::nullopt;
+    polyhedra::NearRecords near = index().near(box);
+    if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
+        return std::nullopt;
+    return near;
+}
+
+std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
+    if (!is_bounded(layout)) return std::nullopt;
+    return near_box(widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout)));
+}
+
+std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
+    if (!frusta_ || !is_within_sweep(mesh_, grid)) return std::nullopt;
+    // Rows run along x: what they cross on the way to the samples.
+    Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
+    box.lower[0] = -std::numeric_limits<double>::infinity();
+    return near_box(widened(box, grid.voxel()));
+}
+
+void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
     const polyhedra::LatticeView view = lattice_of(grid);
-    const Box box = widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout));
     Lattice& kept = lattice(grid);
-    if (is_bounded(layout) && is_small(share_of(mesh_.box(), box))) {
-        const polyhedra::NearRecords near = index().near(box);
-        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
-            inputs.records = std::make_shared<const PreparedMesh>(near_records(view, near));
+    if (const auto near = near_bricks(grid, layout)) {
+        // All cores pack all of them, and one those of a small grid.
+        if (!lone && is_shared(kept.records != nullptr, kept.faces_packed + near->face_count, 0.25)) {
+            inputs.selection = select_records(context_, topology(), *near);
+        } else {
+            inputs.records = std::make_shared<const PreparedMesh>(near_records(view, *near));
+            if (!lone) kept.faces_packed += near->face_count;
+        }
     }
     if (!inputs.records && !kept.records) kept.records = std::make_shared<const PreparedMesh>(all_records(view));
     if (!inputs.records) inputs.records = kept.records;
@@ -184,24 +209,36 @@ void Stages::set_records(const Grid& grid, const Layout& layout, Inputs& inputs)
     inputs.points = kept.points;
 }
 
-void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inputs) {
-    // Rows run along x: what they cross on the way to the samples.
-    Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
-    box.lower[0] = -std::numeric_limits<double>::infinity();
-    box = widened(box, grid.voxel());
-    if (frusta_ && is_small(share_of(mesh_.box(), box)) && is_within_sweep(mesh_, grid)) {
-        const polyhedra::NearRecords near = index().near(box);
-        if (is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count()))) {
-            inputs.sweep_mesh = std::make_shared<const SweepMesh>(
-                near_sweep_mesh(context_, pool_, grid, mesh_, topology(), near.faces));
-            return;
-        }
-    }
+void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
     Lattice& kept = lattice(grid);
+    const auto near = near_rows(grid, layout);
+    // A small grid's faces have three vertices each, those of all half of one.
+    if (near && (lone || !is_shared(kept.sweep_mesh != nullptr, kept.faces_swept + near->face_count, 0.1))) {
+        inputs.sweep_mesh =
+            std::make_shared<const SweepMesh>(near_sweep_mesh(context_, pool_, grid, mesh_, topology(), near->faces));
+        if (!lone) kept.faces_swept += near->face_count;
+        return;
+    }
     if (!kept.sweep_mesh)
         kept.sweep_mesh = std::make_shared<const SweepMesh>(
-            make_sweep_mesh(context_, pool_, grid, mesh_, mesh_records_, device_faces(lattice_of(grid))));
+            make_sweep_mesh(context_, pool_, grid, mesh_, options_.mesh_records, device_faces(lattice_of(grid))));
     inputs.sweep_mesh = kept.sweep_mesh;
+    if (near) inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
+}
+
+void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
+    if (!options_.has_selections || options_.method) return;
+    try {
+        const Lattice& kept = lattice(part);
+        if (inputs.records == kept.records)
+            if (const auto near = near_bricks(part, layout))
+                inputs.selection = select_records(context_, topology(), *near);
+        if (inputs.sweep_mesh && inputs.sweep_mesh == kept.sweep_mesh)
+            if (const auto near = near_rows(part, layout))
+                inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
+    } catch (const std::bad_alloc&) {
+        throw preparation_error(mesh_);
+    }
 }
 
 std::shared_ptr<const DeviceSites> Stages::sites(bool with_normals) {
@@ -247,6 +284,10 @@ std::shared_ptr<const points::FaceSides> Stages::face_sides(SignRule sign, bool 
     } catch (const std::bad_alloc&) {
         throw preparation_error(mesh_);
     }
+}
+
+std::size_t Stages::budget() const {
+    return options_.kept_bytes.value_or(std::max(2 * record_bytes(), std::size_t{1} << 28));
 }
 
 void Stages::keep_within(std::size_t budget) {

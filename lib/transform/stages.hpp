@@ -30,8 +30,10 @@ namespace clsdf::transform {
 /// What the computation of a grid reads.
 struct Inputs {
     std::shared_ptr<const PreparedMesh> records;
+    RecordSelection selection;                    ///< those that matter; null for all, and with another method
     std::shared_ptr<const SurfacePoints> points;  ///< null if the band is so narrow that no bound would be below it
     std::shared_ptr<const SweepMesh> sweep_mesh;  ///< null if the field has no sign
+    SweepSelection sweep_selection;               ///< its triangles that matter
     std::shared_ptr<const DeviceSites> sites;     ///< null for the distance alone
     bool is_inside_out = false;                   ///< the faces look inwards
 };
@@ -48,14 +50,22 @@ struct Inputs {
 ///     face sides     + sign rule                         the same, once many points are asked for
 ///     scanned mesh   + frusta                            the same, once many points are asked for
 ///
-/// A grid that is small beside the mesh gets records of what is near it, which are not kept. The field has the same
-/// bytes either way. For one thread at a time.
+/// A grid that is small beside the mesh gets records of what is near it, which are not kept. If many such grids of a
+/// lattice are asked for, all records of the lattice are made and kept, and each grid gets a selection of them. The
+/// field has the same bytes either way. For one thread at a time.
 class Stages {
 public:
-    /// `method` is null for leaned polyhedra scanned by bricks. `mesh_records`: the program, with which a device with
-    /// memory of its own makes the records; null on processors.
-    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh,
-           std::shared_ptr<const FieldMethod> method = {}, cl::Program mesh_records = {});
+    struct Options {
+        std::shared_ptr<const FieldMethod> method{};  ///< null for leaned polyhedra scanned by bricks
+        /// The program, with which a device with memory of its own makes the records; null on processors.
+        cl::Program mesh_records{};
+        bool has_selections = false;              ///< the lists can be made of a part of the records
+        std::optional<std::size_t> kept_bytes{};  ///< see TransformOptions
+    };
+
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh)
+        : Stages(context, std::move(pool), std::move(mesh), Options()) {}
 
     device::Context& context() const { return context_; }
     const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
@@ -66,8 +76,12 @@ public:
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
 
-    /// Throws Error(invalid_argument, unsupported or out_of_memory).
-    Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign);
+    /// lone: what a small grid gets is its own, and holds nothing that is not near it. Throws Error(invalid_argument,
+    /// unsupported or out_of_memory).
+    Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone = false);
+
+    /// Selects those of a grid's inputs that matter to a part of it, unless they are most. Throws Error(out_of_memory).
+    void select(const Grid& part, const Layout& layout, Inputs& inputs);
 
     /// What finishing reads, with pseudonormals if the gradient is asked for. Throws Error(out_of_memory).
     std::shared_ptr<const DeviceSites> sites(bool with_normals);
@@ -82,6 +96,8 @@ public:
     /// rule is the same in all calls.
     std::shared_ptr<const points::FaceSides> face_sides(SignRule sign, bool is_found);
 
+    /// What may be kept on the device, in bytes.
+    std::size_t budget() const;
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
 
@@ -97,6 +113,9 @@ private:
         std::shared_ptr<const PreparedMesh> records;
         std::shared_ptr<const SweepMesh> sweep_mesh;
         std::shared_ptr<const SurfacePoints> points;
+        /// Faces that small grids needed records of, or the sweep's triangles, while there were none of all.
+        std::size_t faces_packed = 0;
+        std::size_t faces_swept = 0;
 
         std::size_t bytes() const;
     };
@@ -108,14 +127,21 @@ private:
     PreparedMesh near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
-    void set_records(const Grid& grid, const Layout& layout, Inputs& inputs);
-    void set_sweep_mesh(const Grid& grid, const Layout& layout, Inputs& inputs);
+    /// What a grid needs of the mesh, for its coarse bricks' lists or for its rows' crossings; nothing if that is more
+    /// than half of the mesh.
+    std::optional<polyhedra::NearRecords> near_box(const Box& box);
+    std::optional<polyhedra::NearRecords> near_bricks(const Grid& grid, const Layout& layout);
+    std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);
+    /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made. `packed`: the
+    /// faces that grids of the lattice needed so far.
+    bool is_shared(bool is_kept, std::size_t packed, double most_share) const;
+    void set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
+    void set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
 
     device::Context& context_;
     std::shared_ptr<device::BufferPool> pool_;
-    cl::Program mesh_records_;  // null on processors
+    Options options_;
     Mesh mesh_;
-    std::shared_ptr<const FieldMethod> method_;
     std::shared_ptr<const polyhedra::MeshTopology> topology_;
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none

@@ -178,6 +178,21 @@ bool expects_large_triangles(const Grid& grid, const Mesh& mesh) {
     return false;
 }
 
+SweepSelection select_triangles(const device::Context& context, const SweepMesh& mesh,
+                                const polyhedra::MeshTopology& topology, const polyhedra::NearRecords& near) {
+    std::vector<cl_uint> numbers;
+    numbers.reserve(near.face_count + 1);
+    for (const polyhedra::RecordRange& range : near.faces)
+        for (std::size_t face = range.begin; face < range.end; ++face)
+            // The device's faces are in the topology's order, and the mesh's triangles in the caller's.
+            numbers.push_back(mesh.faces ? static_cast<cl_uint>(face) : topology.order[face]);
+    SweepSelection selection;
+    selection.count = numbers.size();
+    if (numbers.empty()) numbers.push_back(0);
+    selection.triangles = device::copied(context, numbers);
+    return selection;
+}
+
 const cl::Buffer& SweepMesh::triangles() const {
     return faces ? *faces->names->triangles : *own_triangles;
 }

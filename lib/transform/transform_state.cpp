@@ -21,9 +21,9 @@ constexpr std::size_t most_plans = 4;
 }  // namespace
 
 bool DistanceTransform::State::KeptPlan::fits(const Grid& grid, const Band& band, const Outputs& outputs,
-                                              bool counts) const {
+                                              std::span<const Grid> wanted, bool counts) const {
     return plan->grid == grid && plan->band.inside == band.inside && plan->band.outside == band.outside &&
-           plan->outputs == outputs && count == counts;
+           plan->outputs == outputs && count == counts && std::ranges::equal(plan->wanted, wanted);
 }
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call)
@@ -36,8 +36,10 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions op
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
-    stages = std::make_unique<transform::Stages>(device::context_of(device), pool, std::move(mesh), options.method,
-                                                 programs.mesh_records);
+    stages = std::make_unique<transform::Stages>(
+        device::context_of(device), pool, std::move(mesh),
+        transform::Stages::Options{options.method, programs.mesh_records, programs.body == KernelBody::by_vector,
+                                   options.kept_bytes});
 }
 
 DistanceTransform::State::~State() {
@@ -114,12 +116,14 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
     return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
 }
 
-transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
-    return make_room_for([&] { return make_inputs(grid, band, outputs); });
+transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs,
+                                                   bool lone) {
+    return make_room_for([&] { return make_inputs(grid, band, outputs, lone); });
 }
 
-transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, const Outputs& outputs) {
-    transform::Inputs inputs = stages->inputs(grid, transform::layout_of(grid, band, sign), sign);
+transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, const Outputs& outputs,
+                                                        bool lone) {
+    transform::Inputs inputs = stages->inputs(grid, transform::layout_of(grid, band, sign), sign, lone);
     if (outputs == Outputs{} || options.method) return inputs;
     inputs.sites = stages->sites(outputs.gradient);
     inputs.is_inside_out = topology.balanced && inputs.sites->encloses_negative_volume;
@@ -128,11 +132,13 @@ transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const 
 
 std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(transform::Inputs inputs, const Grid& grid,
                                                                           const Band& band, const Outputs& outputs,
+                                                                          std::span<const Grid> wanted,
                                                                           const CallOptions& call,
                                                                           transform::Compiling& compiling) {
-    auto plan = std::make_unique<transform::PlanState>(device, pool, programs, std::move(inputs), grid, band, sign,
-                                                       outputs, transform::PlanOptions{call.count, options.method},
-                                                       [&call] { transform::throw_if_stopped(call); });
+    auto plan = std::make_unique<transform::PlanState>(
+        device, pool, programs, std::move(inputs), grid, band, sign, outputs,
+        transform::PlanOptions{call.count, options.method, {wanted.begin(), wanted.end()}},
+        [&call] { transform::throw_if_stopped(call); });
     // Only the sweep sees whether triangles are large.
     if (plan->has_large_triangles) {
         transform::TestCase large = test_case_of(grid, band, outputs, call.count);
@@ -144,9 +150,11 @@ std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(transf
 }
 
 std::unique_ptr<transform::PlanState> DistanceTransform::State::take_plan(const Grid& grid, const Band& band,
-                                                                          const Outputs& outputs, bool count) {
-    const auto found = std::find_if(plans.begin(), plans.end(),
-                                    [&](const KeptPlan& kept) { return kept.fits(grid, band, outputs, count); });
+                                                                          const Outputs& outputs,
+                                                                          std::span<const Grid> wanted, bool count) {
+    const auto found = std::find_if(plans.begin(), plans.end(), [&](const KeptPlan& kept) {
+        return kept.fits(grid, band, outputs, wanted, count);
+    });
     if (found == plans.end()) return nullptr;
     std::unique_ptr<transform::PlanState> plan = std::move(found->plan);
     plans.erase(found);
@@ -163,7 +171,7 @@ void DistanceTransform::State::keep(std::unique_ptr<transform::PlanState> plan, 
 }
 
 void DistanceTransform::State::keep_within_budget() {
-    const std::size_t budget = options.kept_bytes.value_or(std::max(2 * stages->record_bytes(), std::size_t{1} << 28));
+    const std::size_t budget = stages->budget();
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;
     for (auto kept = plans.begin(); kept != plans.end();) {

@@ -27,7 +27,8 @@ struct DistanceTransform::State {
         bool count;
         std::unique_ptr<transform::PlanState> plan;
 
-        bool fits(const Grid& grid, const Band& band, const Outputs& outputs, bool counts) const;
+        bool fits(const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
+                  bool counts) const;
     };
 
     State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call);
@@ -44,13 +45,15 @@ struct DistanceTransform::State {
     bool compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
                  transform::Compiling& compiling) const;
 
-    transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs);
+    /// lone: see Stages::inputs().
+    transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone = false);
+    /// wanted: see PlanOptions.
     std::unique_ptr<transform::PlanState> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
-                                                    const Outputs& outputs, const CallOptions& call,
-                                                    transform::Compiling& compiling);
+                                                    const Outputs& outputs, std::span<const Grid> wanted,
+                                                    const CallOptions& call, transform::Compiling& compiling);
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::PlanState> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
-                                                    bool count);
+                                                    std::span<const Grid> wanted, bool count);
     /// Keeps a plan for the next call, and what it and others are made of, within the budget.
     void keep(std::unique_ptr<transform::PlanState> plan, bool count);
     /// Forgets plans, and what they and others are made of, beyond the budget.
@@ -75,13 +78,15 @@ struct DistanceTransform::State {
     void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostTargets& targets,
                  const CallOptions& call);
 
-    /// The block of a batch, slab by slab, of which each request takes its own.
+    /// The block of a batch, slab by slab, to the pipeline's sink; of one request, to its targets.
     void compute(const transform::Batch& batch, std::span<const Request> requests,
-                 std::span<const transform::HostTargets> targets, const CallOptions& call);
+                 std::span<const transform::HostTargets> targets, transform::SlabPipeline& pipeline,
+                 const CallOptions& call);
 
-    /// Slab by slab, into the arrays or, if not in place, to the sink.
+    /// Slab by slab, into the arrays or, if not in place, to the sink. wanted: see PlanOptions.
     void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
-                 bool in_place, std::vector<Grid> slabs, transform::SlabPipeline& pipeline, const CallOptions& call);
+                 bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted,
+                 transform::SlabPipeline& pipeline, const CallOptions& call);
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();
@@ -110,7 +115,7 @@ private:
     void move_vertices(std::vector<Vec3> positions);
     transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
     bool test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
-    transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs);
+    transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone);
 
     /// For a query of `count` points.
     points::PointInputs point_inputs(const Outputs& outputs, std::size_t count);

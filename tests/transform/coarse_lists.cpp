@@ -66,8 +66,9 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     const transform::Inputs inputs = stages.inputs(grid, layout, SignRule::none);
     const transform::PreparedMesh& prepared = *inputs.records;
     found.polyhedra = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);
-    const transform::CoarseLists coarse = transform::make_coarse_lists(
-        context, programs, pool, layout, prepared, inputs.points, transform::ShortLaunches(context, {}));
+    const transform::CoarseLists coarse =
+        transform::make_coarse_lists(context, programs, pool, layout, prepared, inputs.selection, inputs.points,
+                                     transform::ShortLaunches(context, {}));
     found.passes = coarse.passes;
     found.peak = pool->peak();
     const std::size_t bricks = transform::coarse_brick_count(layout);

@@ -79,7 +79,7 @@ BOOST_AUTO_TEST_CASE(a_device_makes_the_records_that_the_host_writes) {
             Grid grid = Grid::around(mesh, 48, band);
             if (seed % 3 == 0) grid.spacing[seed % 2] *= 0.7;
             if (seed % 7 == 0) grid.origin[0] -= 1e9 * grid.spacing[0];  // far: the host writes all
-            transform::Stages plain(context, pool, mesh), stages(context, pool, mesh, {}, program);
+            transform::Stages plain(context, pool, mesh), stages(context, pool, mesh, {{}, program});
             const Made whole = made_by(stages, context, grid, band);
             check_same(whole, made_by(plain, context, grid, band));
             BOOST_TEST(whole.on_device == (seed % 7 != 0));

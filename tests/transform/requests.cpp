@@ -111,6 +111,42 @@ BOOST_AUTO_TEST_CASE(boxes_of_three_levels_have_the_bytes_of_calls_of_their_own)
     }
 }
 
+// The first of them get polyhedra of their own; later ones share those of the lattice, and select from them.
+BOOST_AUTO_TEST_CASE(small_grids_one_after_the_other_have_the_bytes_of_the_whole) {
+    constexpr std::uint64_t seed = 20261124;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh mesh = make_shape("sphere5");
+    const Grid grid = grid_around(mesh, 96, 4);
+    const Band narrow = Band::symmetric(3 * grid.voxel()), wide = Band::symmetric(25 * grid.voxel());
+    for (const Band& band : {narrow, wide}) {
+        const Outputs outputs{.triangle = true};
+        const Field whole = DistanceTransform(test_device(), mesh)(grid, band, outputs);
+        const DistanceTransform kept(test_device(), mesh), forgetful(test_device(), mesh, {.kept_bytes = 0});
+        for (int n = 0; n < 60; ++n) {
+            Index3 first{}, size{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                size[axis] = 1 + static_cast<std::int64_t>(random.index(20));
+                first[axis] =
+                    static_cast<std::int64_t>(random.index(static_cast<std::size_t>(grid.size[axis] - size[axis])));
+            }
+            for (const DistanceTransform* transform : {&kept, &forgetful}) {
+                const Field part = (*transform)(grid.part(first, size), band, outputs);
+                std::size_t at = 0;
+                for (std::int64_t z = first[2]; z < first[2] + size[2]; ++z)
+                    for (std::int64_t y = first[1]; y < first[1] + size[1]; ++y)
+                        for (std::int64_t x = first[0]; x < first[0] + size[0]; ++x, ++at) {
+                            const std::size_t of_whole = grid.offset(x, y, z);
+                            BOOST_REQUIRE(std::memcmp(&part.distance[at], &whole.distance[of_whole], 4) == 0);
+                            BOOST_REQUIRE(part.triangle[at] == whole.triangle[of_whole]);
+                        }
+            }
+        }
+        BOOST_TEST(kept.memory().device_bytes > 280 * mesh.triangles().size());
+        BOOST_TEST(forgetful.memory().device_bytes == 0U);
+    }
+}
+
 // All patches of a grid together are the grid, and are computed as one block.
 BOOST_AUTO_TEST_CASE(patches_that_fill_a_grid_are_computed_once) {
     const Mesh mesh = make_shape("sphere4");
