@@ -1,6 +1,6 @@
 // Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). One call
-// computes all patches of a level, ghost samples included. The transform says which patches the surface may cross: these
-// are refined.
+// computes all patches of a level, ghost samples included. The transform says which patches the surface may cross:
+// these are refined.
 
 #include <clsdf/clsdf.hpp>
 

@@ -225,13 +225,24 @@ void DistanceTransform::State::compute(const transform::Batch& batch, std::span<
 void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
                                 const CallOptions& call) const {
     grid.validate();
+    if (targets.distance.device != nullptr) {
+        const Request request{grid, band, targets};
+        compute_on_device({&request, 1}, call);
+        return;
+    }
     state().compute(grid, band, transform::outputs_of(targets), transform::HostTargets(targets, grid), call);
 }
 
 void DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
     State& state = this->state();
+    if (!requests.empty() && requests.front().targets.distance.device != nullptr) {
+        compute_on_device(requests, call);
+        return;
+    }
     const std::vector<transform::HostTargets> targets = transform::targets_of(requests);
-    const std::vector<transform::Batch> batches = transform::batches_of(requests, targets, state.mesh().box());
+    std::vector<transform::HostArrays> arrays;
+    for (const transform::HostTargets& target : targets) arrays.push_back(target.arrays());
+    const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, state.mesh().box());
     double cost = 0, done = 0;
     for (const transform::Batch& batch : batches) cost += batch.cost;
     const device::Context& context = device::context_of(state.device);
@@ -257,6 +268,18 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
         done += batch.cost;
     }
     if (call.statistics != nullptr) *call.statistics = total;
+}
+
+void DistanceTransform::compute_on_device(std::span<const Request> requests, const CallOptions& call) const {
+    const device::Context& context = device::context_of(state().device);
+    RequestPlan plan = this->plan(requests, call);
+    device::guarded([&] {
+        const Stopwatch watch;
+        const cl::Event end(plan.enqueue(context.callers_queue()()));
+        end.wait();
+        if (call.statistics != nullptr) call.statistics->field_seconds = watch.seconds();
+    });
+    if (call.progress) call.progress(1.0);
 }
 
 void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,

@@ -87,12 +87,36 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
     return target.strides == packed && (row.components == 1 || target.component_stride == width);
 }
 
+/// Throws if a target's samples do not lie within `bytes` bytes, or not where its elements can.
+void check_reach(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
+    const std::ptrdiff_t width = width_of(target.element);
+    // In double, which no sum of such products overflows.
+    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
+    const auto extend = [&](std::ptrdiff_t stride, double steps) {
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
+    extend(target.component_stride, static_cast<double>(row.components - 1));
+    if (lowest < 0 || highest > static_cast<double>(bytes))
+        throw misuse(
+            fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
+                        "strides, and its memory holds {}",
+                        row.name, lowest, highest, bytes));
+    const auto is_whole = [&](std::ptrdiff_t length) { return length % width == 0; };
+    if (!is_whole(static_cast<std::ptrdiff_t>(target.offset)) || !is_whole(target.component_stride) ||
+        !std::all_of(target.strides.begin(), target.strides.end(), is_whole))
+        throw misuse(
+            fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
+                        "elements' {} bytes",
+                        row.name, width));
+}
+
 void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner, const OutputTarget& target,
                        bool is_packed) {
     if (target.device != nullptr)
         throw Error(ErrorCode::unsupported,
                     fmt::format("the target of the output {} is memory of the device, and this call writes to the "
-                                "host's; use DistanceTransform::plan",
+                                "host's; give all targets memory of the host, or all memory of the device",
                                 row.name));
     const std::ptrdiff_t width = width_of(target.element);
     if (is_packed && target.offset == 0) {
@@ -102,25 +126,7 @@ void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner
                                  target.bytes / static_cast<std::size_t>(width),
                                  static_cast<std::size_t>(grid.sample_count()) * row.components));
     }
-    // In double, which no sum of such products overflows.
-    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
-    const auto extend = [&](std::ptrdiff_t stride, double steps) {
-        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
-    extend(target.component_stride, static_cast<double>(row.components - 1));
-    if (lowest < 0 || highest > static_cast<double>(target.bytes))
-        throw misuse(
-            fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
-                        "strides, and its memory holds {}",
-                        row.name, lowest, highest, target.bytes));
-    const auto is_whole = [&](std::ptrdiff_t bytes) { return bytes % width == 0; };
-    if (!is_whole(static_cast<std::ptrdiff_t>(target.offset)) || !is_whole(target.component_stride) ||
-        !std::all_of(target.strides.begin(), target.strides.end(), is_whole))
-        throw misuse(
-            fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
-                        "elements' {} bytes",
-                        row.name, width));
+    check_reach(row, grid, target, target.bytes);
 }
 
 void require_distance(const OutputTargets& targets) {
@@ -217,7 +223,7 @@ cl::Buffer buffer_from(const OutputRow& row, const cl::Buffer& buffer, std::size
         throw Error(
             ErrorCode::unsupported,
             fmt::format("the target of the output {} begins at byte {} of its buffer; the device can only begin "
-                        "at multiples of {}",
+                        "at multiples of {}; make a plan of requests, which copies",
                         row.name, offset, alignment));
     cl::Buffer parent = buffer;
     if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
@@ -230,11 +236,15 @@ cl::Buffer buffer_from(const OutputRow& row, const cl::Buffer& buffer, std::size
 
 /// Memory of the caller's that is too small, or of another context, would be written past, or fail later and less
 /// clearly.
-void check_device_memory(const OutputRow& row, const OutputTarget& target, const cl::Memory& memory, std::size_t needed,
-                         const device::Context& context) {
+void check_context(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
     if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
         throw misuse(fmt::format("the target of the output {} belongs to another OpenCL context than the plan's device",
                                  row.name));
+}
+
+void check_device_memory(const OutputRow& row, const OutputTarget& target, const cl::Memory& memory, std::size_t needed,
+                         const device::Context& context) {
+    check_context(row, memory, context);
     const std::size_t bytes = memory.getInfo<CL_MEM_SIZE>();
     if (bytes < target.offset || bytes - target.offset < needed)
         throw misuse(
@@ -244,6 +254,36 @@ void check_device_memory(const OutputRow& row, const OutputTarget& target, const
 }
 
 }  // namespace
+
+DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context)
+    : targets_(targets) {
+    require_distance(targets);
+    OutputBuffers buffers;
+    bool is_in_place = true;
+    const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array, cl::Buffer& buffer) {
+            if (!target.is_given()) return;
+            if (target.device == nullptr)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} is memory of the host, and this call writes to "
+                                        "the device's; give all targets memory of the device, or all memory of the "
+                                        "host",
+                                        row.name));
+            resolve_element(row, natural.element, target);
+            const bool is_packed = resolve_strides(row, grid, target);
+            const cl::Buffer memory(target.device, true);
+            check_context(row, memory, context);
+            check_reach(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
+            array = {true, is_in_double(target), nullptr};
+            if (is_in_double(target)) buffers.in_double |= row.bit;
+            is_in_place = is_in_place && is_packed && target.offset % alignment == 0;
+            if (is_in_place) buffer = buffer_from(row, memory, target.offset, packed_bytes(row, target, grid), context);
+        },
+        targets_, elements, arrays_, buffers);
+    if (is_in_place) in_place_ = buffers;
+}
 
 OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
                              const device::Context& context) {
@@ -272,10 +312,11 @@ OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, con
                                         row.name));
             resolve_element(row, natural.element, target);
             if (!resolve_strides(row, grid, target))
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the target of the output {} has strides, which memory of the device cannot "
-                                        "have yet; give it a packed buffer",
-                                        row.name));
+                throw Error(
+                    ErrorCode::unsupported,
+                    fmt::format("the target of the output {} has strides, which a plan of one grid cannot write "
+                                "to; make a plan of requests, or give it a packed buffer",
+                                row.name));
             const cl::Buffer memory(target.device, true);
             const std::size_t bytes = packed_bytes(row, target, grid);
             check_device_memory(row, target, memory, bytes, context);

@@ -6,6 +6,8 @@
 #include "transform/finishing.hpp"
 #include "transform/slab_pipeline.hpp"
 
+#include <optional>
+
 namespace clsdf::transform {
 
 /// The outputs that have a target.
@@ -41,7 +43,25 @@ private:
     bool are_packed_ = true;
 };
 
-/// The caller's device memory for a grid; throws as HostTargets does. expected: those that a plan computes.
+/// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
+class DeviceTargets {
+public:
+    DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context);
+
+    /// With all elements and strides set.
+    const OutputTargets& targets() const { return targets_; }
+    /// Which outputs are asked for, and their elements, without memory.
+    const HostArrays& arrays() const { return arrays_; }
+    /// The targets, if the device can write a packed field there in place.
+    const std::optional<OutputBuffers>& in_place() const { return in_place_; }
+
+private:
+    OutputTargets targets_;
+    HostArrays arrays_;
+    std::optional<OutputBuffers> in_place_;
+};
+
+/// The caller's packed device memory for a grid; throws as HostTargets does. expected: those that a plan computes.
 OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
                              const device::Context& context);
 

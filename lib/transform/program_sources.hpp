@@ -51,6 +51,8 @@ struct ProgramSources {
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
     /// Of many points, by vectors.
     ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
+    /// Of boxes that go to targets with strides.
+    ProgramSource store_source() const { return {"store_boxes.cl", common_options(1)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
     std::vector<ProgramSource> every_source() const;

@@ -47,6 +47,10 @@ cl::Program Programs::bricks(device::Context& context, const BrickVariant& varia
     return compiled(context, bricks_source(variant), watch);
 }
 
+cl::Program Programs::store(device::Context& context, const device::BuildWatch& watch) const {
+    return compiled(context, store_source(), watch);
+}
+
 cl::Program Programs::points(device::Context& context, const device::BuildWatch& watch) const {
     return compiled(context, points_source(), watch);
 }

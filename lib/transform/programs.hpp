@@ -32,6 +32,9 @@ struct Programs : ProgramSources {
     cl::Program bricks(device::Context& context, const BrickVariant& variant,
                        const device::BuildWatch& watch = {}) const;
 
+    /// Of boxes that go to targets with strides.
+    cl::Program store(device::Context& context, const device::BuildWatch& watch = {}) const;
+
     /// Of points anywhere.
     cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
     /// Of many points anywhere, by vectors.

@@ -97,35 +97,49 @@ private:
 };
 
 /// What the requests of a batch have in common.
-auto kind_of(const Request& request, const HostTargets& targets) {
+auto kind_of(const Request& request, const HostArrays& arrays) {
     std::uint32_t in_double = 0;
     for_each_extra([&](const OutputRow& row, const HostArray& array) { in_double |= array.in_double ? row.bit : 0; },
-                   targets.arrays());
+                   arrays);
     return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
                       bits_of(outputs_of(request.targets)), in_double);
 }
 
-}  // namespace
-
-std::vector<HostTargets> targets_of(std::span<const Request> requests) {
-    std::vector<HostTargets> targets;
-    targets.reserve(requests.size());
+/// make(request) for each of them, with its index in the message of what it throws.
+template <class Made, class Make>
+std::vector<Made> made_of(std::span<const Request> requests, const Make& make) {
+    std::vector<Made> all;
+    all.reserve(requests.size());
     for (std::size_t n = 0; n < requests.size(); ++n) {
         try {
             requests[n].grid.validate();
             requests[n].band.validate();
-            targets.emplace_back(requests[n].targets, requests[n].grid);
+            all.push_back(make(requests[n]));
         } catch (const Error& error) {
             throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()),
                         error.opencl_code());
         }
     }
-    return targets;
+    return all;
 }
 
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostTargets> targets, const Box& box) {
-    std::map<decltype(kind_of(requests.front(), targets.front())), std::vector<std::size_t>> kinds;
-    for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], targets[n])].push_back(n);
+}  // namespace
+
+std::vector<HostTargets> targets_of(std::span<const Request> requests) {
+    return made_of<HostTargets>(requests,
+                                [](const Request& request) { return HostTargets(request.targets, request.grid); });
+}
+
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context) {
+    return made_of<DeviceTargets>(requests, [&](const Request& request) {
+        return device::guarded([&] { return DeviceTargets(request.targets, request.grid, context); });
+    });
+}
+
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box) {
+    if (requests.empty()) return {};
+    std::map<decltype(kind_of(requests.front(), arrays.front())), std::vector<std::size_t>> kinds;
+    for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], arrays[n])].push_back(n);
     std::vector<Batch> batches;
     for (auto& [kind, chosen] : kinds) {
         std::vector<Batch> of_kind = Division(requests, box).divide(chosen);

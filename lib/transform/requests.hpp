@@ -19,10 +19,11 @@ struct Batch {
 
 /// Where the outputs of each request go. Throws what a call for it alone would throw, with its index in the message.
 std::vector<HostTargets> targets_of(std::span<const Request> requests);
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context);
 
-/// Each request in one batch. A block has samples that no request asks for, and a call for each request has a cost of
-/// its own: requests of a lattice are divided where that is estimated to be cheaper. The division
-/// changes no byte. box: the mesh's.
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostTargets> targets, const Box& box);
+/// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
+/// asks for, and a call for each request has a cost of its own: requests of a lattice are divided where that is
+/// estimated to be cheaper. The division changes no byte. box: the mesh's.
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box);
 
 }  // namespace clsdf::transform

@@ -19,6 +19,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/program_sources.cpp
           ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/prefix_sums.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/request_plan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/requests.cpp
           ${CMAKE_CURRENT_LIST_DIR}/self_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign_crossings.cpp

@@ -130,13 +130,12 @@ transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const 
     return inputs;
 }
 
-std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(transform::Inputs inputs, const Grid& grid,
-                                                                          const Band& band, const Outputs& outputs,
-                                                                          std::span<const Grid> wanted,
-                                                                          const CallOptions& call,
-                                                                          transform::Compiling& compiling) {
+std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(
+    transform::Inputs inputs, const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
+    const CallOptions& call, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
+    if (!from) from = pool;
     auto plan = std::make_unique<transform::PlanState>(
-        device, pool, programs, std::move(inputs), grid, band, sign, outputs,
+        device, from, programs, std::move(inputs), grid, band, sign, outputs,
         transform::PlanOptions{call.count, options.method, {wanted.begin(), wanted.end()}},
         [&call] { transform::throw_if_stopped(call); });
     // Only the sweep sees whether triangles are large.
@@ -145,7 +144,7 @@ std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(transf
         large.is_large = true;
         test(large, compiling);
     }
-    pool->trim();
+    from->trim();
     return plan;
 }
 

@@ -7,6 +7,7 @@
 #include "transform/call.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/programs.hpp"
+#include "transform/request_plan.hpp"
 #include "transform/requests.hpp"
 #include "transform/self_test.hpp"
 #include "transform/slab_pipeline.hpp"
@@ -47,10 +48,11 @@ struct DistanceTransform::State {
 
     /// lone: see Stages::inputs().
     transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone = false);
-    /// wanted: see PlanOptions.
+    /// wanted: see PlanOptions. from: where its buffers are taken; null: the transform's pool.
     std::unique_ptr<transform::PlanState> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
                                                     const Outputs& outputs, std::span<const Grid> wanted,
-                                                    const CallOptions& call, transform::Compiling& compiling);
+                                                    const CallOptions& call, transform::Compiling& compiling,
+                                                    std::shared_ptr<device::BufferPool> from = nullptr);
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::PlanState> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
                                                     std::span<const Grid> wanted, bool count);
@@ -87,6 +89,9 @@ struct DistanceTransform::State {
     void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
                  bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted,
                  transform::SlabPipeline& pipeline, const CallOptions& call);
+
+    /// Makes the blocks of a plan that has none. (request_plan.cpp)
+    void plan(transform::RequestPlanState& made, const CallOptions& call);
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();

@@ -145,6 +145,30 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
         (memory.read(device::context_of(test_device()).queue()) == bits_of(compute(mesh(), grid(), band()).distance)));
 }
 
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
+    const DistanceTransform transform(test_device(), mesh());
+    const DeviceMemory memory(test_device().context(), grid().sample_count());
+    std::vector<Request> requests;
+    for (std::int64_t z = 0; z < grid().size[2]; ++z) {
+        const Grid slice = grid().part({0, 0, z}, {grid().size[0], grid().size[1], 1});
+        OutputTarget target = memory.handle();
+        target.offset = sizeof(float) * slice.sample_count() * static_cast<std::size_t>(z);
+        requests.push_back({slice, band(), {.distance = target}});
+    }
+    RequestPlan plan = transform.plan(requests);
+    disguise::restart();
+    const cl::Event first(plan.enqueue(nullptr));
+    const cl::Event second(plan.enqueue(nullptr));
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST(counts.blocking_waits == 0U);
+    BOOST_TEST(counts.allocations == 0U);
+    BOOST_TEST(counts.bytes_up == 0U);
+    BOOST_TEST(counts.bytes_down == 0U);
+    second.wait();
+    BOOST_TEST(
+        (memory.read(device::context_of(test_device()).queue()) == bits_of(compute(mesh(), grid(), band()).distance)));
+}
+
 // The call that fails is named, and the plan computes the same field afterwards.
 BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) {
     DistanceTransform transform(test_device(), mesh());

@@ -133,9 +133,12 @@ struct SlabOptions {
     bool overlap = true;
 };
 
+class DistanceTransform;
+
 namespace transform {
 struct PlanState;
-}
+struct RequestPlanState;
+}  // namespace transform
 
 /// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
 /// Holds its own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued.
@@ -164,6 +167,40 @@ private:
     explicit Plan(std::unique_ptr<transform::PlanState> state);
     transform::PlanState& state() const;
     std::unique_ptr<transform::PlanState> state_;
+};
+
+/// Many boxes that are computed again and again into the caller's device memory: DistanceTransform::plan(). Holds its
+/// own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued. One thread
+/// at a time. Once moved from, every member but assignment and the destructor throws Error(invalid_argument).
+class CLSDF_EXPORT RequestPlan {
+public:
+    RequestPlan(RequestPlan&&) noexcept;
+    RequestPlan& operator=(RequestPlan&&) noexcept;
+    ~RequestPlan();
+
+    std::span<const Request> requests() const;
+
+    /// Enqueues the computation of all requests into their targets on the caller's queue (null: the device's own),
+    /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
+    /// which the caller releases. May be called again at once, on any queue of the device's context, in order or not:
+    /// runs of a plan follow one another. Throws Error(device_failure).
+    cl_event enqueue(cl_command_queue queue, std::span<const cl_event> wait_list = {});
+
+    /// Prepares the next runs for the transform's present positions and, unless `grids` is empty, for other places of
+    /// the boxes: one for each request, of any lattice, whose samples fit the same target. Waits for the last run,
+    /// gives the plan's buffers back and makes those that are needed now, so that enqueue() need not. The bytes are
+    /// those of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled); then the plan must be moved
+    /// again before it is enqueued.
+    void move(const DistanceTransform& transform, std::span<const Grid> grids = {}, const CallOptions& call = {});
+
+    /// device_bytes: what the plan has on the device, beside the polyhedra that it shares with the transform.
+    const TransformStatistics& statistics() const;
+
+private:
+    friend class DistanceTransform;
+    explicit RequestPlan(std::unique_ptr<transform::RequestPlanState> state);
+    transform::RequestPlanState& state() const;
+    std::unique_ptr<transform::RequestPlanState> state_;
 };
 
 /// What a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses again.
@@ -224,9 +261,10 @@ public:
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {},
                      const CallOptions& call = {}) const;
 
-    /// The same into the caller's host memory, every output that has a target. After an error what it holds is
-    /// undefined. Throws Error(invalid_argument) for memory that is missing or too small, Error(unsupported) for a kind
-    /// of target that there is no way to yet.
+    /// The same into the caller's memory, every output that has a target, all of the host or all of the device. After
+    /// an error what it holds is undefined. Memory of the device is written to by way of a plan(), and not cancelled
+    /// while samples are computed. Throws Error(invalid_argument) for memory that is missing or too small,
+    /// Error(unsupported) for elements of another type.
     void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {}) const;
 
     /// Many boxes in one call, in any order, of any lattices, bands and outputs: the patches of a refined mesh, with
@@ -280,7 +318,19 @@ public:
     /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
+    /// The same for many boxes, as compute() has them, whose targets are buffers of the device's context: they must not
+    /// overlap, and must outlive the plan. A target may begin at any multiple of its elements' size and have any
+    /// strides; what is not packed, or shares a block with other boxes, is copied there from the plan's own memory.
+    /// Throws Error(invalid_argument, unsupported, out_of_memory or cancelled), with the request's index.
+    RequestPlan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
+
+    /// The statistics().device_bytes of such a plan, which is made and given back. Takes as long as plan().
+    std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
+
 private:
+    friend class RequestPlan;
+    /// Into memory of the device, by way of a plan.
+    void compute_on_device(std::span<const Request> requests, const CallOptions& call) const;
     struct State;
     State& state() const;
     std::unique_ptr<State> state_;

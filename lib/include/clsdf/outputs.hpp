@@ -73,8 +73,8 @@ void visit_outputs(const Visit& visit, Sets&&... sets) {
 /// The elements are those of PerOutput. The closest point may also be stored as floats: then it is the offset from the
 /// sample, whose accuracy does not depend on the size of the coordinates. Other elements are Error(unsupported).
 ///
-/// Samples are packed with x fastest unless strides are given. Strides are for host memory only and cost a copy of the
-/// field; on the device they are Error(unsupported). Memory between the samples is not changed.
+/// Samples are packed with x fastest unless strides are given. Strides cost a copy of the field; Plan::enqueue() has no
+/// memory to copy from and takes packed buffers only. Memory between the samples is not changed.
 struct OutputTarget {
     enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
 
@@ -82,8 +82,8 @@ struct OutputTarget {
     cl_mem device = nullptr;
     std::size_t bytes = 0;  ///< that host memory holds
     Element element = Element::automatic;
-    /// Bytes before the first sample. On the device a multiple of what buffers are aligned to
-    /// (CL_DEVICE_MEM_BASE_ADDR_ALIGN).
+    /// Bytes before the first sample, a multiple of the element's. For Plan::enqueue() a multiple of what buffers are
+    /// aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN); elsewhere others cost a copy of the field.
     std::size_t offset = 0;
     /// Bytes from a sample to the next one along x, y and z; zeros: packed.
     std::array<std::ptrdiff_t, 3> strides{};

@@ -1,0 +1,338 @@
+#include "support/device_memory.hpp"
+#include "support/exact_field.hpp"
+#include "support/random_meshes.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <thread>
+
+// Plans of many boxes, into the caller's device memory: the bytes of compute(), run after run.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+constexpr unsigned char blank = 0xAB;
+
+const device::Context& context() {
+    return device::context_of(test_device());
+}
+cl::CommandQueue callers_queue(cl_command_queue_properties properties = 0) {
+    return {context().context(), context().device(), properties};
+}
+
+/// A target in a buffer of its own, with room before and between the samples, and the bytes it should hold.
+class Target {
+public:
+    Target(const Grid& grid, std::size_t components, std::size_t element, Random& random) : element_(element) {
+        const auto width = static_cast<std::ptrdiff_t>(element);
+        const bool is_packed = random.index(3) == 0, is_turned = random.index(2) == 0;
+        const auto pad = [&] { return is_packed ? 0 : static_cast<std::ptrdiff_t>(random.index(3)); };
+        // Samples, or components, lie side by side; z or x runs fastest.
+        const bool is_split = components > 1 && !is_packed && is_turned;
+        std::ptrdiff_t stride = width * (is_split ? 1 : static_cast<std::ptrdiff_t>(components)) + width * pad();
+        const std::array<std::size_t, 3> order =
+            is_turned && !is_packed ? std::array<std::size_t, 3>{2, 1, 0} : std::array<std::size_t, 3>{0, 1, 2};
+        for (const std::size_t axis : order) {
+            target.strides[axis] = stride;
+            stride = stride * grid.size[axis] + width * pad();
+        }
+        target.component_stride = is_split ? stride : width;
+        target.offset = is_packed ? 0 : element * (1 + random.index(50));
+        const std::size_t bytes =
+            target.offset + static_cast<std::size_t>(stride) * (is_split ? components : 1) + 16 * element;
+        expected.assign(bytes, blank);
+        memory_ = cl::Buffer(context().context(), CL_MEM_READ_WRITE, bytes);
+        target.device = memory_();
+        components_ = components;
+    }
+
+    template <typename Values>
+    void expect(const Grid& grid, const Values& values) {
+        static_assert(sizeof(values[0]) <= 8);
+        BOOST_REQUIRE(sizeof(values[0]) == element_);
+        std::fill(expected.begin(), expected.end(), blank);
+        std::size_t n = 0;
+        for (std::int64_t z = 0; z < grid.size[2]; ++z)
+            for (std::int64_t y = 0; y < grid.size[1]; ++y)
+                for (std::int64_t x = 0; x < grid.size[0]; ++x)
+                    for (std::size_t c = 0; c < components_; ++c, ++n)
+                        std::memcpy(expected.data() + target.offset + x * target.strides[0] + y * target.strides[1] +
+                                        z * target.strides[2] +
+                                        static_cast<std::ptrdiff_t>(c) * target.component_stride,
+                                    &values[n], element_);
+    }
+
+    void clear(const cl::CommandQueue& queue) const {
+        queue.enqueueFillBuffer(memory_, blank, 0, expected.size());
+        queue.finish();
+    }
+    bool is_right(const cl::CommandQueue& queue) const {
+        std::vector<unsigned char> bytes(expected.size());
+        queue.enqueueReadBuffer(memory_, CL_TRUE, 0, bytes.size(), bytes.data());
+        return bytes == expected;
+    }
+
+    OutputTarget target{nullptr};
+    std::vector<unsigned char> expected;
+
+private:
+    cl::Buffer memory_;
+    std::size_t element_;
+    std::size_t components_;
+};
+
+/// Boxes with their targets.
+struct Boxes {
+    struct Box {
+        Grid grid;
+        Band band;
+        Outputs outputs;
+        std::vector<Target> targets;  // distance, then those of the outputs
+    };
+    std::vector<Box> boxes;
+
+    void add(const Grid& grid, const Band& band, const Outputs& outputs, Random& random) {
+        Box box{grid, band, outputs, {}};
+        box.targets.emplace_back(grid, 1, 4, random);
+        visit_extras(
+            [&](const char* name, bool wanted) {
+                if (!wanted) return;
+                const std::string of(name);
+                box.targets.emplace_back(grid,
+                                         of == "barycentric"                   ? 2
+                                         : of == "closest" || of == "gradient" ? 3
+                                                                               : 1,
+                                         of == "closest" ? 8
+                                         : of == "site"  ? 1
+                                                         : 4,
+                                         random);
+            },
+            outputs);
+        boxes.push_back(std::move(box));
+    }
+
+    std::vector<Request> requests() const {
+        std::vector<Request> result;
+        for (const Box& box : boxes) {
+            OutputTargets targets;
+            targets.distance = box.targets.front().target;
+            std::size_t n = 1;
+            visit_extras(
+                [&](const char*, bool wanted, OutputTarget& target) {
+                    if (wanted) target = box.targets[n++].target;
+                },
+                box.outputs, targets);
+            result.push_back({box.grid, box.band, targets});
+        }
+        return result;
+    }
+
+    void expect(const DistanceTransform& transform) {
+        for (Box& box : boxes) {
+            const Field field = transform(box.grid, box.band, box.outputs);
+            std::size_t n = 0;
+            visit_outputs(
+                [&](const char*, const auto& values) {
+                    if (!values.empty()) box.targets[n++].expect(box.grid, values);
+                },
+                field);
+        }
+    }
+
+    void clear() const {
+        const cl::CommandQueue queue = callers_queue();
+        for (const Box& box : boxes)
+            for (const Target& target : box.targets) target.clear(queue);
+    }
+    void check() const {
+        const cl::CommandQueue queue = callers_queue();
+        for (std::size_t n = 0; n < boxes.size(); ++n)
+            for (std::size_t t = 0; t < boxes[n].targets.size(); ++t)
+                BOOST_TEST_CONTEXT("request " << n << ", target " << t)
+        BOOST_TEST(boxes[n].targets[t].is_right(queue));
+    }
+};
+
+Boxes boxes_of_three_levels(const Mesh& mesh, Random& random) {
+    const Grid coarse = grid_around(mesh, 40, 4);
+    Boxes boxes;
+    for (int n = 0; n < 24; ++n) {
+        const Grid level = n % 3 == 0 ? coarse : n % 3 == 1 ? coarse.refined(2) : coarse.refined_cells(4);
+        Index3 first{}, size{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            size[axis] = 1 + static_cast<std::int64_t>(random.index(24));
+            first[axis] = level.first[axis] - 8 +
+                          static_cast<std::int64_t>(random.index(static_cast<std::size_t>(level.size[axis]) + 8));
+        }
+        Outputs outputs;
+        outputs.triangle = outputs.site = n % 4 == 0;
+        outputs.gradient = outputs.closest = outputs.barycentric = n % 8 == 0;
+        boxes.add(level.block(first, size), Band::symmetric(3 * level.voxel()), outputs, random);
+    }
+    return boxes;
+}
+
+void run(RequestPlan& plan, cl_command_queue queue) {
+    const cl::Event end(plan.enqueue(queue));
+    end.wait();
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_writes_the_bytes_of_calls_of_their_own) {
+    constexpr std::uint64_t seed = 20261123;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh mesh = make_shape("knot");
+    for (const KernelBody body : both_bodies) {
+        const DistanceTransform transform(test_device(), mesh, {.body = body});
+        Boxes boxes = boxes_of_three_levels(mesh, random);
+        boxes.expect(transform);
+        RequestPlan plan = transform.plan(boxes.requests());
+        BOOST_TEST(plan.requests().size() == boxes.boxes.size());
+        for (const cl_command_queue_properties properties : {0U, unsigned{CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE}}) {
+            const cl::CommandQueue queue = callers_queue(properties);
+            for (int turn = 0; turn < 2; ++turn) {
+                boxes.clear();
+                run(plan, queue());
+                boxes.check();
+            }
+        }
+        // The same by a call.
+        boxes.clear();
+        transform.compute(boxes.requests());
+        boxes.check();
+    }
+}
+
+BOOST_AUTO_TEST_CASE(runs_of_a_plan_of_boxes_follow_one_another_and_the_callers_events) {
+    Random random(3);
+    const Mesh mesh = make_shape("sphere4");
+    const DistanceTransform transform(test_device(), mesh);
+    Boxes boxes = boxes_of_three_levels(mesh, random);
+    boxes.expect(transform);
+    RequestPlan plan = transform.plan(boxes.requests());
+    boxes.clear();
+    const cl::CommandQueue out_of_order = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE),
+                           in_order = callers_queue();
+    cl::UserEvent gate(context().context());
+    const cl_event wait_list[] = {gate()};
+    const cl::Event first(plan.enqueue(out_of_order(), wait_list));
+    // They return although nothing can begin.
+    const cl::Event second(plan.enqueue(out_of_order())), third(plan.enqueue(in_order()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    for (const cl::Event* event : {&first, &second, &third})
+        BOOST_TEST(event->getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
+    gate.setStatus(CL_COMPLETE);
+    third.wait();
+    BOOST_TEST(first.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() == CL_COMPLETE);
+    boxes.check();
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_with_the_vertices_and_to_other_places) {
+    Random random(4);
+    const Mesh mesh = make_shape("knot");
+    DistanceTransform transform(test_device(), mesh);
+    Boxes boxes = boxes_of_three_levels(mesh, random);
+    RequestPlan plan = transform.plan(boxes.requests());
+    std::vector<Vec3> positions = mesh.vertices();
+    for (Vec3& p : positions) p = {1.1 * p[0] + 0.1, p[1] - 0.05 * p[0], 0.9 * p[2]};
+    transform.move(positions);
+    // Until it is moved, the plan has the positions it was made with.
+    boxes.expect(DistanceTransform(test_device(), mesh));
+    boxes.clear();
+    run(plan, nullptr);
+    boxes.check();
+    plan.move(transform);
+    boxes.expect(transform);
+    boxes.clear();
+    run(plan, nullptr);
+    boxes.check();
+
+    std::vector<Grid> places;
+    for (Boxes::Box& box : boxes.boxes) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            box.grid.first[axis] += static_cast<std::int64_t>(random.index(20));
+        places.push_back(box.grid);
+    }
+    plan.move(transform, places);
+    boxes.expect(transform);
+    boxes.clear();
+    run(plan, nullptr);
+    boxes.check();
+    BOOST_TEST((plan.requests().front().grid == places.front()));
+}
+
+BOOST_AUTO_TEST_CASE(the_memory_of_a_plan_of_boxes_is_known_before) {
+    Random random(5);
+    const Mesh mesh = make_shape("sphere4");
+    const DistanceTransform transform(test_device(), mesh);
+    const Boxes boxes = boxes_of_three_levels(mesh, random);
+    const std::size_t bytes = transform.plan_bytes(boxes.requests());
+    const RequestPlan plan = transform.plan(boxes.requests());
+    BOOST_TEST(plan.statistics().device_bytes == bytes);
+    std::size_t largest = 0;
+    for (const Boxes::Box& box : boxes.boxes) largest = std::max(largest, box.grid.sample_count() * sizeof(float));
+    BOOST_TEST(bytes > largest);
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_outlives_its_transform) {
+    Random random(6);
+    const Mesh mesh = make_shape("sphere3");
+    Boxes boxes = boxes_of_three_levels(mesh, random);
+    boxes.expect(DistanceTransform(test_device(), mesh));
+    std::optional<DistanceTransform> transform(std::in_place, test_device(), mesh);
+    RequestPlan first = transform->plan(boxes.requests());
+    transform.reset();
+    RequestPlan plan = std::move(first);
+    boxes.clear();
+    run(plan, nullptr);
+    boxes.check();
+    check_throws(ErrorCode::invalid_argument, {"RequestPlan was moved from"}, [&] { first.enqueue(nullptr); });
+}
+
+BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 20, 2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    const DeviceMemory memory(test_device().context(), grid.sample_count());
+    const auto plan_with = [&](const OutputTargets& second) {
+        const std::vector<Request> requests{{grid, band, {.distance = memory.handle()}}, {grid, band, second}};
+        transform.plan(requests);
+    };
+    std::vector<float> host(grid.sample_count());
+    check_throws(ErrorCode::unsupported, {"request 1 of 2", "output distance", "memory of the host"},
+                 [&] { plan_with({.distance = host}); });
+    OutputTarget shifted = memory.handle();
+    shifted.offset = 4;
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "reaches from byte"},
+                 [&] { plan_with({.distance = shifted}); });
+    shifted.offset = 2;
+    shifted.strides = {4, 4, 4};
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "multiples"},
+                 [&] { plan_with({.distance = shifted}); });
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "distance has no target"}, [&] { plan_with({}); });
+
+    const std::vector<Request> one{{grid, band, {.distance = memory.handle()}}};
+    RequestPlan plan = transform.plan(one);
+    const std::vector<Grid> two(2, grid);
+    check_throws(ErrorCode::invalid_argument, {"1 requests", "2 grids"}, [&] { plan.move(transform, two); });
+    // A move that fails leaves nothing to enqueue; the next one mends it.
+    const std::vector<Grid> larger(1, grid.grown(1));
+    check_throws(ErrorCode::invalid_argument, {"request 0 of 1"}, [&] { plan.move(transform, larger); });
+    check_throws(ErrorCode::invalid_argument, {"move() failed"}, [&] { plan.enqueue(nullptr); });
+    const std::vector<Grid> back(1, grid);
+    plan.move(transform, back);
+    run(plan, nullptr);
+    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+}
