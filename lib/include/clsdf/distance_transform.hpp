@@ -88,7 +88,7 @@ struct TransformStatistics {
     /// their compilation took. Later computations and processes find them.
     bool first_use = false;
     double polyhedra_seconds = 0;
-    // By the host's clock. What the device has not done of a stage when the host goes on counts to the next one.
+    // By the host's clock. Work that the device has not finished when the host continues counts to the next stage.
     double lists_seconds = 0;  ///< the sign's sweep included
     double sign_seconds = 0;   ///< of these, the sweep
     double field_seconds = 0;
@@ -211,10 +211,10 @@ struct KeptMemory {
 
 /// The exact distance to a mesh, on any number of grids.
 ///
-/// What follows from the mesh is prepared once, when a call needs it first, and what follows from a grid is kept within
-/// TransformOptions::kept_bytes. It changes no byte of a field: these depend on the mesh's first and last positions,
-/// the lattice (origin and spacing), the band and the device, and not on the block of the lattice that is computed, on
-/// other calls or on threads.
+/// A transform prepares the mesh when a call first needs it. What it prepares for a grid is kept within
+/// TransformOptions::kept_bytes. Neither changes a byte of a field. The bytes depend on the mesh's first and last
+/// positions, the lattice (origin and spacing), the band and the device. They do not depend on the block of the lattice
+/// that is computed, on other calls or on threads.
 ///
 /// Members that are const may be called from several threads at once; their work takes turns on the device. move(),
 /// assignment and the destructor need the transform for themselves. Once moved from, every member but assignment and
@@ -242,12 +242,11 @@ public:
     /// the positions are those of before.
     void move(std::span<const Vec3> positions);
 
-    /// The same with the positions R x + t of a rigid motion, x being those of the mesh that the transform was made
-    /// from: nothing adds up over many motions. `rotation` has the rows of R. A coordinate is three multiplications and
-    /// additions, each rounded once: fma(R[a][0], x[0], fma(R[a][1], x[1], fma(R[a][2], x[2], t[a]))).
-    /// Throws Error(invalid_mesh) if a position is not finite, Error(invalid_argument) if R is no rotation: the
-    /// products of its rows may differ from those of unit vectors at right angles by 1e-12, and its determinant is
-    /// positive.
+    /// Moves the vertices to R x + t, a rigid motion. x are the positions of the mesh that the transform was made from,
+    /// so errors do not add up over many motions. `rotation` has the rows of R. A coordinate is three multiplications
+    /// and additions, each rounded once: fma(R[a][0], x[0], fma(R[a][1], x[1], fma(R[a][2], x[2], t[a]))). Throws
+    /// Error(invalid_mesh) if a position is not finite, Error(invalid_argument) if R is no rotation: each element of R
+    /// R^T may differ from the identity's by 1e-12, and det R must be positive.
     void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     /// Builds the other programs that such a field needs and, the first time on this device and driver version, tests
@@ -257,7 +256,7 @@ public:
     /// processes; Error(cancelled).
     bool compile(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
-    /// The field on the host. Grids whose field exceeds what the device can allocate are computed in slabs.
+    /// The field on the host. A large grid is computed in slabs; the bytes are the same.
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {},
                      const CallOptions& call = {}) const;
 

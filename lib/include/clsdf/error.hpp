@@ -27,7 +27,7 @@ public:
         : std::runtime_error(message), code_(code), opencl_code_(opencl_code) {}
 
     ErrorCode code() const noexcept { return code_; }
-    /// What the OpenCL call returned that failed, a cl_int; 0 (CL_SUCCESS) if the error is no such call's.
+    /// The cl_int that the failed OpenCL call returned; 0 (CL_SUCCESS) for other errors.
     int opencl_code() const noexcept { return opencl_code_; }
 
 private:

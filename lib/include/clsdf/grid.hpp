@@ -73,11 +73,12 @@ struct CLSDF_EXPORT Grid {
     Index3 size{};
     Index3 first{};
 
-    /// A grid around a box whose longest side has `options.resolution` samples: h = L / (N - 1), L the longest side of
-    /// the box enlarged on both sides by the margin; with a margin of k voxels, h = extent / (N - 1 - 2 k). The other
-    /// axes get as many samples as cover the box to 1e-6 voxel, which stays centred; with a spacing, every axis does.
-    /// Throws Error(invalid_argument) if the spacing would not be positive (a box without extent needs
-    /// options.spacing), the box or the margin is not finite, or a side has too many samples.
+    /// A grid around a box whose longest side has N = `options.resolution` samples. The spacing is L / (N - 1), L being
+    /// the longest side of the box after the margin was added on both sides; with a margin of k voxels it is the box's
+    /// longest side divided by (N - 1 - 2 k). The other axes get as many samples as cover the box to 1e-6 voxel. With
+    /// `options.spacing`, every axis does. The box stays centred. Throws Error(invalid_argument) if the spacing would
+    /// not be positive (a box without extent needs options.spacing), if the box or the margin is not finite, or if a
+    /// side has too many samples.
     static Grid around(const Box& box, const GridOptions& options);
 
     /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).

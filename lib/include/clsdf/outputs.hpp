@@ -29,8 +29,8 @@ struct Outputs {
     bool operator==(const Outputs&) const = default;
 };
 
-/// One thing for each output, by the type of its elements. Vectors have their components side by side. Beyond the band
-/// there is no triangle (no_triangle), no site (no_site), and vectors are not a number.
+/// One member for each output: Of<Element>, Element being the type of the output's elements. The components of a vector
+/// lie side by side. Beyond the band, the triangle is no_triangle, the site no_site, and vectors are NaN.
 template <template <typename Element> class Of>
 struct PerOutput {
     Of<float> distance{};          ///< signed, in the mesh's units

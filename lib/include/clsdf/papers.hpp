@@ -131,9 +131,9 @@ struct SaddleReport {
     std::size_t exact_decisions = 0;  ///< of these, the ones that interval arithmetic left open
 };
 
-/// Decided by interval arithmetic, and where that does not suffice by exact numbers with square roots: there are no
-/// tolerances. Parallel planes give no test point; neither does the plane of an edge whose faces are folded onto each
-/// other exactly, or one of which has no area.
+/// Interval arithmetic decides; if it cannot, exact sums of square roots do. There are no tolerances. Parallel planes
+/// give no test point. Nor does the plane of an edge if its faces are folded onto each other exactly, or if one of them
+/// has no area.
 CLSDF_EXPORT SaddleReport examine_saddles(const Mesh& mesh);
 
 struct RegularMesh {
@@ -143,10 +143,10 @@ struct RegularMesh {
 };
 
 /// Peikert & Sigg's remedy for irregular saddle vertices: the same surface with some triangles cut in two, through the
-/// middle of an edge. A face flipped at a vertex counts twice in the average of its normals after the cut, which is one
-/// step of the perceptron, so that the cuts end wherever there is a direction from which no face is flipped; elsewhere
-/// nothing is cut. Middles are rounded to double, so that a flat edge can become convex or concave by that much. Stops
-/// after `rounds`, with at most one cut a vertex in each.
+/// middle of an edge. After a cut, the flipped face counts twice in the average of the vertex's normals: a step of the
+/// perceptron. So the cuts end if there is a direction from which no face is flipped; if there is none, nothing is cut.
+/// The middles are rounded to double, by which a flat edge can become convex or concave. Stops after `rounds`; each of
+/// them cuts at most once at a vertex.
 CLSDF_EXPORT RegularMesh subdivide_irregular(const Mesh& mesh, std::size_t rounds = 32);
 
 // Bounding polyhedra as closed meshes, to look at.

@@ -135,9 +135,9 @@ class Scene;
 class CLSDF_EXPORT SurfacePictures {
 public:
     /// Keeps a reference to the field, and copies its samples to the device. `offset`: the surface's distance in the
-    /// mesh's units; without it 0, for a field without a sign one voxel (the largest spacing), because its distance
-    /// touches zero without crossing it. Throws Error(invalid_argument) if the distances do not fit the grid or are not
-    /// numbers, a side has a single sample, the band ends before the offset, or no surface is in the grid;
+    /// mesh's units. The default is 0. For a field without a sign it is one voxel (the largest spacing), because such a
+    /// distance touches zero without crossing it. Throws Error(invalid_argument) if the distances do not fit the grid
+    /// or are not numbers, a side has a single sample, the band ends before the offset, or no surface is in the grid;
     /// Error(out_of_memory) if the field is larger than the device's largest allocation; Error(device_failure).
     SurfacePictures(const Field& field, const Device& device, std::optional<double> offset = {});
     SurfacePictures(SurfacePictures&&) noexcept;
