@@ -58,6 +58,32 @@ struct Examined {
     }
 };
 
+/// Adds triangles [begin, end). Their vertices are looked at without a branch, and one by one only if one is bad.
+void examine(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, std::size_t begin,
+             std::size_t end, Examined& examined) {
+    Vec3 lower = examined.box.lower, upper = examined.box.upper;
+    double spoilt = 0;  // NaN after a number that is not finite
+    bool are_in_range = true;
+    for (std::size_t t = begin; t != end; ++t)
+        for (const std::uint32_t index : triangles[t]) {
+            are_in_range &= index < vertices.size();
+            const Vec3& vertex = vertices[index < vertices.size() ? index : 0];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                lower[axis] = vertex[axis] < lower[axis] ? vertex[axis] : lower[axis];
+                upper[axis] = vertex[axis] > upper[axis] ? vertex[axis] : upper[axis];
+            }
+            spoilt += (vertex[0] - vertex[0]) + (vertex[1] - vertex[1]) + (vertex[2] - vertex[2]);
+        }
+    examined.box = {lower, upper};
+    if (are_in_range && spoilt == 0) return;
+    const auto is_bad = [&](std::uint32_t index) { return index >= vertices.size() || !is_finite(vertices[index]); };
+    for (std::size_t t = begin; t != end; ++t)
+        if (std::any_of(triangles[t].begin(), triangles[t].end(), is_bad)) {
+            examined.first_bad = std::min(examined.first_bad, t);
+            return;
+        }
+}
+
 /// Throws if an index is out of range or a vertex in use is not finite, and returns the box of the vertices in use.
 Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const std::string& name) {
     if (triangles.empty()) throw Error(ErrorCode::invalid_mesh, fmt::format("{}: there is no triangle", name));
@@ -67,19 +93,14 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
         throw Error(ErrorCode::unsupported, fmt::format("{}: {} vertices and {} triangles are more than 32-bit indices "
                                                         "can number",
                                                         name, vertices.size(), triangles.size()));
+    if (vertices.empty()) throw_if_bad(0, vertices, triangles, name);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const Examined nothing{{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}}};
     constexpr std::size_t grain = 4096;
     const Examined all = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, triangles.size(), grain), nothing,
         [&](const tbb::blocked_range<std::size_t>& range, Examined examined) {
-            for (std::size_t t = range.begin(); t != range.end(); ++t)
-                for (const std::uint32_t index : triangles[t]) {
-                    if (index < vertices.size() && is_finite(vertices[index]))
-                        examined.take({{vertices[index], vertices[index]}});
-                    else
-                        examined.first_bad = std::min(examined.first_bad, t);
-                }
+            examine(vertices, triangles, range.begin(), range.end(), examined);
             return examined;
         },
         [](Examined a, const Examined& b) {
