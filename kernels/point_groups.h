@@ -37,12 +37,43 @@ typedef struct FaceNeighbours {
     clsdf_uint32 across[3];
 } FaceNeighbours;
 
-// What polyhedra there are: those of faces from 0 on, those of point sites from first_site on.
-typedef struct PolyhedronCounts {
+// What a scan reads of a polyhedron (polyhedron.h), in two cache lines.
+typedef struct ScanRecord {
+    float gradient_x[3];
+    float gradient_y[3];
+    float gradient_z[3];
+    float constant_at_origin[3];
+    float base[2];
+    float normal_along[2];
+    float normal_across[2];
+    float slope_above[3];
+    float slope_below[3];
+    float foot[3];
+    clsdf_int32 origin_x;
+    clsdf_int32 origin_y;
+    clsdf_int32 origin_z;
+    clsdf_uint32 flags;
+    float altitude;
+} ScanRecord;
+
+// The numbers of a face in its leaf (PointLeaf), side by side.
+typedef struct FaceFrame {
+    double gradient[3][3];
+    double offset[3];
+    double base[2];
+    double normal_along[2];
+    double normal_across[2];
+    double altitude;
+    clsdf_uint32 triangle;
+    clsdf_uint32 padding;
+} FaceFrame;
+
+// Records: those of faces come first, then those of point sites.
+typedef struct ScanCounts {
     clsdf_uint32 faces;
-    clsdf_uint32 first_site;
-    clsdf_uint32 end;
-} PolyhedronCounts;
+    clsdf_uint32 records;
+    float longest;  // side of a face, or more
+} ScanCounts;
 
 // A work-item's own memory for a brick of points, and for distances to them.
 typedef struct PointBrick {
@@ -54,14 +85,16 @@ typedef struct PointBrick {
     clsdf_uint32 face[CLSDF_POINTS_OF_BRICK];              // in the tree's
     clsdf_uint32 vertex[CLSDF_POINTS_OF_BRICK];            // all whose faces have been looked at
     float candidate[CLSDF_CANDIDATES][CLSDF_GROUP_WIDTH];  // squared distances, less their error
-    clsdf_uint32 polyhedron[CLSDF_CANDIDATES];
+    clsdf_uint32 record[CLSDF_CANDIDATES];
     clsdf_uint32 vector[CLSDF_CANDIDATES];
 } PointBrick;
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(PointGroup) == 400 && offsetof(PointGroup, centre) == 16);
 static_assert(sizeof(FaceNeighbours) == 24);
-static_assert(sizeof(PolyhedronCounts) == 12);
+static_assert(sizeof(ScanRecord) == 128 && offsetof(ScanRecord, origin_x) == offsetof(Polyhedron, origin_x));
+static_assert(sizeof(FaceFrame) == 160 && offsetof(FaceFrame, triangle) == 152);
+static_assert(sizeof(ScanCounts) == 12);
 static_assert(sizeof(PointBrick) == CLSDF_POINTS_OF_BRICK * 60 + CLSDF_CANDIDATES * 72);
 }  // namespace clsdf
 #endif

@@ -33,9 +33,10 @@ typedef struct Children {
 
 // All that a scan reads of the mesh.
 typedef struct ScanMesh {
-    PolyhedronCounts counts;
-    __global const Polyhedron* polyhedra;
-    __global const PointLeaf* leaves;
+    ScanCounts counts;
+    __global const ScanRecord* records;
+    __global const Polyhedron* polyhedra;  // of the faces
+    __global const FaceFrame* frames;
     __global const FaceNeighbours* neighbours;
     __global const uint* ring_starts;  // of each vertex in ring_faces, and the end
     __global const uint* ring_faces;
@@ -52,7 +53,7 @@ INLINE void load_children(__global const PointGroup* group, __private Children* 
 }
 
 // Takes a point of the surface, if it is nearer to a child's centre: `least` are squared distances.
-INLINE void look_at_foot(__global const Polyhedron* p, int3 origin, const __private Children* children,
+INLINE void look_at_foot(__global const ScanRecord* p, int3 origin, const __private Children* children,
                          __private floatL* least) {
     const float x = (float)(p->origin_x - origin.x) + p->foot[0], y = (float)(p->origin_y - origin.y) + p->foot[1],
                 z = (float)(p->origin_z - origin.z) + p->foot[2];
@@ -89,7 +90,8 @@ typedef struct Frame {
     float2 base;
 } Frame;
 
-INLINE Frame frame_from(__global const Polyhedron* p, int3 origin) {
+INLINE Frame frame_from(ScanMesh mesh, uint record, int3 origin) {
+    __global const ScanRecord* p = mesh.records + record;
     Frame f;
     f.x = vload4(0, p->gradient_x);
     f.y = vload4(0, p->gradient_y);
@@ -99,7 +101,7 @@ INLINE Frame frame_from(__global const Polyhedron* p, int3 origin) {
                     k = (float)(origin.z - p->origin_z);
         f.at = f.x * i + (f.y * j + (f.z * k + vload4(0, p->constant_at_origin)));
     } else {
-        f.at = convert_float4(frame_at(p, origin.x, origin.y, origin.z));
+        f.at = convert_float4(frame_at(mesh.polyhedra + record, origin.x, origin.y, origin.z));
     }
     f.normal = vload4(0, p->normal_along);
     f.base = vload2(0, p->base);
@@ -107,7 +109,7 @@ INLINE Frame frame_from(__global const Polyhedron* p, int3 origin) {
 }
 
 // Bits of the children whose boxes the polyhedron overlaps (see polyhedron.h), with slack.
-INLINE uint overlapped_children(__global const Polyhedron* p, Frame f, const __private Children* children) {
+INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __private Children* children) {
     const float along_right = f.normal.x, along_left = f.normal.y, across_right = f.normal.z, across_left = f.normal.w;
     const float right_x = along_right * f.x.x + across_right * f.x.y, left_x = across_left * f.x.y - along_left * f.x.x,
                 right_y = along_right * f.y.x + across_right * f.y.y, left_y = across_left * f.y.y - along_left * f.y.x,
@@ -146,34 +148,54 @@ INLINE uint overlapped_children(__global const Polyhedron* p, Frame f, const __p
     return bits & children->present;
 }
 
-// The number of the i-th polyhedron: point sites come behind whole groups of faces.
-INLINE uint polyhedron_number(PolyhedronCounts counts, uint i) {
-    return i < counts.faces ? i : i - counts.faces + counts.first_site;
-}
-INLINE uint polyhedron_count(PolyhedronCounts counts) {
-    return counts.faces + (counts.end - counts.first_site);
+#if HAS_BUILTIN(__builtin_prefetch)
+#define FETCH_AHEAD(list, i, count, records)                                                                   \
+    {                                                                                                          \
+        __global const char* ahead = (__global const char*)((records) + (list)[LESSER((i) + 8u, (count)-1u)]); \
+        __builtin_prefetch((const void*)(size_t)ahead);                                                        \
+        __builtin_prefetch((const void*)(size_t)(ahead + 64));                                                 \
+    }
+#else
+#define FETCH_AHEAD(list, i, count, records)
+#endif
+
+// Writes records and frames, a work-item a record, from polyhedra, of which those of point sites begin at first_site,
+// and from the tree's leaves.
+__kernel void pack_records(__global const Polyhedron* polyhedra, __global const PointLeaf* leaves, ScanCounts counts,
+                           uint first_site, __global ScanRecord* records, __global FaceFrame* frames) {
+    const uint i = get_global_id(0);
+    if (i >= counts.records) return;
+    __global const Polyhedron* p = polyhedra + (i < counts.faces ? i : i - counts.faces + first_site);
+    vstore16(vload16(0, (__global const float*)p), 0, (__global float*)(records + i));
+    vstore16(vload16(1, (__global const float*)p), 1, (__global float*)(records + i));
+    records[i].altitude = (float)p->exact_altitude;
+    if (i >= counts.faces) return;
+    __global const double* from = (__global const double*)(leaves + i / CLSDF_TREE_WIDTH) + i % CLSDF_TREE_WIDTH;
+    __global double* to = (__global double*)(frames + i);
+    for (uint k = 0; k < 19; ++k) to[k] = from[k * CLSDF_TREE_WIDTH];
+    frames[i].triangle = leaves[i / CLSDF_TREE_WIDTH].triangle[i % CLSDF_TREE_WIDTH];
 }
 
 // Squares of upper bounds of the distances of the centres of superblocks' children, a work-item a superblock. Looks at
 // every `stride`-th polyhedron.
-__kernel void bound_blocks(__global const PointGroup* superblocks, uint first, uint stride, PolyhedronCounts counts,
-                           __global const Polyhedron* polyhedra, __global float* squares) {
+__kernel void bound_blocks(__global const PointGroup* superblocks, uint first, uint stride, ScanCounts counts,
+                           __global const ScanRecord* records, __global float* squares) {
     const uint number = first + (uint)get_global_id(0);
     Children children;
     load_children(superblocks + number, &children);
     floatL least[PARTS];
     for (int part = 0; part < PARTS; ++part) least[part] = (floatL)INFINITY;
     for (uint i = 0; i < counts.faces; i += stride)
-        look_at_foot(polyhedra + i, origin_of(superblocks + number), &children, least);
+        look_at_foot(records + i, origin_of(superblocks + number), &children, least);
     for (int part = 0; part < PARTS; ++part) store_lanes(least[part], part, squares + number * CLSDF_GROUP_WIDTH);
 }
 
 // Sets, for each polyhedron of a range and each superblock, the bits of the children that it overlaps. A work-item
 // takes `run` polyhedra of one superblock.
-__kernel void mark_blocks(__global const PointGroup* superblocks, uint first, uint run, PolyhedronCounts counts,
-                          __global const Polyhedron* polyhedra, float most, __global const float* squares,
-                          __global ushort* marks) {
-    const uint count = polyhedron_count(counts), runs = (count + run - 1) / run;
+__kernel void mark_blocks(__global const PointGroup* superblocks, uint first, uint run, ScanCounts counts,
+                          __global const ScanRecord* records, __global const Polyhedron* polyhedra, float most,
+                          __global const float* squares, __global ushort* marks) {
+    const uint count = counts.records, runs = (count + run - 1) / run;
     const uint item = first + (uint)get_global_id(0), number = item / runs, begin = item % runs * run;
     const uint end = min(count, begin + run);
     Children children;
@@ -182,10 +204,12 @@ __kernel void mark_blocks(__global const PointGroup* superblocks, uint first, ui
     for (int part = 0; part < PARTS; ++part) least[part] = load_lanes(part, squares + number * CLSDF_GROUP_WIDTH);
     set_bounds(&children, least, most);
     const int3 origin = origin_of(superblocks + number);
-    for (uint i = begin; i < end; ++i) {
-        __global const Polyhedron* p = polyhedra + polyhedron_number(counts, i);
-        marks[(size_t)number * count + i] = (ushort)overlapped_children(p, frame_from(p, origin), &children);
-    }
+    ScanMesh mesh;
+    mesh.records = records;
+    mesh.polyhedra = polyhedra;
+    for (uint i = begin; i < end; ++i)
+        marks[(size_t)number * count + i] =
+            (ushort)overlapped_children(records + i, frame_from(mesh, i, origin), &children);
 }
 
 // A distance from its square, rounded up.
@@ -194,13 +218,16 @@ INLINE float limit_of(double squared) {
 }
 
 // The bounds of a group's children from its list.
-INLINE void find_bounds(__global const PointGroup* group, __global const Polyhedron* polyhedra, uint count,
+INLINE void find_bounds(__global const PointGroup* group, __global const ScanRecord* records, uint count,
                         __global const uint* list, float most, __private Children* children) {
     load_children(group, children);
     floatL least[PARTS];
     for (int part = 0; part < PARTS; ++part) least[part] = (floatL)INFINITY;
     const uint stride = count > 64 ? 4 : 1;
-    for (uint i = 0; i < count; i += stride) look_at_foot(polyhedra + list[i], origin_of(group), children, least);
+    for (uint i = 0; i < count; i += stride) {
+        FETCH_AHEAD(list, i + 3 * stride, count, records)
+        look_at_foot(records + list[i], origin_of(group), children, least);
+    }
     set_bounds(children, least, most);
 }
 
@@ -210,27 +237,26 @@ INLINE void find_bounds(__global const PointGroup* group, __global const Polyhed
 
 // Takes a face for the points of a vector that it is nearest to so far. Returns the squared distances, in part `part`.
 INLINE LeafDistance take_face(ScanMesh mesh, uint face, uint vector, int part, __global PointBrick* brick) {
-    __global const PointLeaf* leaf = mesh.leaves + face / CLSDF_TREE_WIDTH;
-    const uint lane = face % CLSDF_TREE_WIDTH;
+    __global const FaceFrame* of_face = mesh.frames + face;
     const uint at = OF_VECTOR(part);
     struct {
         doubleL x, y, z;
     } p = {load_lanes(0, brick->at[0] + at), load_lanes(0, brick->at[1] + at), load_lanes(0, brick->at[2] + at)};
-#define OF_FACE(member) ((doubleL)leaf->member[lane])
+#define OF_FACE(member) ((doubleL)of_face->member)
     LeafFrame frame;
     SET_LEAF_FRAME(OF_FACE, p, frame)
 #undef OF_FACE
     const LeafDistance d = leaf_distance(frame);
     const doubleL squared = load_lanes(0, brick->squared + at);
     const uintL triangle = load_lanes(0, brick->triangle + at);
-    const uint own = leaf->triangle[lane];
+    const uint own = of_face->triangle;
     const intL is_less = convert_intL(d.squared < squared), is_equal = convert_intL(d.squared == squared);
     const intL takes = is_less | (is_equal & (own < triangle));
     if (lanes_to_bits(takes)) {
-        const uintL of_face = load_lanes(0, brick->face + at);
+        const uintL before = load_lanes(0, brick->face + at);
         store_doubles(LESSER(d.squared, squared), brick->squared + at);
         store_lanes(takes ? (uintL)own : triangle, 0, brick->triangle + at);
-        store_lanes(takes ? (uintL)face : of_face, 0, brick->face + at);
+        store_lanes(takes ? (uintL)face : before, 0, brick->face + at);
     }
     return d;
 }
@@ -268,15 +294,14 @@ INLINE uint three_after(uint first, uint steps) {
 
 // Decides a candidate in double. Where the nearest point lies on an edge or a vertex, other faces share it, which need
 // not be in the list; rounding decides between them, too. reach: how near, in units, an edge counts.
-static void decide(ScanMesh mesh, uint polyhedron, uint vector, int part, uint lanes, float reach,
+static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes, float reach,
                    __global PointBrick* brick) {
-    if (polyhedron >= mesh.counts.first_site) {
-        take_vertex(mesh, mesh.site_vertices[polyhedron - mesh.counts.first_site], vector, part, lanes, brick);
+    if (record >= mesh.counts.faces) {
+        take_vertex(mesh, mesh.site_vertices[record - mesh.counts.faces], vector, part, lanes, brick);
         return;
     }
-    __global const Polyhedron* p = mesh.polyhedra + polyhedron;
-    __global const FaceNeighbours* neighbours = mesh.neighbours + polyhedron;
-    const LeafDistance d = take_face(mesh, polyhedron, vector, part, brick);
+    __global const FaceNeighbours* neighbours = mesh.neighbours + record;
+    const LeafDistance d = take_face(mesh, record, vector, part, brick);
     const doubleL squared = load_lanes(0, brick->squared + OF_VECTOR(part));
     lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
     const uint left = BITS_OF(d.left) & lanes, right = lanes & ~left;
@@ -286,7 +311,7 @@ static void decide(ScanMesh mesh, uint polyhedron, uint vector, int part, uint l
     if ((slanted | base) == 0) return;
     const uint end = ((base & BITS_OF(d.beyond >= near)) | (slanted & BITS_OF(d.before >= near)));
     const uint apex = slanted & BITS_OF(d.past >= near);
-    const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+    const uint first = mesh.records[record].flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
     if (end & left) take_vertex(mesh, neighbours->vertex[first], vector, part, end & left, brick);
     if (end & right) take_vertex(mesh, neighbours->vertex[three_after(first, 1)], vector, part, end & right, brick);
     if (apex) take_vertex(mesh, neighbours->vertex[three_after(first, 2)], vector, part, apex, brick);
@@ -296,21 +321,21 @@ static void decide(ScanMesh mesh, uint polyhedron, uint vector, int part, uint l
     take_across(mesh, neighbours, three_after(first, 2), vector, part, slanted & left & edges, brick);
 }
 
-// How far the distances of a polyhedron in float may be off, for points within `bound` of the surface.
-INLINE float distance_error(__global const Polyhedron* p, float bound, float extent) {
-    return DISTANCE_ERROR * (bound + 2.0f * (p->base[0] + p->base[1]) + extent + 2.0f);
+// How far distances in float may be off, for points within `bound` of the surface, and squared ones.
+INLINE float distance_error(ScanCounts counts, float bound, float extent) {
+    return DISTANCE_ERROR * (bound + 2.0f * counts.longest + extent + 2.0f);
+}
+INLINE float square_error(float error, float bound) {
+    return 2.0f * error * (bound + error);
 }
 
-static void decide_candidates(ScanMesh mesh, uint count, const __private float* bounds, float extent,
-                              __global PointBrick* brick) {
+static void decide_candidates(ScanMesh mesh, uint count, const __private float* errors, __global PointBrick* brick) {
     for (uint i = 0; i < count; ++i) {
-        const uint polyhedron = brick->polyhedron[i], vector = brick->vector[i];
+        const uint vector = brick->vector[i];
         for (int part = 0; part < PARTS; ++part) {
             const floatL bound = load_lanes(0, brick->bound + OF_VECTOR(part));
             const uint lanes = lanes_to_bits(load_lanes(part, brick->candidate[i]) <= bound);
-            if (lanes)
-                decide(mesh, polyhedron, vector, part, lanes,
-                       distance_error(mesh.polyhedra + polyhedron, bounds[vector], extent), brick);
+            if (lanes) decide(mesh, brick->record[i], vector, part, lanes, errors[vector], brick);
         }
     }
 }
@@ -364,24 +389,25 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
     const int3 origin = origin_of(group);
     const float extent = load_points(points, begin, end, origin, most, brick);
     Children vectors;
-    find_bounds(group, mesh.polyhedra, count, list, limit_of(most), &vectors);
-    float bounds[CLSDF_GROUP_WIDTH];
+    find_bounds(group, mesh.records, count, list, limit_of(most), &vectors);
+    float bounds[CLSDF_GROUP_WIDTH], errors[CLSDF_GROUP_WIDTH], margins[CLSDF_GROUP_WIDTH];
     for (int part = 0; part < PARTS; ++part) store_lanes(vectors.bound[part], part, bounds);
-    for (uint i = 0; i < CLSDF_POINTS_OF_BRICK; ++i) {
-        const float bound = bounds[i / CLSDF_GROUP_WIDTH];
-        brick->bound[i] = bound * bound * (1.0f + 1.0e-5f);
+    for (uint vector = 0; vector < CLSDF_GROUP_WIDTH; ++vector) {
+        const float bound = bounds[vector];
+        errors[vector] = distance_error(mesh.counts, bound, extent);
+        margins[vector] = square_error(errors[vector], bound);
+        for (int part = 0; part < PARTS; ++part)
+            store_lanes((floatL)(bound * bound * (1.0f + 1.0e-5f)), 0, brick->bound + OF_VECTOR(part));
     }
     uint candidates = 0;
     for (uint n = 0; n < count; ++n) {
-        __global const Polyhedron* p = mesh.polyhedra + list[n];
-        const Frame frame = frame_from(p, origin);
-        uint overlapped = overlapped_children(p, frame, &vectors);
-        if (overlapped == 0) continue;
-        const float altitude = (float)p->exact_altitude;
+        FETCH_AHEAD(list, n, count, mesh.records)
+        const Frame frame = frame_from(mesh, list[n], origin);
+        uint overlapped = overlapped_children(mesh.records + list[n], frame, &vectors);
+        const float altitude = mesh.records[list[n]].altitude;
         for (; overlapped; overlapped &= overlapped - 1) {
             const uint vector = lowest_bit(overlapped);
-            const float error = distance_error(p, bounds[vector], extent);
-            const float margin = 2.0f * error * (bounds[vector] + error);
+            const float margin = margins[vector];
             uint is_near = 0;
             floatL least[PARTS];
             for (int part = 0; part < PARTS; ++part) {
@@ -397,32 +423,32 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
             }
             if (!is_near) continue;
             for (int part = 0; part < PARTS; ++part) store_lanes(least[part], part, brick->candidate[candidates]);
-            brick->polyhedron[candidates] = list[n];
+            brick->record[candidates] = list[n];
             brick->vector[candidates] = vector;
             if (++candidates == CLSDF_CANDIDATES) {
-                decide_candidates(mesh, candidates, bounds, extent, brick);
+                decide_candidates(mesh, candidates, errors, brick);
                 candidates = 0;
             }
         }
     }
-    decide_candidates(mesh, candidates, bounds, extent, brick);
+    decide_candidates(mesh, candidates, errors, brick);
 }
 
-// Appends the numbers of the polyhedra of a list, or of all if it is null, whose mark has a bit. Returns how many.
-static uint choose(PolyhedronCounts counts, uint count, __global const uint* list, __global const ushort* marks,
-                   uint bit, __global uint* chosen) {
+// Appends the records of a list, or all if it is null, whose mark has a bit. Returns how many.
+static uint choose(uint count, __global const uint* list, __global const ushort* marks, uint bit,
+                   __global uint* chosen) {
     uint length = 0, i = 0;
     for (; i + 16 <= count; i += 16) {
         const ulong4 some = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
         const ulong2 two = some.lo | some.hi;
         if ((two.x | two.y) == 0) continue;
         for (uint k = i; k < i + 16; ++k) {
-            chosen[length] = list ? list[k] : polyhedron_number(counts, k);
+            chosen[length] = list ? list[k] : k;
             length += marks[k] >> bit & 1u;
         }
     }
     for (; i < count; ++i) {
-        chosen[length] = list ? list[i] : polyhedron_number(counts, i);
+        chosen[length] = list ? list[i] : i;
         length += marks[i] >> bit & 1u;
     }
     return length;
@@ -432,14 +458,15 @@ static uint choose(PolyhedronCounts counts, uint count, __global const uint* lis
 // for each work-item; marks: for one.
 __kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __global const PointGroup* blocks,
                                 __global const PointGroup* bricks, __global const double* points, uint point_count,
-                                double most, PolyhedronCounts counts, __global const Polyhedron* polyhedra,
-                                __global const PointLeaf* leaves, __global const FaceNeighbours* neighbours,
-                                __global const uint* ring_starts, __global const uint* ring_faces,
-                                __global const uint* site_vertices, __global const ushort* marks_of_blocks,
-                                __global uint* all_lists, __global ushort* all_marks, __global PointBrick* all_bricks,
-                                __global uint* faces, __global double* squared) {
-    const ScanMesh mesh = {counts, polyhedra, leaves, neighbours, ring_starts, ring_faces, site_vertices};
-    const uint all = polyhedron_count(counts);
+                                double most, ScanCounts counts, __global const ScanRecord* records,
+                                __global const Polyhedron* polyhedra, __global const FaceFrame* frames,
+                                __global const FaceNeighbours* neighbours, __global const uint* ring_starts,
+                                __global const uint* ring_faces, __global const uint* site_vertices,
+                                __global const ushort* marks_of_blocks, __global uint* all_lists,
+                                __global ushort* all_marks, __global PointBrick* all_bricks, __global uint* faces,
+                                __global double* squared) {
+    const ScanMesh mesh = {counts, records, polyhedra, frames, neighbours, ring_starts, ring_faces, site_vertices};
+    const uint all = counts.records;
     __global uint* list = all_lists + get_global_id(0) * 2 * (size_t)(all + 1);
     __global uint* brick_list = list + (all + 1);
     __global ushort* marks = all_marks + get_global_id(0) * (size_t)all;
@@ -447,18 +474,18 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __gl
     for (;;) {
         const uint block = begin + atomic_inc(turns);
         if (block >= end) break;
-        const uint count = choose(counts, all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
+        const uint count = choose(all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
                                   block % CLSDF_GROUP_WIDTH, list);
         Children children;
-        find_bounds(blocks + block, polyhedra, count, list, limit_of(most), &children);
+        find_bounds(blocks + block, records, count, list, limit_of(most), &children);
         const int3 origin = origin_of(blocks + block);
         for (uint i = 0; i < count; ++i) {
-            __global const Polyhedron* p = polyhedra + list[i];
-            marks[i] = (ushort)overlapped_children(p, frame_from(p, origin), &children);
+            FETCH_AHEAD(list, i, count, records)
+            marks[i] = (ushort)overlapped_children(records + list[i], frame_from(mesh, list[i], origin), &children);
         }
         for (uint b = 0; b < blocks[block].children; ++b) {
             const uint first = block * CLSDF_POINTS_OF_BLOCK + b * CLSDF_POINTS_OF_BRICK;
-            const uint chosen = choose(counts, count, list, marks, b, brick_list);
+            const uint chosen = choose(count, list, marks, b, brick_list);
             scan_brick(mesh, bricks + block * CLSDF_GROUP_WIDTH + b, points, first, point_count, chosen, brick_list,
                        most, brick);
             for (uint i = 0; i < CLSDF_POINTS_OF_BRICK && first + i < point_count; ++i) {

@@ -20,6 +20,7 @@
 #define CLSDF_POINT_INSIDE 1
 #define CLSDF_POINT_ON_SURFACE 2
 #define CLSDF_POINT_UNDECIDED 3
+#define CLSDF_POINT_FINISHED 4
 
 // Sides of a face, in 16 bits. Bits 0 to 5: the face's site of that number tells a point's side as the face does.
 #define CLSDF_SIDES_KNOWN 0x40u

@@ -160,56 +160,54 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
     }
 }
 
-// The sign of a point by its side of the nearest face, a work-item each; CLSDF_POINT_UNDECIDED if it does not follow
-// from that beyond all rounding. Not for points without a nearest face.
+// The sign of a point by its side of the nearest face; CLSDF_POINT_UNDECIDED if it does not follow from that beyond all
+// rounding.
 #define SQUARE_OF_LEAST_DISTANCE 1.0e-12  // in units: rounding is far below the distance
 #define LEAST_COSINE 1.0e-3               // between a site's pseudonormal and the way to the point
-__kernel void signs_of_points(__global const double* points, __global const uint* faces,
-                              __global const ushort* sides_of_faces, uint begin, uint end,
-                              __global const Polyhedron* polyhedra, __global uchar* signs, FINISHING_PARAMETERS) {
-    const uint i = begin + (uint)get_global_id(0);
-    if (i >= end) return;
-    SET_FINISHING(finishing)
-    signs[i] = CLSDF_POINT_UNDECIDED;
-    if (faces[i] == CLSDF_NO_FACE) return;
-    const uint sides = sides_of_faces[faces[i]];
-    if (sides == 0) return;
-    Nearest nearest;
-    find_nearest_at(&finishing, vload3(i, points), faces[i], false, &nearest);
-    const double squared = dot(nearest.from, nearest.from);
-    if (squared <= SQUARE_OF_LEAST_DISTANCE) return;
-    double outward = nearest.from.z;
-    if (nearest.frame_site != CLSDF_SITE_OF_FACE) {
-        if (!(sides >> nearest.normal % 6u & 1u)) return;
-        outward = dot(offset_of(&nearest), convert_double3(vload3(nearest.normal, finishing.normals)));
+INLINE uint sign_by_sides(__private const Finishing* finishing, __private const Nearest* nearest, uint sides) {
+    const double squared = dot(nearest->from, nearest->from);
+    double outward = nearest->from.z;
+    if (sides == 0 || squared <= SQUARE_OF_LEAST_DISTANCE) return CLSDF_POINT_UNDECIDED;
+    if (nearest->frame_site != CLSDF_SITE_OF_FACE) {
+        if (!(sides >> nearest->normal % 6u & 1u)) return CLSDF_POINT_UNDECIDED;
+        outward = dot(offset_of(nearest), convert_double3(vload3(nearest->normal, finishing->normals)));
     }
-    if (!(outward * outward > LEAST_COSINE * LEAST_COSINE * squared)) return;
-    signs[i] = sides & (outward > 0.0 ? CLSDF_SIDES_FRONT_INSIDE : CLSDF_SIDES_BACK_INSIDE) ? CLSDF_POINT_INSIDE
-                                                                                            : CLSDF_POINT_OUTSIDE;
+    if (!(outward * outward > LEAST_COSINE * LEAST_COSINE * squared)) return CLSDF_POINT_UNDECIDED;
+    return sides & (outward > 0.0 ? CLSDF_SIDES_FRONT_INSIDE : CLSDF_SIDES_BACK_INSIDE) ? CLSDF_POINT_INSIDE
+                                                                                        : CLSDF_POINT_OUTSIDE;
 }
 
-// The outputs of a point, a work-item each. places: where each point's results go. within: in the mesh's units.
+// The outputs of a point, a work-item each. places: where each point's results go. within: in the mesh's units. signs:
+// those of points that are not finished. by_sides: they are all undecided, and the sides of faces tell; points that
+// they do not tell stay undecided, and are left to another launch.
 __kernel void finish_points(__global const double* points, __global const uint* places, __global const uint* faces,
-                            __global const uchar* signs, uint begin, uint end, double within,
-                            __global const Polyhedron* polyhedra, __global float* distance, FINISHING_PARAMETERS) {
+                            __global const ushort* sides_of_faces, uint by_sides, __global uchar* signs, uint begin,
+                            uint end, double within, __global const Polyhedron* polyhedra, __global float* distance,
+                            FINISHING_PARAMETERS) {
     const uint i = begin + (uint)get_global_id(0);
     if (i >= end) return;
+    uint sign = by_sides ? CLSDF_POINT_UNDECIDED : signs[i];
+    if (sign == CLSDF_POINT_FINISHED) return;
     SET_FINISHING(finishing)
-    const uint place = places[i];
-    const bool inside = signs[i] == CLSDF_POINT_INSIDE;
-    if (faces[i] != CLSDF_NO_FACE) {
+    const uint place = places[i], face = faces[i];
+    bool is_within = false;
+    if (face != CLSDF_NO_FACE) {
         Nearest nearest;
-        find_nearest_at(&finishing, vload3(i, points), faces[i], inside, &nearest);
-        const bool is_on_surface = signs[i] == CLSDF_POINT_ON_SURFACE;
+        find_nearest_at(&finishing, vload3(i, points), face, false, &nearest);
+        if (by_sides) sign = sign_by_sides(&finishing, &nearest, sides_of_faces[face]);
+        const bool is_on_surface = sign == CLSDF_POINT_ON_SURFACE, inside = sign == CLSDF_POINT_INSIDE;
         const double length = is_on_surface ? 0.0 : sqrt(dot(nearest.from, nearest.from)) * how.unit;
-        if (length <= within) {
+        is_within = length <= within;
+        if (is_within && sign != CLSDF_POINT_UNDECIDED) {
             // Zero is for points on the surface: beside it, rounding may leave nothing of the length.
             const float rounded = is_on_surface ? 0.0f : GREATER((float)length, FLT_MIN);
             distance[place] = inside ? -rounded : rounded;
+            nearest.sign = inside ? -1.0 : 1.0;
             if (how.wanted != 0) store_outputs(&finishing, &nearest, place);
-            return;
         }
     }
-    distance[place] = (float)(inside ? -within : within);
+    if (by_sides) signs[i] = sign == CLSDF_POINT_UNDECIDED ? CLSDF_POINT_UNDECIDED : CLSDF_POINT_FINISHED;
+    if (is_within || sign == CLSDF_POINT_UNDECIDED) return;
+    distance[place] = (float)(sign == CLSDF_POINT_INSIDE ? -within : within);
     leave_sample(&finishing, place);
 }

@@ -28,24 +28,28 @@ std::uint32_t spread(std::uint32_t x) {
     return (x | x << 2) & 0x09249249U;
 }
 
-/// The place of a cell on the curve (J. Skilling, Programming the Hilbert curve, 2004).
+/// All bits if the bit is set.
+std::uint32_t mask_of(std::uint32_t x, std::uint32_t bit) {
+    return 0U - (x >> bit & 1U);
+}
+
+/// The place of a cell on the curve (J. Skilling, Programming the Hilbert curve, 2004), without branches: compilers
+/// take several cells at a time.
 std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
-    for (std::uint32_t bit = 1U << (cell_bits - 1); bit > 1; bit >>= 1) {
-        const std::uint32_t below = bit - 1;
-        const auto turn = [&](std::uint32_t& axis) {
-            const std::uint32_t is_set = (axis & bit) != 0 ? ~0U : 0U;
-            const std::uint32_t exchanged = (x ^ axis) & below & ~is_set;
-            x ^= (below & is_set) | exchanged;
-            axis ^= exchanged;
-        };
-        x ^= (x & bit) != 0 ? below : 0U;
-        turn(y);
-        turn(z);
+    for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) {
+        const std::uint32_t below = (1U << bit) - 1;
+        x ^= mask_of(x, bit) & below;
+        const std::uint32_t of_y = mask_of(y, bit), with_y = (x ^ y) & below & ~of_y;
+        x ^= (below & of_y) | with_y;
+        y ^= with_y;
+        const std::uint32_t of_z = mask_of(z, bit), with_z = (x ^ z) & below & ~of_z;
+        x ^= (below & of_z) | with_z;
+        z ^= with_z;
     }
     y ^= x;
     z ^= y;
     std::uint32_t flips = 0;
-    for (std::uint32_t bit = 1U << (cell_bits - 1); bit > 1; bit >>= 1) flips ^= (z & bit) != 0 ? bit - 1 : 0U;
+    for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) flips ^= mask_of(z, bit) & ((1U << bit) - 1);
     return spread(x ^ flips) << 2 | spread(y ^ flips) << 1 | spread(z ^ flips);
 }
 
@@ -104,12 +108,20 @@ UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, con
     const double longest = box.longest_side();
     const double scale = longest > 0 ? cells / longest : 0;
     UninitializedVector<Keyed> keyed(points.size()), sorted(points.size());
-    for_each_index(points.size(), [&](std::size_t i) {
-        std::array<std::uint32_t, 3> cell{};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            cell[axis] =
-                static_cast<std::uint32_t>(std::clamp((points[i][axis] - box.lower[axis]) * scale, 0.0, cells - 1));
-        keyed[i] = {hilbert_key(cell[0], cell[1], cell[2]), static_cast<std::uint32_t>(i)};
+    for_each_range(points.size(), [&](std::size_t begin, std::size_t end) {
+        constexpr std::size_t at_once = 64;
+        std::array<std::array<std::uint32_t, at_once>, 3> cells_of{};
+        std::array<std::uint32_t, at_once> keys{};
+        for (std::size_t first = begin; first < end; first += at_once) {
+            const std::size_t count = std::min(at_once, end - first);
+            for (std::size_t i = 0; i < count; ++i)
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    cells_of[axis][i] = static_cast<std::uint32_t>(static_cast<std::int32_t>(
+                        std::clamp((points[first + i][axis] - box.lower[axis]) * scale, 0.0, cells - 1)));
+            for (std::size_t i = 0; i < at_once; ++i)
+                keys[i] = hilbert_key(cells_of[0][i], cells_of[1][i], cells_of[2][i]);
+            for (std::size_t i = 0; i < count; ++i) keyed[first + i] = {keys[i], static_cast<std::uint32_t>(first + i)};
+        }
     });
     for (std::uint32_t digit = 0; digit < digits; ++digit) {
         sort_by_digit(keyed, sorted, digit);

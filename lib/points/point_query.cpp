@@ -38,20 +38,12 @@ enum NearestArgument : cl_uint {
     nearest_faces,
     nearest_squared
 };
-enum SignArgument : cl_uint {
-    sign_points,
-    sign_faces,
-    sign_sides,
-    sign_begin,
-    sign_end,
-    sign_polyhedra,
-    sign_signs,
-    sign_rest  // those of transform::Finishing
-};
 enum FinishArgument : cl_uint {
     finish_points,
     finish_places,
     finish_faces,
+    finish_sides,
+    finish_by_sides,
     finish_signs,
     finish_begin,
     finish_end,
@@ -95,25 +87,23 @@ public:
           callers_(points),
           within_(within),
           in_units_(points.size()),
-          squared_(points.size()),
           device_points_(pool_, points.size(), "points"),
-          device_faces_(pool_, points.size(), "nearest faces of points") {
+          device_faces_(pool_, points.size(), "nearest faces of points"),
+          device_squared_(pool_, points.size(), "squared distances of points") {
         order();
         device_points_.write(queue_, in_units_);
     }
 
     void find_nearest(const std::function<void(double)>& between) {
-        PointBuffer<double> squared(pool_, count(), "squared distances of points");
         if (inputs_.scanned)
             scan_points(
                 {context_, programs_, pool_, *inputs_.mesh, *inputs_.scanned, in_units_, *device_points_, most()},
-                *device_faces_, *squared, between);
+                *device_faces_, *device_squared_, between);
         else
-            search_tree(*squared, between);
-        squared.read(queue_, squared_);
+            search_tree(between);
     }
 
-    void search_tree(const cl::Buffer& squared, const std::function<void(double)>& between) {
+    void search_tree(const std::function<void(double)>& between) {
         const PointMesh& mesh = *inputs_.mesh;
         cl::Kernel kernel(program_, "nearest_of_points");
         kernel.setArg(nearest_tree, mesh.tree);
@@ -123,7 +113,7 @@ public:
         kernel.setArg(nearest_run, static_cast<cl_uint>(run()));
         kernel.setArg(nearest_most, most());
         kernel.setArg(nearest_faces, *device_faces_);
-        kernel.setArg(nearest_squared, squared);
+        kernel.setArg(nearest_squared, *device_squared_);
         in_launches(between, [&](std::size_t begin, std::size_t end) {
             kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
             kernel.setArg(nearest_end, static_cast<cl_uint>(end));
@@ -131,20 +121,11 @@ public:
         });
     }
 
-    void find_signs() {
-        signs_.resize(count());
-        if (inputs_.sides)
-            find_signs_by_sides();
-        else
-            std::fill(signs_.begin(), signs_.end(), std::uint8_t{CLSDF_POINT_UNDECIDED});
-        points::find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, in_units_, squared_}, signs_);
-    }
-
-    void finish(const transform::HostArrays& arrays) {
+    /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
+    double finish(const transform::HostArrays& arrays) {
         PointBuffer<std::uint32_t> places(pool_, count(), "order of points");
         PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
         places.write(queue_, order_);
-        signs.write(queue_, signs_);
         PerOutput<MemoryOf> memory;
         transform::OutputBuffers outputs;
         for_each_output(
@@ -161,6 +142,7 @@ public:
         kernel.setArg(finish_points, *device_points_);
         kernel.setArg(finish_places, *places);
         kernel.setArg(finish_faces, *device_faces_);
+        kernel.setArg(finish_sides, inputs_.sides ? *inputs_.sides->sides : *places);  // or unused
         kernel.setArg(finish_signs, *signs);
         kernel.setArg(finish_begin, cl_uint{0});
         kernel.setArg(finish_end, static_cast<cl_uint>(count()));
@@ -168,8 +150,25 @@ public:
         kernel.setArg(finish_polyhedra, *inputs_.mesh->polyhedra);
         kernel.setArg(finish_distance, outputs.distance);
         finishing.set_arguments(kernel, finish_rest, outputs);
-        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(count())),
-                                    cl::NDRange(transform::common_group));
+        const auto launch = [&](cl_uint by_sides) {
+            kernel.setArg(finish_by_sides, by_sides);
+            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(count())),
+                                        cl::NDRange(transform::common_group));
+        };
+        signs_.assign(count(), std::uint8_t{CLSDF_POINT_UNDECIDED});
+        if (inputs_.sides) {
+            launch(1);
+            signs.read(queue_, signs_);
+        }
+        const Stopwatch watch;
+        if (std::find(signs_.begin(), signs_.end(), CLSDF_POINT_UNDECIDED) != signs_.end()) {
+            UninitializedVector<double> squared(count());
+            device_squared_.read(queue_, squared);
+            find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, in_units_, squared}, signs_);
+            signs.write(queue_, signs_);
+            launch(0);
+        }
+        const double seconds = watch.seconds();
         for_each_output(
             [&](const OutputRow&, const transform::HostArray& array, const transform::OutputMemory& of_output) {
                 if (array.is_wanted) of_output.enqueue_handover(queue_);
@@ -182,26 +181,10 @@ public:
             },
             arrays, memory);
         queue_.finish();
+        return seconds;
     }
 
 private:
-    void find_signs_by_sides() {
-        PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
-        const transform::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
-        cl::Kernel kernel(program_, "signs_of_points");
-        kernel.setArg(sign_points, *device_points_);
-        kernel.setArg(sign_faces, *device_faces_);
-        kernel.setArg(sign_sides, *inputs_.sides->sides);
-        kernel.setArg(sign_begin, cl_uint{0});
-        kernel.setArg(sign_end, static_cast<cl_uint>(count()));
-        kernel.setArg(sign_polyhedra, *inputs_.mesh->polyhedra);
-        kernel.setArg(sign_signs, *signs);
-        finishing.set_arguments(kernel, sign_rest, {});
-        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(count())),
-                                    cl::NDRange(transform::common_group));
-        signs.read(queue_, signs_);
-    }
-
     template <typename>
     using MemoryOf = transform::OutputMemory;
 
@@ -275,10 +258,10 @@ private:
     double within_;
     UninitializedVector<std::uint32_t> order_;
     UninitializedVector<Vec3> in_units_;
-    UninitializedVector<double> squared_;
-    UninitializedVector<std::uint8_t> signs_;
+    std::vector<std::uint8_t> signs_;
     PointBuffer<Vec3> device_points_;
     PointBuffer<std::uint32_t> device_faces_;
+    PointBuffer<double> device_squared_;
 };
 
 }  // namespace
@@ -310,10 +293,7 @@ PointTimes query_points(device::Context& context, const transform::Programs& pro
             const Stopwatch watch;
             Query query(context, programs, pool, inputs, points, within);
             query.find_nearest(between);
-            const Stopwatch sign_watch;
-            query.find_signs();
-            times.sign = sign_watch.seconds();
-            query.finish(arrays);
+            times.sign = query.finish(arrays);
             times.nearest = watch.seconds() - times.sign;
         } catch (...) {
             context.drain();  // what is under way uses the caller's memory

@@ -30,7 +30,7 @@ enum BoundArgument : cl_uint {
     bound_first,
     bound_stride_argument,
     bound_counts,
-    bound_polyhedra,
+    bound_records,
     bound_squares
 };
 enum MarkArgument : cl_uint {
@@ -38,6 +38,7 @@ enum MarkArgument : cl_uint {
     mark_first,
     mark_run,
     mark_counts,
+    mark_records,
     mark_polyhedra,
     mark_most,
     mark_squares,
@@ -53,8 +54,9 @@ enum ScanArgument : cl_uint {
     scan_point_count,
     scan_most,
     scan_counts,
+    scan_records,
     scan_polyhedra,
-    scan_leaves,
+    scan_frames,
     scan_neighbours,
     scan_ring_starts,
     scan_ring_faces,
@@ -152,15 +154,42 @@ FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_
 
 }  // namespace
 
-ScannedMesh make_scanned_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                              const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                              transform::PreparedMesh records) {
+ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
+                              const std::shared_ptr<device::BufferPool>& pool, const PointMesh& point_mesh,
+                              const polyhedra::Frusta& frusta, const transform::PreparedMesh& polyhedra) {
     ScannedMesh mesh;
-    mesh.records = std::move(records);
+    const polyhedra::MeshTopology& topology = *point_mesh.topology;
     const std::size_t faces = topology.order.size(), vertices = topology.rings.vertex_count();
+    const std::size_t records = faces + frusta.sites.size();
     mesh.counts.faces = static_cast<clsdf_uint32>(faces);
-    mesh.counts.end = static_cast<clsdf_uint32>(mesh.records.record_count);
-    mesh.counts.first_site = static_cast<clsdf_uint32>(mesh.records.record_count - frusta.sites.size());
+    mesh.counts.records = static_cast<clsdf_uint32>(records);
+    double squared = 0;
+    for (std::size_t face = 0; face < faces; ++face) {
+        const auto corners = point_mesh.corners(face);
+        for (std::size_t k = 0; k < 3; ++k) {
+            double side = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double difference = (corners[(k + 1) % 3][axis] - corners[k][axis]) / point_mesh.lattice.unit;
+                side += difference * difference;
+            }
+            squared = std::max(squared, side);
+        }
+    }
+    mesh.counts.longest = static_cast<float>(std::sqrt(squared) * (1 + 1e-6));
+    mesh.frames = pool->lease(faces * sizeof(FaceFrame), "frames of the scan of points");
+    mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
+    device::guarded([&] {
+        cl::Kernel pack(program, "pack_records");
+        pack.setArg(0, *polyhedra.polyhedra);
+        pack.setArg(1, *point_mesh.leaves);
+        pack.setArg(2, mesh.counts);
+        pack.setArg(3, static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()));
+        pack.setArg(4, *mesh.records);
+        pack.setArg(5, *mesh.frames);
+        context.queue().enqueueNDRangeKernel(pack, cl::NullRange, cl::NDRange(transform::in_whole_groups(records)),
+                                             cl::NDRange(transform::common_group));
+        context.queue().finish();
+    });
     device::HostFilling neighbours(context, pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
     auto* const to = static_cast<FaceNeighbours*>(neighbours.memory());
     for_each_index(faces, [&](std::size_t face) { to[face] = neighbours_of(topology, face); });
@@ -215,26 +244,27 @@ public:
     /// The polyhedra that the blocks' points are looked up in.
     void mark_blocks(const std::function<void(double)>& between) {
         const auto squares = job_.pool.lease(superblock_count_ * width * sizeof(float), "bounds of points");
-        const std::size_t polyhedra = polyhedron_count();
-        marks_ = job_.pool.lease(superblock_count_ * polyhedra * sizeof(cl_ushort), "lists of blocks of points");
+        const std::size_t records = job_.scanned.counts.records;
+        marks_ = job_.pool.lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
         cl::Kernel bound(program_, "bound_blocks");
         bound.setArg(bound_superblocks, *superblocks_);
         bound.setArg(bound_first, cl_uint{0});
         bound.setArg(bound_stride_argument,
                      static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1));
         bound.setArg(bound_counts, job_.scanned.counts);
-        bound.setArg(bound_polyhedra, *job_.scanned.records.polyhedra);
+        bound.setArg(bound_records, *job_.scanned.records);
         bound.setArg(bound_squares, *squares);
         enqueue(bound, superblock_count_);
         cl::Kernel mark(program_, "mark_blocks");
         mark.setArg(mark_superblocks, *superblocks_);
         mark.setArg(mark_run, static_cast<cl_uint>(marked_together));
         mark.setArg(mark_counts, job_.scanned.counts);
-        mark.setArg(mark_polyhedra, *job_.scanned.records.polyhedra);
+        mark.setArg(mark_records, *job_.scanned.records);
+        mark.setArg(mark_polyhedra, *job_.mesh.polyhedra);
         mark.setArg(mark_most, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)));
         mark.setArg(mark_squares, *squares);
         mark.setArg(mark_marks, *marks_);
-        const std::size_t items = superblock_count_ * stretch_count(polyhedra, marked_together);
+        const std::size_t items = superblock_count_ * stretch_count(records, marked_together);
         const auto step =
             static_cast<std::size_t>(job_.context.capabilities().launch_seconds * static_cast<double>(cores()) /
                                      (seconds_per_mark * marked_together)) +
@@ -250,10 +280,10 @@ public:
     }
 
     void find_nearest(const cl::Buffer& faces, const cl::Buffer& squared, const std::function<void(double)>& between) {
-        const std::size_t items = std::min<std::size_t>(cores(), block_count_), polyhedra = polyhedron_count();
+        const std::size_t items = std::min<std::size_t>(cores(), block_count_), records = job_.scanned.counts.records;
         const auto lists =
-            job_.pool.lease(items * 2 * (polyhedra + 1) * sizeof(cl_uint), "lists of polyhedra near points");
-        const auto marks = job_.pool.lease(items * polyhedra * sizeof(cl_ushort), "lists of bricks of points");
+            job_.pool.lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
+        const auto marks = job_.pool.lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
         const auto memory = job_.pool.lease(items * sizeof(PointBrick), "bricks of points in work");
         const auto turns = job_.pool.lease(sizeof(cl_uint), "turns");
         cl::Kernel kernel(program_, "nearest_by_groups");
@@ -264,8 +294,9 @@ public:
         kernel.setArg(scan_point_count, static_cast<cl_uint>(job_.in_units.size()));
         kernel.setArg(scan_most, cl_double{job_.most});
         kernel.setArg(scan_counts, job_.scanned.counts);
-        kernel.setArg(scan_polyhedra, *job_.scanned.records.polyhedra);
-        kernel.setArg(scan_leaves, *job_.mesh.leaves);
+        kernel.setArg(scan_records, *job_.scanned.records);
+        kernel.setArg(scan_polyhedra, *job_.mesh.polyhedra);
+        kernel.setArg(scan_frames, *job_.scanned.frames);
         kernel.setArg(scan_neighbours, *job_.scanned.neighbours);
         kernel.setArg(scan_ring_starts, *job_.scanned.ring_starts);
         kernel.setArg(scan_ring_faces, *job_.scanned.ring_faces);
@@ -296,10 +327,6 @@ public:
 
 private:
     std::size_t cores() const { return job_.context.capabilities().compute_units; }
-    std::size_t polyhedron_count() const {
-        const PolyhedronCounts& counts = job_.scanned.counts;
-        return counts.faces + (counts.end - counts.first_site);
-    }
     void enqueue(const cl::Kernel& kernel, std::size_t items) const {
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(1));
     }

@@ -15,23 +15,25 @@ namespace clsdf::points {
 
 /// What the scan of many points reads of a mesh beside its tree.
 struct ScannedMesh {
-    transform::PreparedMesh records;  ///< of all faces and point sites, for PointMesh::lattice
-    PolyhedronCounts counts{};
+    ScanCounts counts{};
+    device::BufferPool::Lease records;        ///< ScanRecord
+    device::BufferPool::Lease frames;         ///< FaceFrame
     device::BufferPool::Lease neighbours;     ///< FaceNeighbours, of each face
     device::BufferPool::Lease ring_starts;    ///< of each vertex in ring_faces, and the end
     device::BufferPool::Lease ring_faces;     ///< the faces at each vertex
     device::BufferPool::Lease site_vertices;  ///< the vertex of each point site
 
     std::size_t device_bytes() const {
-        return records.device_bytes() + neighbours.bytes() + ring_starts.bytes() + ring_faces.bytes() +
+        return records.bytes() + frames.bytes() + neighbours.bytes() + ring_starts.bytes() + ring_faces.bytes() +
                site_vertices.bytes();
     }
 };
 
-/// `records`: of all faces and point sites. Throws Error(out_of_memory).
-ScannedMesh make_scanned_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                              const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                              transform::PreparedMesh records);
+/// `program`: of the scan. `polyhedra`: of all faces and point sites, for PointMesh::lattice, which are not needed any
+/// more. Throws Error(out_of_memory).
+ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
+                              const std::shared_ptr<device::BufferPool>& pool, const PointMesh& mesh,
+                              const polyhedra::Frusta& frusta, const transform::PreparedMesh& polyhedra);
 
 /// Whether points are scanned in groups rather than looked up one by one. The results are the same.
 bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces);

@@ -31,7 +31,7 @@ std::optional<std::string> run_point_test(const Device& device, const transform:
     inputs.mesh = stages.points();
     inputs.sign = SignRule::nonzero;
     if (are_scanned) {
-        inputs.scanned = stages.scanned_mesh();
+        inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
         inputs.sides = stages.face_sides(inputs.sign, true);
     }
     inputs.sites = stages.sites(are_scanned);

@@ -25,7 +25,7 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
         points::PointInputs inputs;
         inputs.mesh = stages->points();
         const bool are_many = points::is_scan_worthwhile(programs, count, mesh().triangles().size());
-        if (are_many) inputs.scanned = stages->scanned_mesh();
+        if (are_many) inputs.scanned = stages->scanned_mesh(programs.point_scan(device::context_of(device)));
         if (sign != SignRule::none) inputs.sides = stages->face_sides(sign, are_many);
         inputs.sites = stages->sites(outputs.gradient || inputs.sides != nullptr);
         inputs.sign = sign;

@@ -262,12 +262,12 @@ std::shared_ptr<const points::PointMesh> Stages::points() {
     }
 }
 
-std::shared_ptr<const points::ScannedMesh> Stages::scanned_mesh() {
+std::shared_ptr<const points::ScannedMesh> Stages::scanned_mesh(const cl::Program& program) {
     try {
         if (!scanned_mesh_) {
-            PreparedMesh records = all_records(points()->lattice);
+            const PreparedMesh polyhedra = all_records(points()->lattice);
             scanned_mesh_ = std::make_shared<const points::ScannedMesh>(
-                points::make_scanned_mesh(context_, pool_, topology(), frusta(), std::move(records)));
+                points::make_scanned_mesh(context_, program, pool_, *points_, frusta(), polyhedra));
         }
         return scanned_mesh_;
     } catch (const std::bad_alloc&) {

@@ -89,8 +89,8 @@ public:
     /// What points anywhere are looked up in. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const points::PointMesh> points();
 
-    /// What many points are looked up in beside it. Throws as points().
-    std::shared_ptr<const points::ScannedMesh> scanned_mesh();
+    /// What many points are looked up in beside it. `program`: of their scan. Throws as points().
+    std::shared_ptr<const points::ScannedMesh> scanned_mesh(const cl::Program& program);
 
     /// What the sides of faces tell about the signs of points; null if it is not known and not to be `found`, too. The
     /// rule is the same in all calls.
