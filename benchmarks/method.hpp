@@ -4,6 +4,7 @@
 #include "benchmarks/workload.hpp"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -61,6 +62,10 @@ std::unique_ptr<Method> make_transform_anew(const Device& device);
 Entry embree_entry();
 Entry openvdb_entry();
 Entry cgal_entry();
+
+/// Signed distances at points, by a peer that is set up for a mesh. Empty if the peer is not built in.
+using PointPeer = std::function<void(std::span<const Vec3> points, std::span<float> distance)>;
+PointPeer embree_points(const Mesh& mesh);
 
 /// clsdf, then every peer, also those that are not built in.
 std::vector<Entry> all_methods(const Device& device);

@@ -73,6 +73,9 @@ std::unique_ptr<Method> make_transform_anew(const Device& device) {
 Entry embree_entry() {
     return absent("embree", CLSDF_MISSING_EMBREE);
 }
+PointPeer embree_points(const Mesh&) {
+    return {};
+}
 #endif
 #if !CLSDF_PEER_OPENVDB
 Entry openvdb_entry() {

@@ -1,6 +1,7 @@
 #include "benchmarks/points.hpp"
 
 #include "benchmarks/cost.hpp"
+#include "benchmarks/method.hpp"
 
 #include <clsdf/reference.hpp>
 
@@ -140,20 +141,25 @@ std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, co
     const Judge judge(mesh, options);
     const std::size_t million = is_quick ? 20000 : 1000000, thousand = is_quick ? 200 : 1000;
     std::optional<DistanceTransform> transform(std::in_place, device, mesh);
+    const PointPeer embree = embree_points(mesh);
+    const std::string embree_name = "Embree";
     std::vector<float> distance(million);
     std::vector<PointCost> costs;
-    const auto measure = [&](PointCost cost, const std::vector<Vec3>& points, const auto& prepare) {
+    const auto ask = [&](std::span<const Vec3> points, std::span<float> results) {
+        transform->query(points, no_limit, {.distance = results});
+    };
+    const auto measure_by = [&](const auto& query, PointCost cost, std::span<const Vec3> points,
+                                std::size_t repetitions, const auto& prepare) {
         cost.points = points.size();
         const std::size_t of_call = points.size() / cost.calls;
         std::vector<double> seconds, processor;
-        for (std::size_t n = 0; n < options.repetitions + 1; ++n) {
+        for (std::size_t n = 0; n < repetitions + 1; ++n) {
             if (options.progress) options.progress(cost.name);
             std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::quiet_NaN());
             prepare();
             const CostWatch watch;
             for (std::size_t begin = 0; begin < points.size(); begin += of_call)
-                transform->query(std::span(points).subspan(begin, of_call), no_limit,
-                                 {.distance = std::span(distance).subspan(begin, of_call)});
+                query(points.subspan(begin, of_call), std::span(distance).subspan(begin, of_call));
             const Cost of_calls = watch.cost();
             if (n == 0) continue;  // warms up
             seconds.push_back(of_calls.wall);
@@ -165,18 +171,29 @@ std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, co
         costs.push_back(std::move(cost));
     };
     const auto nothing = [] {};
+    const auto measure = [&](PointCost cost, const std::vector<Vec3>& points, std::optional<double> limit) {
+        if (!is_quick) cost.limit = limit;
+        measure_by(ask, cost, points, options.repetitions, nothing);
+        if (!embree) return;
+        cost.method = embree_name;
+        cost.limit.reset();
+        // It takes many times as long.
+        measure_by(embree, cost, points, std::min<std::size_t>(options.repetitions, 3), nothing);
+    };
     measure({"uniform", "in the mesh's box and 10% of its longest side around it, in one call"}, maker.uniform(million),
-            nothing);
+            4e6);
     measure({"near", "within 1.2% of the longest side from the surface on each axis, in one call"}, maker.near(million),
-            nothing);
-    measure({"rays", "along rays through the box, 1,000 points each, in one call"}, maker.along_rays(million), nothing);
+            5e6);
+    measure({"rays", "along rays through the box, 1,000 points each, in one call"}, maker.along_rays(million), {});
     PointCost many{"calls", "uniform, as many points a call as there are calls"};
     many.calls = thousand;
-    measure(many, maker.uniform(million / thousand * thousand), nothing);
-    measure({"first", "uniform, with a transform that has prepared nothing"}, maker.uniform(thousand), [&] {
-        transform.reset();
-        transform.emplace(device, mesh);
-    });
+    if (!is_quick) many.limit = 5e5;
+    measure_by(ask, many, maker.uniform(million / thousand * thousand), options.repetitions, nothing);
+    measure_by(ask, {"first", "uniform, with a transform that has prepared nothing"}, maker.uniform(thousand),
+               options.repetitions, [&] {
+                   transform.reset();
+                   transform.emplace(device, mesh);
+               });
     return costs;
 }
 

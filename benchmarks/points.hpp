@@ -5,6 +5,7 @@
 #include <clsdf/clsdf.hpp>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace clsdf::bench {
 struct PointCost {
     std::string name;
     std::string what;
+    std::string method = "clsdf";
     std::size_t points = 0;      ///< of a measurement, all its calls together
     std::size_t calls = 1;       ///< of a measurement
     Spread seconds{};            ///< by the clock on the wall
@@ -21,13 +23,15 @@ struct PointCost {
     std::size_t judged = 0;      ///< points compared with the reference
     std::size_t wrong = 0;       ///< off by more than 1e-5 voxel and 2 ulp
     std::size_t wrong_signs = 0;
-    double max_error_voxels = 0;  ///< a voxel is 1/256 of the mesh's longest side
+    std::optional<double> limit{};  ///< the least accepted points_per_second()
+    double max_error_voxels = 0;    ///< a voxel is 1/256 of the mesh's longest side
 
     double points_per_second() const { return static_cast<double>(points) / seconds.median; }
 };
 
 /// Signed distances at points without a limit, by a transform that has been used before: uniform in the mesh's box and
-/// 10% around it, near the surface, along rays, and in many small calls; and the first call of a transform.
+/// 10% around it, near the surface, along rays, and in many small calls; and the first call of a transform. Beside the
+/// first three, the same points by Embree's point query with pseudonormals, if it is built in.
 std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
                                       bool is_quick);
 

@@ -52,28 +52,43 @@ INLINE void load_children(__global const PointGroup* group, __private Children* 
     children->present = (1u << group->children) - 1u;
 }
 
-// Takes a point of the surface, if it is nearer to a child's centre: `least` are squared distances.
-INLINE void look_at_foot(__global const ScanRecord* p, int3 origin, const __private Children* children,
-                         __private floatL* least) {
+// The nearest of some points of the surface to the children's centres.
+typedef struct NearestFeet {
+    floatL squared[PARTS];
+    uintL record[PARTS];
+} NearestFeet;
+
+// Takes that of a record.
+INLINE void look_at_foot(__global const ScanRecord* p, uint record, int3 origin, const __private Children* children,
+                         __private NearestFeet* feet) {
     const float x = (float)(p->origin_x - origin.x) + p->foot[0], y = (float)(p->origin_y - origin.y) + p->foot[1],
                 z = (float)(p->origin_z - origin.z) + p->foot[2];
     for (int part = 0; part < PARTS; ++part) {
         const floatL dx = children->centre[0][part] - x, dy = children->centre[1][part] - y,
                      dz = children->centre[2][part] - z;
         const floatL squared = dx * dx + (dy * dy + dz * dz);
-        least[part] = LESSER(squared, least[part]);
+        const intL is_nearer = squared < feet->squared[part];
+        feet->squared[part] = is_nearer ? squared : feet->squared[part];
+        feet->record[part] = is_nearer ? (uintL)record : feet->record[part];
     }
 }
 
-// Sets the bounds and slacks from the squared distances of the centres. most: an upper bound of all.
-INLINE void set_bounds(__private Children* children, const __private floatL* least, float most) {
+INLINE void clear_feet(__private NearestFeet* feet) {
+    for (int part = 0; part < PARTS; ++part) {
+        feet->squared[part] = (floatL)INFINITY;
+        feet->record[part] = (uintL)0u;
+    }
+}
+
+// Sets the bounds and slacks from upper bounds of the distances of the centres, squared. most: an upper bound of all.
+INLINE void set_bounds(__private Children* children, const __private floatL* squares, float most) {
     for (int part = 0; part < PARTS; ++part) {
         const floatL x = children->half_side[0][part], y = children->half_side[1][part],
                      z = children->half_side[2][part];
         const floatL radius = sqrt(x * x + (y * y + z * z));
         const floatL extent = fabs(children->centre[0][part]) + fabs(children->centre[1][part]) +
                               fabs(children->centre[2][part]) + radius;
-        const floatL bound = (sqrt(least[part]) + radius) * (1.0f + 1.0e-5f) + (SLACK + SLACK_EXTENT * extent);
+        const floatL bound = (sqrt(squares[part]) + radius) * (1.0f + 1.0e-5f) + (SLACK + SLACK_EXTENT * extent);
         children->bound[part] = LESSER(bound, (floatL)most);
         children->slack[part] = SLACK + SLACK_RATE * children->bound[part] + SLACK_EXTENT * extent;
     }
@@ -148,16 +163,13 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
     return bits & children->present;
 }
 
-#if HAS_BUILTIN(__builtin_prefetch)
-#define FETCH_AHEAD(list, i, count, records)                                                                   \
-    {                                                                                                          \
-        __global const char* ahead = (__global const char*)((records) + (list)[LESSER((i) + 8u, (count)-1u)]); \
-        __builtin_prefetch((const void*)(size_t)ahead);                                                        \
-        __builtin_prefetch((const void*)(size_t)(ahead + 64));                                                 \
+// Fetches a record of a list that comes later.
+#define FETCH_AHEAD(list, i, count, records)                                                 \
+    {                                                                                        \
+        __global const ScanRecord* ahead = (records) + (list)[LESSER((i) + 8u, (count)-1u)]; \
+        PREFETCH(ahead);                                                                     \
+        PREFETCH(&ahead->slope_above[1]);                                                    \
     }
-#else
-#define FETCH_AHEAD(list, i, count, records)
-#endif
 
 // Writes records and frames, a work-item a record, from polyhedra, of which those of point sites begin at first_site,
 // and from the tree's leaves.
@@ -183,11 +195,12 @@ __kernel void bound_blocks(__global const PointGroup* superblocks, uint first, u
     const uint number = first + (uint)get_global_id(0);
     Children children;
     load_children(superblocks + number, &children);
-    floatL least[PARTS];
-    for (int part = 0; part < PARTS; ++part) least[part] = (floatL)INFINITY;
+    NearestFeet feet;
+    clear_feet(&feet);
     for (uint i = 0; i < counts.faces; i += stride)
-        look_at_foot(records + i, origin_of(superblocks + number), &children, least);
-    for (int part = 0; part < PARTS; ++part) store_lanes(least[part], part, squares + number * CLSDF_GROUP_WIDTH);
+        look_at_foot(records + i, i, origin_of(superblocks + number), &children, &feet);
+    for (int part = 0; part < PARTS; ++part)
+        store_lanes(feet.squared[part], part, squares + number * CLSDF_GROUP_WIDTH);
 }
 
 // Sets, for each polyhedron of a range and each superblock, the bits of the children that it overlaps. A work-item
@@ -217,18 +230,18 @@ INLINE float limit_of(double squared) {
     return (float)sqrt(squared) * (1.0f + 1.0e-6f);
 }
 
-// The bounds of a group's children from its list.
+// The bounds of a group's children from its list, and whose feet they are.
 INLINE void find_bounds(__global const PointGroup* group, __global const ScanRecord* records, uint count,
-                        __global const uint* list, float most, __private Children* children) {
+                        __global const uint* list, float most, __private Children* children,
+                        __private NearestFeet* feet) {
     load_children(group, children);
-    floatL least[PARTS];
-    for (int part = 0; part < PARTS; ++part) least[part] = (floatL)INFINITY;
+    clear_feet(feet);
     const uint stride = count > 64 ? 4 : 1;
     for (uint i = 0; i < count; i += stride) {
         FETCH_AHEAD(list, i + 3 * stride, count, records)
-        look_at_foot(records + list[i], origin_of(group), children, least);
+        look_at_foot(records + list[i], list[i], origin_of(group), children, feet);
     }
-    set_bounds(children, least, most);
+    set_bounds(children, feet->squared, most);
 }
 
 // Decisions in double. ------------------------------------------------------------------------------------------------
@@ -360,6 +373,29 @@ INLINE floatL squared_from(Frame f, float altitude, floatL i, floatL j, floatL k
     return end * end + (outward * outward + z * z);
 }
 
+// Squared distances of a vector's points to a record's triangle or point.
+INLINE floatL squared_of_vector(Frame frame, float altitude, uint vector, int part, __global const PointBrick* brick) {
+    const uint at = OF_VECTOR(part);
+    return squared_from(frame, altitude, load_lanes(0, brick->from_origin[0] + at),
+                        load_lanes(0, brick->from_origin[1] + at), load_lanes(0, brick->from_origin[2] + at));
+}
+
+// Bounds distances by the records whose feet are nearest.
+INLINE void bound_by_feet(ScanMesh mesh, const __private NearestFeet* feet, int3 origin, const __private float* margins,
+                          __global PointBrick* brick) {
+    uint records[CLSDF_GROUP_WIDTH];
+    for (int part = 0; part < PARTS; ++part) store_lanes(feet->record[part], part, records);
+    for (uint vector = 0; vector < CLSDF_GROUP_WIDTH; ++vector) {
+        const Frame frame = frame_from(mesh, records[vector], origin);
+        const float altitude = mesh.records[records[vector]].altitude;
+        for (int part = 0; part < PARTS; ++part) {
+            const floatL squared = squared_of_vector(frame, altitude, vector, part, brick) + margins[vector];
+            const floatL bound = load_lanes(0, brick->bound + OF_VECTOR(part));
+            store_lanes(LESSER(squared, bound), 0, brick->bound + OF_VECTOR(part));
+        }
+    }
+}
+
 // Loads a brick's points. Returns the greatest distance of one from the origin, rounded up.
 static float load_points(__global const double* points, uint begin, uint end, int3 origin, double most,
                          __global PointBrick* brick) {
@@ -389,7 +425,8 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
     const int3 origin = origin_of(group);
     const float extent = load_points(points, begin, end, origin, most, brick);
     Children vectors;
-    find_bounds(group, mesh.records, count, list, limit_of(most), &vectors);
+    NearestFeet feet;
+    find_bounds(group, mesh.records, count, list, limit_of(most), &vectors, &feet);
     float bounds[CLSDF_GROUP_WIDTH], errors[CLSDF_GROUP_WIDTH], margins[CLSDF_GROUP_WIDTH];
     for (int part = 0; part < PARTS; ++part) store_lanes(vectors.bound[part], part, bounds);
     for (uint vector = 0; vector < CLSDF_GROUP_WIDTH; ++vector) {
@@ -399,6 +436,7 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
         for (int part = 0; part < PARTS; ++part)
             store_lanes((floatL)(bound * bound * (1.0f + 1.0e-5f)), 0, brick->bound + OF_VECTOR(part));
     }
+    if (count > 0) bound_by_feet(mesh, &feet, origin, margins, brick);
     uint candidates = 0;
     for (uint n = 0; n < count; ++n) {
         FETCH_AHEAD(list, n, count, mesh.records)
@@ -412,9 +450,7 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
             floatL least[PARTS];
             for (int part = 0; part < PARTS; ++part) {
                 const uint at = OF_VECTOR(part);
-                const floatL squared =
-                    squared_from(frame, altitude, load_lanes(0, brick->from_origin[0] + at),
-                                 load_lanes(0, brick->from_origin[1] + at), load_lanes(0, brick->from_origin[2] + at));
+                const floatL squared = squared_of_vector(frame, altitude, vector, part, brick);
                 const floatL bound = load_lanes(0, brick->bound + at);
                 least[part] = squared - margin;
                 const uint bits = lanes_to_bits(least[part] <= bound);
@@ -477,7 +513,8 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __gl
         const uint count = choose(all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
                                   block % CLSDF_GROUP_WIDTH, list);
         Children children;
-        find_bounds(blocks + block, records, count, list, limit_of(most), &children);
+        NearestFeet feet;
+        find_bounds(blocks + block, records, count, list, limit_of(most), &children, &feet);
         const int3 origin = origin_of(blocks + block);
         for (uint i = 0; i < count; ++i) {
             FETCH_AHEAD(list, i, count, records)

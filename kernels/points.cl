@@ -189,7 +189,12 @@ __kernel void finish_points(__global const double* points, __global const uint* 
     uint sign = by_sides ? CLSDF_POINT_UNDECIDED : signs[i];
     if (sign == CLSDF_POINT_FINISHED) return;
     SET_FINISHING(finishing)
-    const uint place = places[i], face = faces[i];
+    const uint place = places[i], face = faces[i], later = faces[min(i + 8u, end - 1u)];
+    if (later != CLSDF_NO_FACE) {
+        PREFETCH(&polyhedra[later].exact_gradient_x);
+        PREFETCH(&polyhedra[later].exact_gradient_z[2]);
+        PREFETCH(&polyhedra[later].exact_altitude);
+    }
     bool is_within = false;
     if (face != CLSDF_NO_FACE) {
         Nearest nearest;

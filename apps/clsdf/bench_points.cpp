@@ -14,18 +14,21 @@ ordered_json describe(const clsdf::bench::Spread& spread) {
 }
 
 ordered_json describe(const PointCost& cost, const std::string& mesh) {
-    return {{"name", cost.name},
-            {"mesh", mesh},
-            {"what", cost.what},
-            {"points", cost.points},
-            {"calls", cost.calls},
-            {"seconds", describe(cost.seconds)},
-            {"processor_seconds", describe(cost.processor_seconds)},
-            {"points_per_second", cost.points_per_second()},
-            {"judged", cost.judged},
-            {"wrong", cost.wrong},
-            {"wrong_signs", cost.wrong_signs},
-            {"max_error_voxels", cost.max_error_voxels}};
+    ordered_json row{{"name", cost.name},
+                     {"method", cost.method},
+                     {"mesh", mesh},
+                     {"what", cost.what},
+                     {"points", cost.points},
+                     {"calls", cost.calls},
+                     {"seconds", describe(cost.seconds)},
+                     {"processor_seconds", describe(cost.processor_seconds)},
+                     {"points_per_second", cost.points_per_second()},
+                     {"judged", cost.judged},
+                     {"wrong", cost.wrong},
+                     {"wrong_signs", cost.wrong_signs},
+                     {"max_error_voxels", cost.max_error_voxels}};
+    if (cost.limit) row["limit"] = *cost.limit;
+    return row;
 }
 
 }  // namespace
@@ -36,13 +39,14 @@ ordered_json run_bench_points(const BenchOptions& options) {
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("points", options, device);
     result["rows"] = ordered_json::array();
-    BenchTable table({"points", "mesh", "points", "calls", "ms (median)", "processor, ms", "million a second", "wrong",
-                      "wrong signs", "judged", "max error, voxel"});
+    BenchTable table({"points", "method", "mesh", "points", "calls", "ms (median)", "processor, ms", "million a second",
+                      "limit", "wrong", "wrong signs", "judged", "max error, voxel"});
     for (const NamedMesh& mesh : meshes)
         for (const PointCost& cost : measure_points(mesh.mesh, device, options.measure, options.quick)) {
-            table.add({cost.name, mesh.name, fmt::format("{}", cost.points), fmt::format("{}", cost.calls),
+            table.add({cost.name, cost.method, mesh.name, fmt::format("{}", cost.points), fmt::format("{}", cost.calls),
                        milliseconds(cost.seconds.median), milliseconds(cost.processor_seconds.median),
-                       fmt::format("{:.3g}", 1e-6 * cost.points_per_second()), fmt::format("{}", cost.wrong),
+                       fmt::format("{:.3g}", 1e-6 * cost.points_per_second()),
+                       cost.limit ? fmt::format("{:.3g}", 1e-6 * *cost.limit) : "-", fmt::format("{}", cost.wrong),
                        fmt::format("{}", cost.wrong_signs), fmt::format("{}", cost.judged),
                        fmt::format("{:.2g}", cost.max_error_voxels)});
             result["rows"].push_back(describe(cost, mesh.name));

@@ -9,10 +9,12 @@
 
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
 namespace clsdf::bench {
 
@@ -21,14 +23,15 @@ namespace {
 using VectorF = Eigen::Vector3f;
 
 struct Vertices {
-    const Workload& workload;
     Vec3 middle;
     double scale;
 
     explicit Vertices(const Workload& w)
-        : workload(w),
-          middle(w.grid.position(w.grid.size[0] / 2, w.grid.size[1] / 2, w.grid.size[2] / 2)),
+        : middle(w.grid.position(w.grid.size[0] / 2, w.grid.size[1] / 2, w.grid.size[2] / 2)),
           scale(1 / w.grid.voxel()) {}
+    explicit Vertices(const Mesh& mesh) : middle(mesh.box().lower), scale(256 / mesh.box().longest_side()) {
+        for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = (middle[axis] + mesh.box().upper[axis]) / 2;
+    }
 
     VectorF in_voxels(const Vec3& position) const {
         return {static_cast<float>((position[0] - middle[0]) * scale),
@@ -154,7 +157,34 @@ private:
     RTCDevice device_;
 };
 
+/// Embree's device and scene, and the normals, for points.
+struct PointScene {
+    struct Device {
+        RTCDevice device = rtcNewDevice(nullptr);
+        Device() = default;
+        Device(const Device&) = delete;
+        Device& operator=(const Device&) = delete;
+        ~Device() { rtcReleaseDevice(device); }
+    };
+
+    Device device;
+    Vertices vertices;
+    Scene scene;
+    Pseudonormals normals;
+
+    explicit PointScene(const Mesh& mesh) : vertices(mesh), scene(device.device, mesh, vertices), normals(mesh) {}
+};
+
 }  // namespace
+
+PointPeer embree_points(const Mesh& mesh) {
+    return [kept = std::make_shared<const PointScene>(mesh)](std::span<const Vec3> points, std::span<float> distance) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 256), [&](const auto& range) {
+            Query query(kept->scene, kept->vertices, kept->normals, distance);
+            for (std::size_t i = range.begin(); i != range.end(); ++i) query(points[i], i);
+        });
+    };
+}
 
 Entry embree_entry() {
     return {"embree", fmt::format("Embree {}", RTC_VERSION_STRING), "", std::make_unique<Embree>()};

@@ -201,19 +201,16 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
         centres.push_back(centre);
     }
     const UninitializedVector<std::uint32_t> order = curve_order(centres, mesh.box);
-    UninitializedVector<Vec3> centres_in_units(open.size());
     UninitializedVector<double> squared(open.size());
     std::vector<std::uint8_t> signs(open.size(), CLSDF_POINT_UNDECIDED);
     for_each_index(open.size(), [&](std::size_t i) {
         const std::uint32_t number = order[i];
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            centres_in_units[i][axis] = (centres[number][axis] - mesh.lattice.origin[axis]) / mesh.lattice.unit;
         // The box holds a ball around its centre, and the surface is as far from the box as its bound says.
         const double distance =
             std::sqrt(bounds[open[number]]) + least_side(boxes[open[number]]) / 2 / mesh.lattice.unit;
         squared[i] = distance * distance;
     });
-    find_signs(mesh, rule, {centres, order, centres_in_units, squared}, signs);
+    find_signs(mesh, rule, {centres, order, squared}, signs);
     for_each_index(open.size(), [&](std::size_t i) {
         if (signs[i] == CLSDF_POINT_INSIDE) places[open[order[i]]] = BoxPlace::inside;
     });

@@ -35,6 +35,14 @@ struct PointMesh {
     device::BufferPool::Lease leaves;        ///< PointLeaf
     device::BufferPool::Lease polyhedra;     ///< Polyhedron, of each face, with frames and without slopes
 
+    /// A position from the lattice's origin.
+    Vec3 in_units(const Vec3& position) const {
+        Vec3 result{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            result[axis] = (position[axis] - lattice.origin[axis]) / lattice.unit;
+        return result;
+    }
+
     std::size_t face_count() const { return topology->order.size(); }
     std::array<Vec3, 3> corners(std::size_t face) const {
         const auto& [a, b, c] = topology->faces.triangles[face];

@@ -3,6 +3,7 @@
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
 #include "core/uninitialized_vector.hpp"
+#include "device/host_filling.hpp"
 #include "points/curve_order.hpp"
 #include "points/point_signs.hpp"
 #include "transform/output_targets.hpp"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace clsdf::points {
 
@@ -86,19 +88,21 @@ public:
           inputs_(inputs),
           callers_(points),
           within_(within),
-          in_units_(points.size()),
-          device_points_(pool_, points.size(), "points"),
           device_faces_(pool_, points.size(), "nearest faces of points"),
           device_squared_(pool_, points.size(), "squared distances of points") {
         order();
-        device_points_.write(queue_, in_units_);
+        device::HostFilling filling(context_, pool, count() * sizeof(Vec3), "points");
+        const std::span<Vec3> in_units(static_cast<Vec3*>(filling.memory()), count());
+        for_each_index(count(), [&](std::size_t i) { in_units[i] = inputs_.mesh->in_units(callers_[order_[i]]); });
+        if (inputs_.scanned) groups_.emplace(group_points(in_units));
+        device_points_ = filling.finish();
     }
 
     void find_nearest(const std::function<void(double)>& between) {
         if (inputs_.scanned)
-            scan_points(
-                {context_, programs_, pool_, *inputs_.mesh, *inputs_.scanned, in_units_, *device_points_, most()},
-                *device_faces_, *device_squared_, between);
+            scan_points({context_, programs_, pool_, *inputs_.mesh, *inputs_.scanned, *groups_, count(),
+                         *device_points_, most()},
+                        *device_faces_, *device_squared_, between);
         else
             search_tree(between);
     }
@@ -164,7 +168,7 @@ public:
         if (std::find(signs_.begin(), signs_.end(), CLSDF_POINT_UNDECIDED) != signs_.end()) {
             UninitializedVector<double> squared(count());
             device_squared_.read(queue_, squared);
-            find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, in_units_, squared}, signs_);
+            find_signs(*inputs_.mesh, inputs_.sign, {callers_, order_, squared}, signs_);
             signs.write(queue_, signs_);
             launch(0);
         }
@@ -203,11 +207,6 @@ private:
             }
             order_ = curve_order(callers_, box);
         }
-        const polyhedra::LatticeView& lattice = inputs_.mesh->lattice;
-        for_each_index(count(), [&](std::size_t i) {
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                in_units_[i][axis] = (callers_[order_[i]][axis] - lattice.origin[axis]) / lattice.unit;
-        });
     }
 
     /// The limit of the search, above all rounding of what is compared with `within` at the end.
@@ -257,9 +256,9 @@ private:
     std::span<const Vec3> callers_;
     double within_;
     UninitializedVector<std::uint32_t> order_;
-    UninitializedVector<Vec3> in_units_;
     std::vector<std::uint8_t> signs_;
-    PointBuffer<Vec3> device_points_;
+    std::optional<PointGroups> groups_;
+    device::BufferPool::Lease device_points_;
     PointBuffer<std::uint32_t> device_faces_;
     PointBuffer<double> device_squared_;
 };

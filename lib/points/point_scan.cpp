@@ -212,6 +212,20 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
     return mesh;
 }
 
+PointGroups group_points(std::span<const Vec3> points) {
+    Level bricks = level_of(stretch_count(points.size(), width), [&](std::size_t vector) {
+        Extent extent;
+        for (std::size_t i = vector * width; i < std::min(points.size(), (vector + 1) * width); ++i)
+            extent.add(points[i], points[i]);
+        return extent;
+    });
+    const auto above = [](const Level& level) {
+        return level_of(level.extents.size(), [&](std::size_t i) { return level.extents[i]; });
+    };
+    Level blocks = above(bricks), superblocks = above(blocks);
+    return {std::move(bricks.groups), std::move(blocks.groups), std::move(superblocks.groups)};
+}
+
 bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces) {
     return programs.body == KernelBody::by_vector && points >= std::max(faces, fewest_scanned);
 }
@@ -223,22 +237,11 @@ class Scan {
 public:
     explicit Scan(const ScanJob& job)
         : job_(job), queue_(job.context.queue()), program_(job.programs.point_scan(job.context)) {
-        const std::span<const Vec3> points = job.in_units;
-        const Level bricks = level_of(stretch_count(points.size(), width), [&](std::size_t vector) {
-            Extent extent;
-            for (std::size_t i = vector * width; i < std::min(points.size(), (vector + 1) * width); ++i)
-                extent.add(points[i], points[i]);
-            return extent;
-        });
-        const auto above = [](const Level& level) {
-            return level_of(level.extents.size(), [&](std::size_t i) { return level.extents[i]; });
-        };
-        const Level blocks = above(bricks), superblocks = above(blocks);
-        block_count_ = blocks.groups.size();
-        superblock_count_ = superblocks.groups.size();
-        bricks_ = upload<PointGroup>(queue_, job.pool, bricks.groups, "bricks of points");
-        blocks_ = upload<PointGroup>(queue_, job.pool, blocks.groups, "blocks of points");
-        superblocks_ = upload<PointGroup>(queue_, job.pool, superblocks.groups, "superblocks of points");
+        block_count_ = job.groups.blocks.size();
+        superblock_count_ = job.groups.superblocks.size();
+        bricks_ = upload<PointGroup>(queue_, job.pool, job.groups.bricks, "bricks of points");
+        blocks_ = upload<PointGroup>(queue_, job.pool, job.groups.blocks, "blocks of points");
+        superblocks_ = upload<PointGroup>(queue_, job.pool, job.groups.superblocks, "superblocks of points");
     }
 
     /// The polyhedra that the blocks' points are looked up in.
@@ -290,8 +293,8 @@ public:
         kernel.setArg(scan_turns, *turns);
         kernel.setArg(scan_blocks, *blocks_);
         kernel.setArg(scan_bricks, *bricks_);
-        kernel.setArg(scan_points_argument, job_.device_points);
-        kernel.setArg(scan_point_count, static_cast<cl_uint>(job_.in_units.size()));
+        kernel.setArg(scan_points_argument, job_.points);
+        kernel.setArg(scan_point_count, static_cast<cl_uint>(job_.count));
         kernel.setArg(scan_most, cl_double{job_.most});
         kernel.setArg(scan_counts, job_.scanned.counts);
         kernel.setArg(scan_records, *job_.scanned.records);

@@ -38,6 +38,14 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
 /// Whether points are scanned in groups rather than looked up one by one. The results are the same.
 bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces);
 
+/// Groups of points that follow each other (kernels/point_groups.h), from bricks up.
+struct PointGroups {
+    UninitializedVector<PointGroup> bricks, blocks, superblocks;
+};
+
+/// Points in units, in the order of a curve.
+PointGroups group_points(std::span<const Vec3> in_units);
+
 /// Points for the scan.
 struct ScanJob {
     device::Context& context;
@@ -45,9 +53,10 @@ struct ScanJob {
     device::BufferPool& pool;
     const PointMesh& mesh;
     const ScannedMesh& scanned;
-    std::span<const Vec3> in_units;   ///< in the order of a curve
-    const cl::Buffer& device_points;  ///< the same
-    double most;                      ///< a squared distance in units beyond which nothing is looked for
+    const PointGroups& groups;
+    std::size_t count;
+    const cl::Buffer& points;  ///< in units, in the order of a curve
+    double most;               ///< a squared distance in units beyond which nothing is looked for
 };
 
 /// Writes the nearest face of each point, and its squared distance in units. `between`, which may be empty and may

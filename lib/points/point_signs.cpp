@@ -227,16 +227,17 @@ void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& point
             const Vec3& p = points.callers[points.order[i]];
             if (!holds(mesh.box, p)) continue;
             const double distance = std::sqrt(points.squared[i]);
-            if (distance < nearly_zero && is_on_surface(mesh, p, points.in_units[i])) {
+            const Vec3 in_units = mesh.in_units(p);
+            if (distance < nearly_zero && is_on_surface(mesh, p, in_units)) {
                 signs[i] = CLSDF_POINT_ON_SURFACE;
                 continue;
             }
             if (rule == SignRule::none) continue;
             const double radius = distance * (1 - rounding) - rounding;
-            const KnownBalls::Found known = balls.find(points.in_units[i], radius);
-            const Crossings crossings = crossings_of(mesh, p, points.in_units[i], known);
+            const KnownBalls::Found known = balls.find(in_units, radius);
+            const Crossings crossings = crossings_of(mesh, p, in_units, known);
             if (crossings.are_inside(rule)) signs[i] = CLSDF_POINT_INSIDE;
-            if (!known.is_free) balls.add({points.in_units[i], p, radius, crossings});
+            if (!known.is_free) balls.add({in_units, p, radius, crossings});
         }
     });
 }

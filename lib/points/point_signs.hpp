@@ -25,7 +25,6 @@ Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& 
 struct LocatedPoints {
     std::span<const Vec3> callers;         ///< the caller's coordinates, in the caller's order
     std::span<const std::uint32_t> order;  ///< the caller's index of each point; of all that follows the order
-    std::span<const Vec3> in_units;        ///< of PointMesh::lattice
     std::span<const double> squared;       ///< of the distance in units, or a lower bound of it above 0
 };
 

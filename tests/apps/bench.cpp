@@ -117,10 +117,11 @@ BOOST_AUTO_TEST_CASE(points_have_speeds_and_no_errors) {
     const json result = result_of({"points", "knot"});
     std::vector<std::string> names;
     for (const json& row : result["rows"]) {
-        names.push_back(row["name"]);
-        BOOST_TEST_INFO_SCOPE(names.back());
+        BOOST_TEST_INFO_SCOPE(row["name"] << " by " << row["method"]);
         BOOST_TEST(row["points_per_second"].get<double>() > 0);
         BOOST_TEST(row["judged"].get<int>() > 0);
+        if (row["method"] != "clsdf") continue;  // a peer's errors are its own
+        names.push_back(row["name"]);
         BOOST_TEST(row["wrong"] == 0);
         BOOST_TEST(row["wrong_signs"] == 0);
         BOOST_TEST(row["max_error_voxels"].get<double>() < 1e-4);  // 2 ulp of 256 voxels
