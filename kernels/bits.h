@@ -9,13 +9,6 @@
 #define HAS_BUILTIN(name) 0
 #endif
 
-// Asks for a cache line of global memory before it is needed. (OpenCL's prefetch() does nothing in PoCL.)
-#if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_prefetch)
-#define PREFETCH(pointer) __builtin_prefetch((const void*)(size_t)(pointer))
-#else
-#define PREFETCH(pointer)
-#endif
-
 // The lowest bit that is set, of which there is one. (OpenCL C has ctz() from version 2.0 on; without, it takes four
 // instructions for one. On processors alone: other compilers may accept a built-in and then not know what to make of
 // it, as oclgrind's does.)

@@ -11,6 +11,7 @@
 #include "frame.h"
 #include "point_distance.h"
 #include "point_groups.h"
+#include "request.h"
 
 #define PARTS (CLSDF_GROUP_WIDTH / LANES)
 
@@ -163,13 +164,12 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
     return bits & children->present;
 }
 
-// Fetches a record of a list that comes later.
-#define FETCH_AHEAD(list, i, count, records)                                                 \
-    {                                                                                        \
-        __global const ScanRecord* ahead = (records) + (list)[LESSER((i) + 8u, (count)-1u)]; \
-        PREFETCH(ahead);                                                                     \
-        PREFETCH(&ahead->slope_above[1]);                                                    \
-    }
+// Asks for a record of a list that comes later.
+INLINE void request_later(__global const uint* list, uint i, uint count, __global const ScanRecord* records) {
+    __global const ScanRecord* later = records + list[LESSER(i + 8u, count - 1u)];
+    request_line_for_soon(later);
+    request_line_for_soon(&later->slope_above[1]);
+}
 
 // Writes records and frames, a work-item a record, from polyhedra, of which those of point sites begin at first_site,
 // and from the tree's leaves.
@@ -238,7 +238,7 @@ INLINE void find_bounds(__global const PointGroup* group, __global const ScanRec
     clear_feet(feet);
     const uint stride = count > 64 ? 4 : 1;
     for (uint i = 0; i < count; i += stride) {
-        FETCH_AHEAD(list, i + 3 * stride, count, records)
+        request_later(list, i + 3 * stride, count, records);
         look_at_foot(records + list[i], list[i], origin_of(group), children, feet);
     }
     set_bounds(children, feet->squared, most);
@@ -439,7 +439,7 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
     if (count > 0) bound_by_feet(mesh, &feet, origin, margins, brick);
     uint candidates = 0;
     for (uint n = 0; n < count; ++n) {
-        FETCH_AHEAD(list, n, count, mesh.records)
+        request_later(list, n, count, mesh.records);
         const Frame frame = frame_from(mesh, list[n], origin);
         uint overlapped = overlapped_children(mesh.records + list[n], frame, &vectors);
         const float altitude = mesh.records[list[n]].altitude;
@@ -517,7 +517,7 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __gl
         find_bounds(blocks + block, records, count, list, limit_of(most), &children, &feet);
         const int3 origin = origin_of(blocks + block);
         for (uint i = 0; i < count; ++i) {
-            FETCH_AHEAD(list, i, count, records)
+            request_later(list, i, count, records);
             marks[i] = (ushort)overlapped_children(records + list[i], frame_from(mesh, list[i], origin), &children);
         }
         for (uint b = 0; b < blocks[block].children; ++b) {
