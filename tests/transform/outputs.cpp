@@ -264,8 +264,9 @@ BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
     check_throws(ErrorCode::unsupported, {"output distance", "host", "compute"},
                  [&] { plan.enqueue(nullptr, {.distance = distance}); });
     const DeviceMemory memory(test_device().context(), grid.sample_count());
-    check_throws(ErrorCode::unsupported, {"output distance", "device", "plan"},
-                 [&] { transform.compute(grid, band, {.distance = memory.handle()}); });
+    OutputTargets mixed{.distance = distance};
+    mixed.triangle = memory.handle();
+    check_throws(ErrorCode::unsupported, {"host", "device"}, [&] { transform.compute(grid, band, mixed); });
     OutputTarget strided = memory.handle();
     strided.strides = {8, 64, 512};
     check_throws(ErrorCode::unsupported, {"output distance", "strides"},
