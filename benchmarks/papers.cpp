@@ -91,7 +91,7 @@ std::vector<std::unique_ptr<PapersMethod>> papers_methods(const Device& device, 
     methods.push_back(make_scanned(device, "peikert-sigg, slices", Polyhedra::peikert_sigg, Scan::slices));
     methods.push_back(make_scanned(device, "leaned, slices", Polyhedra::leaned, Scan::slices));
     methods.push_back(make_scanned(device, "leaned, bricks", Polyhedra::leaned, Scan::bricks));
-    constexpr std::size_t most_distances = 1'000'000'000;  // about a second
+    constexpr std::size_t most_distances = 1'000'000'000;  // about half a second
     if (workload.grid.sample_count() <= most_distances / workload.mesh.triangles().size())
         methods.push_back(make_scanned(device, "brute force", Polyhedra::leaned, Scan::brute_force));
     return methods;

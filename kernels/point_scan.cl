@@ -305,8 +305,8 @@ INLINE uint three_after(uint first, uint steps) {
 
 #define BITS_OF(mask) lanes_to_bits(convert_intL(mask))
 
-// Decides a candidate in double. Where the nearest point lies on an edge or a vertex, other faces share it, which need
-// not be in the list; rounding decides between them, too. reach: how near, in units, an edge counts.
+// Decides a candidate in double. If the nearest point lies on an edge or a vertex, other faces share it. They may be
+// missing from the list, and rounding decides between them, too. reach: how near, in units, an edge counts.
 static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes, float reach,
                    __global PointBrick* brick) {
     if (record >= mesh.counts.faces) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "kernel_sources.hpp"
@@ -95,10 +96,7 @@ public:
         statistics.method_counts["empty_intersections"].value = sums[CLSDF_SLICES_EMPTY];
         statistics.lanes_evaluated = sums[CLSDF_SLICES_EVALUATED];
         statistics.samples_covered = sums[CLSDF_SLICES_COVERED];
-        std::vector<cl_uint> band(static_cast<std::size_t>(layout_.size[2]));
-        queue.enqueueReadBuffer(*band_samples_, CL_TRUE, 0, band.size() * sizeof(cl_uint), band.data());
-        statistics.band_samples = 0;
-        for (const cl_uint samples : band) statistics.band_samples += samples;
+        statistics.band_samples = sum_of(queue, band_samples_, static_cast<std::size_t>(layout_.size[2]));
     }
 
 private:
@@ -305,6 +303,12 @@ private:
 };
 
 }  // namespace
+
+std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count) {
+    std::vector<cl_uint> values(count);
+    queue.enqueueReadBuffer(*counters, CL_TRUE, 0, values.size() * sizeof(cl_uint), values.data());
+    return std::accumulate(values.begin(), values.end(), std::size_t{0});
+}
 
 SliceShape slice_shape(KernelBody body) {
     return body == KernelBody::by_vector ? SliceShape{1, 8} : SliceShape{64, 64};

@@ -92,6 +92,9 @@ struct SliceShape {
 };
 SliceShape slice_shape(KernelBody body);
 
+/// Of counters, one for each slice; blocks.
+std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count);
+
 /// The scan's programs, a kernel each.
 inline constexpr std::array slice_files{"slices_active.cl", "slices_scan.cl", "slices_finish.cl"};
 transform::ProgramSource slices_source(const transform::ProgramSources& programs, const char* kernel_file,

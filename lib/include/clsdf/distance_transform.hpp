@@ -211,7 +211,7 @@ struct KeptMemory {
 
 /// The exact distance to a mesh, on any number of grids.
 ///
-/// A transform prepares the mesh when a call first needs it. What it prepares for a grid is kept within
+/// A transform prepares the mesh when a call first needs it. It keeps the data of grids within
 /// TransformOptions::kept_bytes. Neither changes a byte of a field. The bytes depend on the mesh's first and last
 /// positions, the lattice (origin and spacing), the band and the device. They do not depend on the block of the lattice
 /// that is computed, on other calls or on threads.
@@ -293,7 +293,8 @@ public:
     /// A target is host memory of the caller for points.size() values, packed or strides[0] bytes from point to point.
     /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
     /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 450
-    /// bytes a triangle (TransformOptions::kept_bytes). An error leaves the targets undefined.
+    /// bytes a triangle, the first one of many points 320 more (TransformOptions::kept_bytes). An error leaves the
+    /// targets undefined.
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
     /// the mesh's box, for a negative or NaN `within`, and for memory that is missing or too small; Error(unsupported)
