@@ -1,4 +1,4 @@
-// One definition for the host and the kernels: what records are made from on a device with memory of its own.
+// One definition for the host and the kernels: what polyhedra and their records are made from.
 #ifndef CLSDF_FACE_SOURCES_H
 #define CLSDF_FACE_SOURCES_H
 
@@ -8,6 +8,18 @@
 #define CLSDF_RECORD_GROUP 16
 // A face's name is its triangle's index in the caller's order, with this bit if three faces or more meet at an edge.
 #define CLSDF_NAME_NON_MANIFOLD 0x80000000u
+// In place of the opposite vertex of an edge: no plane cuts there, or the host decides.
+#define CLSDF_NO_VERTEX 0xFFFFFFFFu
+// Answers about a face that the kernels leave to the host.
+#define CLSDF_FACE_IS_SLIVER 1u  // so thin, or so small, that its frame may be a special case
+#define CLSDF_FACE_AT_SLIVER 2u  // the other face at an edge is
+// Answers about a vertex.
+#define CLSDF_VERTEX_IS_SADDLE 1u  // with convex and concave edges
+#define CLSDF_VERTEX_IS_OPEN 2u    // its faces may leave directions out: the host decides
+// Vertices of a fan item, the stride of their numbers, and the most faces around one.
+#define CLSDF_FAN_ITEM 256
+#define CLSDF_FAN_STRIDE 32
+#define CLSDF_FAN_FACES 12
 
 #ifndef __OPENCL_VERSION__
 namespace clsdf {
@@ -20,6 +32,15 @@ typedef struct FaceLattice {
     double sample[3];   // spacing in the mesh's units
     double per_unit;    // 1 / unit
 } FaceLattice;
+
+// Up to CLSDF_FAN_ITEM vertices with equally many faces, all of which are one closed fan of one orientation. Blocks of
+// CLSDF_FAN_STRIDE vertices follow each other. A block holds, for all of its vertices at a time: the vertex; its
+// neighbours, counter-clockwise; the face and edge (3 face + edge) from the vertex to each of them.
+typedef struct FanItem {
+    clsdf_uint32 offset;  // of the first block, in words
+    clsdf_uint32 count;
+    clsdf_uint32 faces;  // around each vertex
+} FanItem;
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(FaceLattice) == 80);

@@ -1,159 +1,234 @@
-// What a lattice needs of a mesh, made on a device with memory of its own: the records of faces, and the vertices of
-// the sign's sweep. The host sends 40 bytes a face and 24 a vertex, where a record has 280.
+// What follows from a mesh's positions: slopes of its polyhedra, the vertices at which they may leave a gap, the
+// records of a lattice, and the vertices of the sign's sweep.
 //
-// A record has the bytes that the host would write: triangle_frame() of lib/polyhedra/triangle_frame.cpp and pack() of
-// records.cpp, operation by operation, without their special cases. Quotients and roots of doubles are rounded
-// correctly by every device, and nothing is contracted. The host writes the records of point sites and of faces that
-// are nearly degenerate, and place_records moves them to their places.
-//
-// LANES is 1: a work-item is a face, a record or a vertex.
+// With LANES 8 a work-item takes one vector of faces or vertices after the other; with LANES 1 it is a face, a record
+// or a vertex. The host writes the records of point sites, and decides what is nearly degenerate.
 
-#include "face_sources.h"
+#include "face_slopes.h"
 #include "inline.h"
 #include "sweep.h"
+#include "vertex_fans.h"
 
-#pragma OPENCL FP_CONTRACT OFF
-
-INLINE double dot_in_order(double3 a, double3 b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-// Frame of lib/polyhedra/triangle_frame.hpp, as far as records need it. Components of pairs: right half, left half.
-typedef struct FaceFrame {
-    double3 along, across, normal;
-    double3 foot;  // from the lattice's sample (0, 0, 0)
-    double2 base, normal_along, normal_across;
-    double altitude;
-    uint base_edge;
-} FaceFrame;
-
-// Sets the frame's axes, base and altitude. to_apex: the edge from the base's end; from_apex: to its start.
-INLINE void set_axes(double3 base, double3 to_apex, double3 from_apex, double squared_base, bool is_right,
-                     __private FaceFrame* f) {
-    f->along = base / sqrt(squared_base);
-    const double right = -dot_in_order(to_apex, f->along), left = -dot_in_order(from_apex, f->along);
-    f->base = (double2)(0.0 < right ? right : 0.0, 0.0 < left ? left : 0.0);
-    double3 across = is_right ? to_apex : -from_apex;
-    across -= dot_in_order(across, f->along) * f->along;
-    across -= dot_in_order(across, f->along) * f->along;
-    const double height = sqrt(dot_in_order(across, across));
-    across /= height;
-    across -= dot_in_order(across, f->along) * f->along;
-    f->across = across / sqrt(dot_in_order(across, across));
-    f->normal = (double3)(f->along.y * f->across.z - f->along.z * f->across.y,
-                          f->along.z * f->across.x - f->along.x * f->across.z,
-                          f->along.x * f->across.y - f->along.y * f->across.x);
-    const double2 slanted = sqrt(f->base * f->base + height * height);
-    f->normal_along = height / slanted;
-    f->normal_across = f->base / slanted;
-    f->altitude = slanted.x * f->normal_along.x;
-}
-
-static inline FaceFrame frame_of_face(FaceLattice lattice, double3 a, double3 b, double3 c) {
-    const double3 first = lattice.per_unit * (b - a), second = lattice.per_unit * (c - b),
-                  third = lattice.per_unit * (a - c);
-    const double squared_first = dot_in_order(first, first), squared_second = dot_in_order(second, second),
-                 squared_third = dot_in_order(third, third);
-    FaceFrame f;
-    double3 near_end;
-    bool is_right;
-    const bool is_second = !(squared_first >= squared_second);
-    if (squared_third > (is_second ? squared_second : squared_first)) {
-        f.base_edge = 2;
-        is_right = squared_first <= squared_second;
-        set_axes(third, first, second, squared_third, is_right, &f);
-        near_end = is_right ? a : c;
-    } else if (is_second) {
-        f.base_edge = 1;
-        is_right = squared_third <= squared_first;
-        set_axes(second, third, first, squared_second, is_right, &f);
-        near_end = is_right ? c : b;
-    } else {
-        f.base_edge = 0;
-        is_right = squared_second <= squared_third;
-        set_axes(first, second, third, squared_first, is_right, &f);
-        near_end = is_right ? b : a;
+INLINE void load_corners(__global const uint* indices, __private const uint* faces, __private uint* a,
+                         __private uint* b, __private uint* c) {
+#pragma unroll
+    for (uint lane = 0; lane < LANES; ++lane) {
+        __global const uint* const corners = indices + 3 * (size_t)faces[lane];
+        a[lane] = LOAD(uint, corners);
+        b[lane] = LOAD(uint, corners + 1);
+        c[lane] = LOAD(uint, corners + 2);
     }
-    const double to_foot = is_right ? f.base.x : -f.base.y;
-    f.foot = lattice.per_unit * (near_end - vload3(0, lattice.origin)) - to_foot * f.along;
-    return f;
 }
 
-// Writes the integer origin, the foot and the constants.
-INLINE void pack_origin(FaceLattice lattice, __private const FaceFrame* f, __global Polyhedron* record) {
-    const double3 spacing = vload3(0, lattice.spacing);
-    const double3 limit = (double)(1 << 30);
-    const double3 origin = rint(clamp(f->foot / spacing, -limit, limit));
-    record->origin_x = (int)origin.x;
-    record->origin_y = (int)origin.y;
-    record->origin_z = (int)origin.z;
-    const double3 offset = f->foot - origin * spacing;
-    vstore3(convert_float3(offset), 0, record->foot);
-    const double3 at_origin =
-        (double3)(-dot_in_order(f->along, offset), -dot_in_order(f->across, offset), -dot_in_order(f->normal, offset));
-    vstore3(at_origin, 0, record->exact_constant_at_origin);
-    vstore3(convert_float3(at_origin), 0, record->constant_at_origin);
+// The opposite vertex of an edge, and whether there is none: then `other`, which any vertex will do for.
+INLINE Vectors opposite_of(__global const double* positions, __private uint* vertices, __private const uint* other,
+                           __private longL* is_none) {
+#define VERTEX_OF(lane) vertices[lane]
+    *is_none = TO_LONGS((uintL)EACH_LANE(VERTEX_OF) == CLSDF_NO_VERTEX);
+#undef VERTEX_OF
+#pragma unroll
+    for (uint lane = 0; lane < LANES; ++lane)
+        vertices[lane] = vertices[lane] == CLSDF_NO_VERTEX ? other[lane] : vertices[lane];
+    return positions_of(positions, vertices);
 }
 
-INLINE void pack_gradient(double3 gradient, __global double* exact, __global float* rounded) {
-    vstore3(gradient, 0, exact);
-    vstore3(convert_float3(gradient), 0, rounded);
-}
-
-INLINE void pack_pair(double2 pair, __global double* exact, __global float* rounded) {
-    vstore2(pair, 0, exact);
-    vstore2(convert_float2(pair), 0, rounded);
-}
-
-// Writes the slopes by the polyhedron's edges; returns whether none is above 1.
-INLINE bool pack_slopes(__global const float* slopes, uint base_edge, __global Polyhedron* record) {
-    bool flat = true;
-    for (uint k = 0; k < 3; ++k) {
-        const uint edge = k >= base_edge ? k - base_edge : k + 3 - base_edge;
-        const float above = slopes[k], below = slopes[3 + k];
-        record->slope_above[edge] = above;
-        record->slope_below[edge] = below;
-        flat = flat && above <= 1.0f && below <= 1.0f;
+INLINE void store_by_lanes(doubleL first, doubleL second, doubleL third, __private const uint* faces, uint valid,
+                           __global float* values, uint stride) {
+    float lanes[3][LANES];
+    store_lanes(TO_FLOATS(first), 0, lanes[0]);
+    store_lanes(TO_FLOATS(second), 0, lanes[1]);
+    store_lanes(TO_FLOATS(third), 0, lanes[2]);
+    for (uint lane = 0; lane < valid; ++lane) {
+        __global float* const to = values + stride * (size_t)faces[lane];
+        to[0] = lanes[0][lane];
+        to[1] = lanes[1][lane];
+        to[2] = lanes[2][lane];
     }
-    return flat;
 }
 
-INLINE bool is_near(__private const FaceFrame* f, __global const Polyhedron* record) {
-    const float length = CLSDF_NEAR_LENGTH;
-    return f->base.x <= length && f->base.y <= length && f->altitude <= length && fabs(record->foot[0]) <= length &&
-           fabs(record->foot[1]) <= length && fabs(record->foot[2]) <= length;
+INLINE uintL names_of(__global const uint* names, __private const uint* faces) {
+#define NAME_OF(lane) LOAD(uint, names + faces[lane])
+    return (uintL)EACH_LANE(NAME_OF);
+#undef NAME_OF
+}
+
+// Slopes, signed slopes and answers (CLSDF_FACE_...) of faces[0, valid); leaned slopes for their records. Edges of the
+// face in `slopes` (above, then below) and `signs`.
+INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __private const FaceFrames* f,
+                              __global const uint* opposite, __private const uint* faces, __private const uint* corners,
+                              uint valid, __global const double* positions, __global float* slopes,
+                              __global float* signs, __global uchar* answers) {
+    uint vertices[3][LANES];
+    load_corners(opposite, faces, vertices[0], vertices[1], vertices[2]);
+    longL none[3];
+    Vectors others[3];
+    for (uint k = 0; k < 3; ++k) others[k] = opposite_of(positions, vertices[k], corners, none + k);
+    const BaseEdges base = f->base_edges;
+    const Vectors area = cross_product(f->base, f->to_apex);
+    const Vectors bound = vectors(fabs(f->base.y * f->to_apex.z) + fabs(f->base.z * f->to_apex.y),
+                                  fabs(f->base.z * f->to_apex.x) + fabs(f->base.x * f->to_apex.z),
+                                  fabs(f->base.x * f->to_apex.y) + fabs(f->base.y * f->to_apex.x));
+    const Vectors x = f->along, y = f->across;
+    const Vectors inward_right = vectors(-f->along_right * x.x - f->across_right * y.x,
+                                         -f->along_right * x.y - f->across_right * y.y,
+                                         -f->along_right * x.z - f->across_right * y.z),
+                  inward_left =
+                      vectors(f->along_left * x.x - f->across_left * y.x, f->along_left * x.y - f->across_left * y.y,
+                              f->along_left * x.z - f->across_left * y.z);
+    LaneSlopes s;
+    doubleL sign[3];
+#define MEASURE(edge, start, inward, first, second, third)                                                             \
+    measure_edge(start, from_base(base, others[first], others[second], others[third]), inward, f->normal, area, bound, \
+                 lattice.per_unit,                                                                                     \
+                 base.is_first    ? none[first]                                                                        \
+                 : base.is_second ? none[second]                                                                       \
+                                  : none[third],                                                                       \
+                 s.above + edge, s.below + edge, sign + edge)
+    const longL is_right = MEASURE(CLSDF_EDGE_RIGHT, f->end, inward_right, 1, 2, 0),
+                is_left = MEASURE(CLSDF_EDGE_LEFT, f->apex, inward_left, 2, 0, 1),
+                is_beside_none = MEASURE(CLSDF_EDGE_BASE, f->start, y, 0, 1, 2) && is_right && is_left;
+#undef MEASURE
+    const longL is_thick = f->height > 2.0e-4 * f->length && f->length > least_length;
+    const longL is_plain = is_beside_none && is_thick;
+    const doubleL answer = (is_thick ? (doubleL)0.0 : (doubleL)CLSDF_FACE_IS_SLIVER) +
+                           (is_beside_none ? (doubleL)0.0 : (doubleL)CLSDF_FACE_AT_SLIVER);
+    const doubleL cosine = f->across_right * f->across_left - f->along_right * f->along_left;
+    lean(cosine, s.above);
+    lean(cosine, s.below);
+
+    uint own[LANES];
+    store_lanes(AS_UINTS(TO_INTS(answer)), 0, own);
+    for (uint lane = 0; lane < valid; ++lane) answers[faces[lane]] = (uchar)own[lane];
+    for (uint k = 0; k < 3; ++k) sign[k] = is_plain ? sign[k] : (doubleL)NAN;
+#define BY_OWN_EDGES(values)                                                                      \
+    to_own(base, values[0], values[2], values[1]), to_own(base, values[1], values[0], values[2]), \
+        to_own(base, values[2], values[1], values[0])
+    store_by_lanes(BY_OWN_EDGES(sign), faces, valid, signs, 3);
+    store_by_lanes(BY_OWN_EDGES(s.above), faces, valid, slopes, 6);
+    store_by_lanes(BY_OWN_EDGES(s.below), faces, valid, slopes + 3, 6);
+#undef BY_OWN_EDGES
+    return s;
+}
+
+// Slopes of the faces; and, unless `records` is null, their records, which the last face fills up to whole groups
+// (CLSDF_RECORD_GROUP). Work-items take `item_faces` faces each. A shorter side than least_length, in units, is a
+// sliver's.
+__kernel void face_slopes(FaceLattice lattice, double least_length, uint begin, uint end, uint face_count,
+                          uint item_faces, __global const uint* triangles, __global const uint* opposite,
+                          __global const double* positions, __global const uint* names, __global float* slopes,
+                          __global float* signs, __global uchar* answers, __global Polyhedron* records) {
+    const uint first = begin + (uint)get_global_id(0) * item_faces, last = min(end, first + item_faces);
+    for (uint n = first; n < last; n += LANES) {
+        uint faces[LANES], a[LANES], b[LANES], c[LANES];
+        for (uint lane = 0; lane < LANES; ++lane) faces[lane] = min(n + lane, face_count - 1);
+        load_corners(triangles, faces, a, b, c);
+        const FaceFrames f = frames_of_faces(lattice, positions_of(positions, a), positions_of(positions, b),
+                                             positions_of(positions, c));
+        const uint valid = n < face_count ? min((uint)LANES, face_count - n) : 0;
+        const LaneSlopes s =
+            find_slopes(lattice, least_length, &f, opposite, faces, a, valid, positions, slopes, signs, answers);
+        if (records == 0) continue;
+        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces));
+        store_records(&r, records + n);
+    }
 }
 
 // Records [begin, end): those of CLSDF_RECORD_GROUP faces for each of `groups`, which are numbers of such groups; the
-// mesh's last face fills up the last one.
-__kernel void face_records(FaceLattice lattice, uint begin, uint end, uint face_count, __global const uint* groups,
-                           __global const uint* triangles, __global const double* positions,
-                           __global const float* slopes, __global const uint* names, __global Polyhedron* records) {
-    const uint n = begin + get_global_id(0);
-    if (n >= end) return;
-    const uint face = min(groups[n / CLSDF_RECORD_GROUP] * CLSDF_RECORD_GROUP + n % CLSDF_RECORD_GROUP, face_count - 1);
-    const uint3 corners = vload3(face, triangles);
-    const FaceFrame f = frame_of_face(lattice, vload3(corners.x, positions), vload3(corners.y, positions),
-                                      vload3(corners.z, positions));
-    __global Polyhedron* record = records + n;
-    pack_origin(lattice, &f, record);
-    pack_gradient((double3)(f.along.x, f.across.x, f.normal.x) * lattice.spacing[0], record->exact_gradient_x,
-                  record->gradient_x);
-    pack_gradient((double3)(f.along.y, f.across.y, f.normal.y) * lattice.spacing[1], record->exact_gradient_y,
-                  record->gradient_y);
-    pack_gradient((double3)(f.along.z, f.across.z, f.normal.z) * lattice.spacing[2], record->exact_gradient_z,
-                  record->gradient_z);
-    pack_pair(f.base, record->exact_base, record->base);
-    pack_pair(f.normal_along, record->exact_normal_along, record->normal_along);
-    pack_pair(f.normal_across, record->exact_normal_across, record->normal_across);
-    record->exact_altitude = f.altitude;
-    const bool is_flat = pack_slopes(slopes + (size_t)6 * face, f.base_edge, record);
-    const uint name = names[face];
-    record->triangle = name & ~CLSDF_NAME_NON_MANIFOLD;
-    record->flags = f.base_edge << CLSDF_POLYHEDRON_VERTEX_SHIFT |
-                    (is_flat && f.normal_along.x > 0.15 && f.normal_along.y > 0.15 ? CLSDF_POLYHEDRON_COMPACT : 0u) |
-                    (is_near(&f, record) ? CLSDF_POLYHEDRON_NEAR : 0u) |
-                    (name & CLSDF_NAME_NON_MANIFOLD ? CLSDF_POLYHEDRON_NON_MANIFOLD : 0u);
+// mesh's last face fills up the last one. Work-items take `item_records` records each.
+__kernel void face_records(FaceLattice lattice, uint begin, uint end, uint face_count, uint item_records,
+                           __global const uint* groups, __global const uint* triangles,
+                           __global const double* positions, __global const float* slopes, __global const uint* names,
+                           __global Polyhedron* records) {
+    const uint first = begin + (uint)get_global_id(0) * item_records, last = min(end, first + item_records);
+    for (uint n = first; n < last; n += LANES) {
+        uint faces[LANES], a[LANES], b[LANES], c[LANES];
+        const uint face = groups[n / CLSDF_RECORD_GROUP] * CLSDF_RECORD_GROUP + n % CLSDF_RECORD_GROUP;
+        for (uint lane = 0; lane < LANES; ++lane) faces[lane] = min(face + lane, face_count - 1);
+        load_corners(triangles, faces, a, b, c);
+        const FaceFrames f = frames_of_faces(lattice, positions_of(positions, a), positions_of(positions, b),
+                                             positions_of(positions, c));
+        float own[6][LANES];
+        for (uint lane = 0; lane < LANES; ++lane)
+            for (uint k = 0; k < 6; ++k) own[k][lane] = slopes[6 * (size_t)faces[lane] + k];
+        doubleL by_edge[6];
+        for (uint k = 0; k < 6; ++k) by_edge[k] = TO_DOUBLES(load_lanes(0, own[k]));
+        LaneSlopes s;
+        for (uint edge = 0; edge < 3; ++edge) {
+            const uint next = (edge + 1) % 3, previous = (edge + 2) % 3;
+            s.above[edge] = to_own(f.base_edges, by_edge[edge], by_edge[next], by_edge[previous]);
+            s.below[edge] = to_own(f.base_edges, by_edge[3 + edge], by_edge[3 + next], by_edge[3 + previous]);
+        }
+        LaneRecords r = records_of(lattice, &f, &s, names_of(names, faces));
+        store_records(&r, records + n);
+    }
+}
+
+INLINE uint lane_bits(longL condition) {
+    return lanes_to_bits(TO_INTS(condition));
+}
+
+INLINE void load_item(FanItem item, __global const uint* words, __private const uint* numbers,
+                      __global const double* positions, __global const float* signs, double per_unit,
+                      __private Fans* fans) {
+    uint places[LANES];
+    const uint stride = CLSDF_FAN_STRIDE * (1 + 2 * item.faces);
+    for (uint lane = 0; lane < LANES; ++lane)
+        places[lane] = item.offset + numbers[lane] / CLSDF_FAN_STRIDE * stride + numbers[lane] % CLSDF_FAN_STRIDE;
+    load_fans(item.faces, words, places, positions, signs, per_unit, fans);
+}
+
+// The vertices numbers[0, valid) of an item that surely have no gap lose CLSDF_VERTEX_IS_OPEN.
+INLINE void look_at_all(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
+                        __global const double* positions, __global const float* signs, double per_unit,
+                        __global uchar* answers) {
+    Fans fans;
+    load_item(item, words, numbers, positions, signs, per_unit, &fans);
+    const uint covered = lane_bits(are_covered(&fans, item.faces, true));
+    for (uint lane = 0; lane < valid; ++lane)
+        if (covered >> lane & 1u) answers[numbers[lane]] &= (uchar)~CLSDF_VERTEX_IS_OPEN;
+}
+
+// Answers (CLSDF_VERTEX_...) about the vertices of items, CLSDF_FAN_ITEM each.
+__kernel void vertex_fans(uint begin, uint end, double per_unit, __global const FanItem* items,
+                          __global const uint* words, __global const double* positions, __global const float* signs,
+                          __global uchar* all_answers) {
+#if LANES == 1
+    const uint vertex = (uint)get_global_id(0), number = begin + vertex / CLSDF_FAN_ITEM,
+               first = vertex % CLSDF_FAN_ITEM;
+    if (number >= end) return;
+    const FanItem item = items[number];
+    const uint last = min(item.count, first + 1);
+#else
+    const uint number = begin + (uint)get_global_id(0), first = 0;
+    const FanItem item = items[number];
+    const uint last = item.count;
+#endif
+    __global uchar* const answers = all_answers + (size_t)number * CLSDF_FAN_ITEM;
+    uint queue[2 * LANES], queued = 0;
+    for (uint i = first; i < last; i += LANES) {
+        uint numbers[LANES];
+        for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = min(i + lane, item.count - 1);
+        Fans fans;
+        load_item(item, words, numbers, positions, signs, per_unit, &fans);
+        const EdgeKinds kinds = edge_kinds(&fans, item.faces);
+        const uint left = lane_bits(kinds.is_left), saddles = lane_bits(kinds.is_saddle);
+        uint asked = lane_bits(kinds.is_mixed && !kinds.is_left);
+        if (asked) asked &= ~lane_bits(are_covered(&fans, item.faces, false));
+        for (uint lane = 0; lane < min((uint)LANES, last - i); ++lane) {
+            const bool is_asked = asked >> lane & 1u;
+            answers[i + lane] = (uchar)((saddles >> lane & 1u ? CLSDF_VERTEX_IS_SADDLE : 0u) |
+                                        (is_asked || (left >> lane & 1u) ? CLSDF_VERTEX_IS_OPEN : 0u));
+            queue[queued] = i + lane;
+            queued += is_asked ? 1u : 0u;
+        }
+        if (queued < LANES) continue;
+        look_at_all(item, words, queue, LANES, positions, signs, per_unit, answers);
+        queued -= LANES;
+        for (uint k = 0; k < queued; ++k) queue[k] = queue[LANES + k];
+    }
+    if (queued == 0) return;
+    for (uint k = queued; k < LANES; ++k) queue[k] = queue[0];
+    look_at_all(item, words, queue, queued, positions, signs, per_unit, answers);
 }
 
 // Moves `count` records that the host wrote to their places.

@@ -143,15 +143,14 @@ PairedEdges copy_of(const PairedEdges& edges) {
     return copy;
 }
 
-/// Lengths are of the order of one, so that their squares do not leave a double's range.
+}  // namespace
+
 LatticeView view_of(std::span<const Vec3> positions) {
     double largest = 0;
     for (const Vec3& position : positions)
         for (const double x : position) largest = std::max(largest, std::abs(x));
     return {{}, largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 8) : 1.0};
 }
-
-}  // namespace
 
 std::size_t Frusta::bytes() const {
     return positions.size() * sizeof(Vec3) + slopes.size() * sizeof(FaceSlopes) + sites.size() * sizeof(SiteFrustum) +

@@ -31,8 +31,8 @@ struct Frusta {
     UninitializedVector<FaceSlopes> slopes;  ///< of each face
     std::vector<SiteFrustum> sites;          ///< ascending by vertex
     std::vector<std::uint32_t> slivers;      ///< ascending: faces so thin that their frames may be special cases
-    std::size_t saddle_vertices = 0;         ///< with convex and concave edges, by exact predicates
-    std::size_t boxes = 0;                   ///< faces so degenerate that their polyhedron is a box
+    std::size_t saddle_vertices = 0;  ///< with convex and concave edges (kernels: flat up to rounding is neither)
+    std::size_t boxes = 0;            ///< faces so degenerate that their polyhedron is a box
 
     std::size_t bytes() const;
 };
@@ -48,6 +48,9 @@ struct FirstRecords {
     LatticeView lattice;
     std::span<Polyhedron> records;  ///< one a face
 };
+
+/// A lattice for frusta alone. Lengths are of the order of one, so that their squares do not leave a double's range.
+LatticeView view_of(std::span<const Vec3> positions);
 
 /// `positions`: of the mesh's vertices, as the mesh numbers them.
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FirstRecords* first = nullptr,

@@ -5,8 +5,10 @@
 #include "polyhedra/triangle_frame.hpp"
 #include "polyhedra/vector.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 /// Slopes of the lateral planes of a face's edges, above the face and below it (docs/method.md, 'Leaned frusta').
@@ -41,7 +43,7 @@ struct LateralPlane {
     float below;
 };
 
-/// The lateral planes of all faces.
+/// The lateral planes of all faces, or of some.
 class FramePlanes {
 public:
     /// From a face's frame.
@@ -51,27 +53,36 @@ public:
         std::array<Vector, 3> inwards;
     };
 
-    FramePlanes(std::span<const Directions> directions, std::span<const FaceSlopes> slopes)
-        : directions_(directions), slopes_(slopes) {}
+    /// `faces`: whose directions they are, ascending; empty for all. `slopes`: of all.
+    FramePlanes(std::span<const Directions> directions, std::span<const FaceSlopes> slopes,
+                std::span<const std::uint32_t> faces = {})
+        : directions_(directions), slopes_(slopes), faces_(faces) {}
 
-    const Vector& normal(std::size_t face) const { return directions_[face].normal; }
+    const Vector& normal(std::size_t face) const { return directions_[place(face)].normal; }
 
     LateralPlane plane(const Corner& edge) const {
-        const Directions& face = directions_[edge.face];
+        const Directions& face = directions_[place(edge.face)];
         const FaceSlopes& slopes = slopes_[edge.face];
         return {face.normal, face.inwards[edge.vertex], slopes.above[edge.vertex], slopes.below[edge.vertex]};
     }
 
     /// Prefetches the numbers of a face.
     void fetch_ahead(std::size_t face) const {
+        if (!faces_.empty()) return;
         prefetch(&directions_[face]);
         prefetch(&directions_[face].inwards[2]);
         prefetch(&slopes_[face]);
     }
 
 private:
+    std::size_t place(std::size_t face) const {
+        if (faces_.empty()) return face;
+        return static_cast<std::size_t>(std::lower_bound(faces_.begin(), faces_.end(), face) - faces_.begin());
+    }
+
     std::span<const Directions> directions_;
     std::span<const FaceSlopes> slopes_;
+    std::span<const std::uint32_t> faces_;
 };
 
 }  // namespace clsdf::polyhedra

@@ -50,6 +50,9 @@ public:
 
     std::size_t size(std::size_t vertex) const { return start_[vertex + 1] - start_[vertex]; }
 
+    /// The place of a vertex's first corner among the corners of all vertices.
+    std::size_t start(std::size_t vertex) const { return start_[vertex]; }
+
     Corner corner(std::size_t vertex, std::size_t i) const { return Corner::unpack(corners_[start_[vertex] + i]); }
 
     /// The i of a corner at the vertex.

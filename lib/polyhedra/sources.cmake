@@ -1,6 +1,7 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/cluster_index.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/complete_frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/cone_search.cpp
           ${CMAKE_CURRENT_LIST_DIR}/edge_batches.cpp
           ${CMAKE_CURRENT_LIST_DIR}/edge_slopes.cpp
@@ -9,6 +10,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/frame_batch.cpp
           ${CMAKE_CURRENT_LIST_DIR}/frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/kernel_topology.cpp
           ${CMAKE_CURRENT_LIST_DIR}/lateral_planes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh_topology.cpp
           ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp

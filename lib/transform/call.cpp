@@ -47,8 +47,8 @@ void add_call(TransformStatistics& total, const TransformStatistics& call) {
     total.host_bytes = std::max(total.host_bytes, call.host_bytes);
 }
 
-device::BuildWatch Compiling::watch(const device::Context& context, std::size_t variant_steps) {
-    const std::size_t most = Programs::common_programs(context) + variant_steps;
+device::BuildWatch Compiling::watch(std::size_t variant_steps) {
+    const std::size_t most = Programs::common_programs + variant_steps;
     const auto step = [this, most](bool is_waiting) {
         throw_if_stopped(call_);
         const std::size_t steps = std::max(most, step_);

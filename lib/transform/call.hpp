@@ -25,7 +25,7 @@ public:
     Compiling(const CallOptions& call, const std::function<void(const std::string&)>& log) : call_(call), log_(log) {}
 
     /// `variant_steps`: those of building beside the programs that all computations need.
-    device::BuildWatch watch(const device::Context& context, std::size_t variant_steps);
+    device::BuildWatch watch(std::size_t variant_steps);
 
     double seconds = 0;
     bool first_use = false;

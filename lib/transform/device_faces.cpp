@@ -87,9 +87,22 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = upload(job, groups, "numbers of the faces");
     cl::Kernel kernel(job.program, "face_records");
-    enum Argument : cl_uint { in_lattice, begins, ends, count, of_groups, triangles, positions, slopes, names, out };
+    enum Argument : cl_uint {
+        in_lattice,
+        begins,
+        ends,
+        count,
+        item_records,
+        of_groups,
+        triangles,
+        positions,
+        slopes,
+        names,
+        out
+    };
     kernel.setArg(in_lattice, face_lattice(lattice));
     kernel.setArg(count, static_cast<cl_uint>(faces.names->face_count));
+    kernel.setArg(item_records, static_cast<cl_uint>(job.item_faces()));
     kernel.setArg(of_groups, *group_numbers);
     kernel.setArg(triangles, *faces.names->triangles);
     kernel.setArg(positions, *faces.positions);
@@ -97,15 +110,21 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
     kernel.setArg(names, *faces.names->names);
     kernel.setArg(out, records);
     ShortLaunches(job.context, {})
-        .over(groups.size() * polyhedra::record_group, seconds_per_face, [&](std::size_t begin, std::size_t end) {
-            kernel.setArg(begins, static_cast<cl_uint>(begin));
-            kernel.setArg(ends, static_cast<cl_uint>(end));
-            job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
-                                                     cl::NDRange(common_group));
+        .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
+            const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
+            kernel.setArg(begins, static_cast<cl_uint>(first));
+            kernel.setArg(ends, static_cast<cl_uint>(last));
+            job.enqueue(kernel, last - first);
         });
 }
 
 }  // namespace
+
+void DeviceSetUp::enqueue(const cl::Kernel& kernel, std::size_t faces) const {
+    const std::size_t group = lanes == 1 ? common_group : 1;
+    const std::size_t items = in_whole_groups((faces + item_faces() - 1) / item_faces(), group);
+    context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(group));
+}
 
 DeviceFaces::Names upload_names(const DeviceSetUp& job, const polyhedra::MeshTopology& topology) {
     const std::size_t count = topology.order.size();

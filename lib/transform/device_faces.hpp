@@ -33,11 +33,17 @@ struct DeviceFaces {
     }
 };
 
-/// What makes them: the program of kernels/mesh_records.cl, which is null on processors.
+/// What makes them: the program of kernels/mesh_records.cl, for vectors of so many lanes.
 struct DeviceSetUp {
     device::Context& context;
     const std::shared_ptr<device::BufferPool>& pool;
     const cl::Program& program;
+    std::size_t lanes;
+
+    /// Faces of a work-item.
+    std::size_t item_faces() const { return lanes == 1 ? 1 : 256; }
+    /// Enqueues a kernel for so many faces.
+    void enqueue(const cl::Kernel& kernel, std::size_t faces) const;
 };
 
 DeviceFaces::Names upload_names(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);

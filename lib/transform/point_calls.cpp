@@ -50,7 +50,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         const std::scoped_lock lock(mutex);
         transform::throw_if_stopped(call);
         const Stopwatch compile_watch;
-        const device::BuildWatch builds = compiling.watch(device::context_of(device), points::point_test_steps);
+        const device::BuildWatch builds = compiling.watch(points::point_test_steps);
         compiling.first_use = points::ensure_points_tested(device, programs, false, builds);
         if (points::is_scan_worthwhile(programs, all.size(), mesh().triangles().size()) &&
             points::ensure_points_tested(device, programs, true, builds))

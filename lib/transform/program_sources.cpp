@@ -65,9 +65,8 @@ ProgramSource ProgramSources::bricks_source(const BrickVariant& variant) const {
 }
 
 std::vector<ProgramSource> ProgramSources::every_source() const {
-    std::vector<ProgramSource> sources{scan_source(), coarse_lists_source(), sign_sweep_source(),
-                                       fill_source(), points_source(),       store_source()};
-    if (!is_processor_) sources.push_back(mesh_records_source());
+    std::vector<ProgramSource> sources{scan_source(),   coarse_lists_source(), sign_sweep_source(),  fill_source(),
+                                       points_source(), store_source(),        mesh_records_source()};
     if (body == KernelBody::by_vector) sources.push_back(point_scan_source());
     for (const BrickVariant& variant : every_variant()) sources.push_back(bricks_source(variant));
     return sources;

@@ -46,8 +46,9 @@ struct ProgramSources {
     }
     ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(lanes)}; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
-    /// For devices with memory of their own.
-    ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(1)}; }
+    ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
+    /// Of its vectors, which are of doubles.
+    std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
     /// Of many points, by vectors.
     ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }

@@ -38,9 +38,8 @@ Programs::Programs(device::Context& context, KernelBody asked, const device::Bui
       scan(compiled(context, scan_source(), watch)),
       coarse_lists(compiled(context, around_faults(context, coarse_lists_source(), lanes), watch)),
       sign_sweep(compiled(context, sign_sweep_source(), watch)),
-      fill(compiled(context, fill_source(), watch)) {
-    if (!context.capabilities().is_processor) mesh_records = compiled(context, mesh_records_source(), watch);
-}
+      fill(compiled(context, fill_source(), watch)),
+      mesh_records(compiled(context, around_faults(context, mesh_records_source(), mesh_lanes()), watch)) {}
 
 cl::Program Programs::bricks(device::Context& context, const BrickVariant& variant,
                              const device::BuildWatch& watch) const {

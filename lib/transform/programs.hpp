@@ -20,12 +20,10 @@ struct Programs : ProgramSources {
     cl::Program coarse_lists;
     cl::Program sign_sweep;
     cl::Program fill;
-    cl::Program mesh_records;  ///< null on processors
+    cl::Program mesh_records;
 
     /// Programs that every computation needs.
-    static std::size_t common_programs(const device::Context& context) {
-        return context.capabilities().is_processor ? 4 : 5;
-    }
+    static constexpr std::size_t common_programs = 5;
 
     Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch = {});
 

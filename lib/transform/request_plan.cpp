@@ -276,7 +276,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, const Cal
     transform::throw_if_stopped(call);
     transform::Compiling compiling(call, options.log);
     const Stopwatch compile_watch;
-    compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(context, 1));
+    compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(1));
     compiling.seconds = compile_watch.seconds();
     made.make_room(blocks, targets);
     transform::Inputs inputs_of_batch;

@@ -43,9 +43,7 @@ std::string key_of(const device::Context& context, const std::string& name, cons
 }
 
 std::vector<cl::Program> common_programs(const Programs& programs) {
-    std::vector<cl::Program> common{programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill};
-    if (programs.mesh_records() != nullptr) common.push_back(programs.mesh_records);
-    return common;
+    return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill, programs.mesh_records};
 }
 
 }  // namespace
@@ -86,7 +84,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device::context_of(device);
     const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(context, pool, known.mesh(), {test_case.method, programs.mesh_records});
+    Stages stages(context, pool, known.mesh(), {test_case.method, SetUpBy::programs(context, programs, true)});
     Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
     if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true);
     PlanState plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,

@@ -10,6 +10,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/device_faces.cpp
           ${CMAKE_CURRENT_LIST_DIR}/distance_transform.cpp
           ${CMAKE_CURRENT_LIST_DIR}/finishing.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/kernel_frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/known_field.cpp
           ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
           ${CMAKE_CURRENT_LIST_DIR}/output_targets.cpp

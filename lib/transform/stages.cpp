@@ -80,12 +80,20 @@ std::size_t Stages::Lattice::bytes() const {
            (points ? points->size() * sizeof(SurfacePoint) : 0);
 }
 
+SetUpBy SetUpBy::programs(const device::Context& context, const Programs& programs, bool tests) {
+    const bool is_processor = context.capabilities().is_processor;
+    SetUpBy set_up{programs.mesh_records, programs.mesh_lanes(), !is_processor};
+    if (tests) set_up.least_faces = 0;
+    return set_up;
+}
+
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
     : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
 
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
     mesh_.move(std::move(positions));
+    has_moved_ = true;
     lattices_.clear();
     frusta_.reset();
     index_.reset();
@@ -102,8 +110,23 @@ const polyhedra::MeshTopology& Stages::topology() {
 }
 
 const polyhedra::Frusta& Stages::frusta() {
-    if (!frusta_) frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+    if (!frusta_ && !make_by_kernels(nullptr, nullptr))
+        frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
     return *frusta_;
+}
+
+bool Stages::make_by_kernels(const polyhedra::LatticeView* lattice, PreparedMesh* records) {
+    if (options_.set_up.program() == nullptr || options_.set_up.keeps_faces || options_.method ||
+        !suits_kernels(topology(), options_.set_up.least_faces))
+        return false;
+    if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(context_, topology_);
+    auto frusta = frusta_by_kernels(set_up(), *frusta_sources_, frusta_memory_, mesh_, lattice, records);
+    if (frusta) frusta_.emplace(std::move(*frusta));
+    if (!has_moved_) {
+        frusta_sources_.reset();
+        frusta_memory_ = {};
+    }
+    return frusta_.has_value();
 }
 
 const polyhedra::ClusterIndex& Stages::index() {
@@ -112,8 +135,8 @@ const polyhedra::ClusterIndex& Stages::index() {
 }
 
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
-    if (options_.mesh_records() == nullptr || options_.method || !is_plain(mesh_, lattice)) return nullptr;
-    const DeviceSetUp job{context_, pool_, options_.mesh_records};
+    if (!options_.set_up.keeps_faces || options_.method || !is_plain(mesh_, lattice)) return nullptr;
+    const DeviceSetUp job = set_up();
     if (!names_) names_ = std::make_shared<const DeviceFaces::Names>(upload_names(job, topology()));
     if (!faces_) faces_ = std::make_shared<const DeviceFaces>(upload_faces(job, names_, frusta()));
     return faces_;
@@ -122,9 +145,12 @@ std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::Lattice
 PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
     if (const auto faces = device_faces(lattice)) {
         const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
-        return records_on_device({context_, pool_, options_.mesh_records}, *faces, topology(), frusta(), lattice,
-                                 {&all, 1}, {&sites, 1});
+        return records_on_device(set_up(), *faces, topology(), frusta(), lattice, {&all, 1}, {&sites, 1});
     }
+    PreparedMesh records;
+    if (!frusta_ && is_plain(mesh_, lattice) && make_by_kernels(&lattice, &records)) return records;
+    // A lattice that is not plain has the same frusta.
+    if (!frusta_ && !is_plain(mesh_, lattice)) make_by_kernels(nullptr, nullptr);
     if (frusta_) return transform::all_records(context_, pool_, topology(), *frusta_, lattice);
     FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, lattice);
     frusta_.emplace(std::move(first.frusta));
@@ -133,8 +159,7 @@ PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
 
 PreparedMesh Stages::near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near) {
     if (const auto faces = device_faces(lattice))
-        return records_on_device({context_, pool_, options_.mesh_records}, *faces, topology(), frusta(), lattice,
-                                 near.faces, near.sites);
+        return records_on_device(set_up(), *faces, topology(), frusta(), lattice, near.faces, near.sites);
     return transform::near_records(context_, pool_, topology(), frusta(), lattice, near);
 }
 
@@ -221,7 +246,7 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     }
     if (!kept.sweep_mesh)
         kept.sweep_mesh = std::make_shared<const SweepMesh>(
-            make_sweep_mesh(context_, pool_, grid, mesh_, options_.mesh_records, device_faces(lattice_of(grid))));
+            make_sweep_mesh(context_, pool_, grid, mesh_, set_up(), device_faces(lattice_of(grid))));
     inputs.sweep_mesh = kept.sweep_mesh;
     if (near) inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
 }
@@ -324,7 +349,8 @@ std::size_t Stages::record_bytes() const {
 
 std::size_t Stages::host_bytes() const {
     return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0) +
-           (points_ ? points_->host_bytes() : 0);
+           (points_ ? points_->host_bytes() : 0) + (frusta_sources_ ? frusta_sources_->bytes() : 0) +
+           frusta_memory_.bytes();
 }
 
 }  // namespace clsdf::transform

@@ -14,7 +14,9 @@
 #include "polyhedra/mesh_topology.hpp"
 #include "transform/device_faces.hpp"
 #include "transform/finishing.hpp"
+#include "transform/kernel_frusta.hpp"
 #include "transform/prepared_mesh.hpp"
+#include "transform/programs.hpp"
 #include "transform/sweep_mesh.hpp"
 
 #include <list>
@@ -38,6 +40,17 @@ struct Inputs {
     bool is_inside_out = false;                   ///< the faces look inwards
 };
 
+/// What makes a mesh's polyhedra. The host by itself without a program.
+struct SetUpBy {
+    cl::Program program;       ///< of kernels/mesh_records.cl
+    std::size_t lanes = 1;     ///< that it is compiled for
+    bool keeps_faces = false;  ///< the device has memory of its own, and makes each lattice's records of faces there
+    std::size_t least_faces = 2048;  ///< fewer are left to the host, unless the device keeps them
+
+    /// As a device has it. `tests`: for any number of faces.
+    static SetUpBy programs(const device::Context& context, const Programs& programs, bool tests = false);
+};
+
 /// What a transform keeps of its mesh. Each value is made from those above it when it is needed first, and again only
 /// if one of them has changed.
 ///
@@ -57,8 +70,7 @@ class Stages {
 public:
     struct Options {
         std::shared_ptr<const FieldMethod> method{};  ///< null for leaned polyhedra scanned by bricks
-        /// The program, with which a device with memory of its own makes the records; null on processors.
-        cl::Program mesh_records{};
+        SetUpBy set_up{};
         bool has_selections = false;              ///< the lists can be made of a part of the records
         std::optional<std::size_t> kept_bytes{};  ///< see TransformOptions
     };
@@ -121,6 +133,9 @@ private:
     };
 
     const polyhedra::ClusterIndex& index();
+    DeviceSetUp set_up() const { return {context_, pool_, options_.set_up.program, options_.set_up.lanes}; }
+    /// Sets the frusta, and their records for a lattice unless it is null, if kernels can make them.
+    bool make_by_kernels(const polyhedra::LatticeView* lattice, PreparedMesh* records);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
     PreparedMesh all_records(const polyhedra::LatticeView& lattice);
@@ -143,6 +158,9 @@ private:
     Options options_;
     Mesh mesh_;
     std::shared_ptr<const polyhedra::MeshTopology> topology_;
+    bool has_moved_ = false;
+    std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on, as what follows
+    FrustaMemory frusta_memory_;
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceFaces::Names> names_;

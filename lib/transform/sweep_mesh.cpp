@@ -198,7 +198,7 @@ const cl::Buffer& SweepMesh::triangles() const {
 }
 
 SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
-                          const Mesh& mesh, const cl::Program& mesh_records,
+                          const Mesh& mesh, const DeviceSetUp& set_up,
                           const std::shared_ptr<const DeviceFaces>& faces) {
     return device::guarded([&] {
         const SweepLattice lattice(grid, mesh);
@@ -208,7 +208,7 @@ SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;
         if (faces && faces->names->face_count == result.triangle_count && is_within_sweep(mesh, grid)) {
-            result.vertices = vertices_on_device({context, pool, mesh_records}, lattice, *faces);
+            result.vertices = vertices_on_device(set_up, lattice, *faces);
             result.faces = faces;
         } else {
             result.own_triangles = sweep_triangles(context, pool, mesh);

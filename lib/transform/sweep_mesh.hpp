@@ -14,6 +14,7 @@
 namespace clsdf::transform {
 
 struct DeviceFaces;
+struct DeviceSetUp;
 
 /// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid. A
 /// processor reads the triangles where the mesh has them, which must outlive this.
@@ -47,10 +48,9 @@ SweepSelection select_triangles(const device::Context& context, const SweepMesh&
 bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 
 /// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
-/// `faces`: null if the host makes the vertices; else the program is that of kernels/mesh_records.cl.
+/// `faces`: null if the host makes the vertices, else what the set-up makes them of.
 SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
-                          const Mesh& mesh, const cl::Program& mesh_records,
-                          const std::shared_ptr<const DeviceFaces>& faces);
+                          const Mesh& mesh, const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces>& faces);
 
 /// Whether all of the mesh lies near enough for the sweep's integers, and a part of it can be swept by itself.
 bool is_within_sweep(const Mesh& mesh, const Grid& grid);

@@ -38,8 +38,8 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions op
     if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
     stages = std::make_unique<transform::Stages>(
         device::context_of(device), pool, std::move(mesh),
-        transform::Stages::Options{options.method, programs.mesh_records, programs.body == KernelBody::by_vector,
-                                   options.kept_bytes});
+        transform::Stages::Options{options.method, transform::SetUpBy::programs(device::context_of(device), programs),
+                                   programs.body == KernelBody::by_vector, options.kept_bytes});
 }
 
 DistanceTransform::State::~State() {
@@ -55,7 +55,7 @@ transform::Programs DistanceTransform::State::build_programs(const CallOptions& 
     transform::Compiling compiling(call, options.log);
     transform::Programs result = device::guarded([&] {
         return transform::Programs(device::context_of(device), options.body,
-                                   compiling.watch(device::context_of(device), transform::step_count(any)));
+                                   compiling.watch(transform::step_count(any)));
     });
     compile_seconds = watch.seconds();
     return result;
@@ -98,8 +98,8 @@ transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, con
 bool DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
     if (device::context_of(device).is_tested(test_case.name())) return false;
     const Stopwatch watch;
-    const bool is_tested_here = transform::ensure_tested(
-        device, programs, test_case, compiling.watch(device::context_of(device), transform::step_count(test_case)));
+    const bool is_tested_here =
+        transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
     compiling.first_use |= is_tested_here;
     compiling.seconds += watch.seconds();
     return is_tested_here;

@@ -271,6 +271,27 @@ BOOST_AUTO_TEST_CASE(what_is_kept_on_the_host_does_not_grow_with_use) {
     for (const double half_width : {1.0, 2.0, 1.0}) BOOST_TEST(bytes_after_use(half_width) == bytes);
 }
 
+BOOST_AUTO_TEST_CASE(memory_does_not_grow_from_move_to_move) {
+    const Mesh first = make_shape("sphere6");
+    const Grid grid = grid_around(first, 40, 3);
+    DistanceTransform transform(test_device(), first);
+    std::vector<Vec3> positions = first.vertices();
+    const auto memory_after_move = [&](int step) {
+        for (std::size_t i = 0; i < positions.size(); ++i)
+            positions[i][0] = first.vertices()[i][0] * (1 + 1e-3 * step * first.vertices()[i][1]);
+        transform.move(positions);
+        transform(grid, Band::symmetric(grid.voxel()));
+        return transform.memory();
+    };
+    const KeptMemory memory = memory_after_move(1);
+    BOOST_TEST(memory.host_bytes < 250 * first.triangles().size());
+    for (int step = 2; step <= 50; ++step) {
+        const KeptMemory later = memory_after_move(step);
+        BOOST_TEST_REQUIRE(later.host_bytes <= memory.host_bytes + 4096);
+        BOOST_TEST_REQUIRE(later.device_bytes <= memory.device_bytes * 11 / 10);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(faces_without_area_are_counted_as_boxes) {
     std::vector<Triangle> triangles = cube(1).triangles();
     triangles.push_back({0, 1, 1});

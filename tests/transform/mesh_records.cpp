@@ -1,19 +1,26 @@
 #include "coarse.h"
+#include "core/parallel.hpp"
 #include "polyhedra/awkward_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "sweep.h"
+#include "transform/kernel_frusta.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/programs.hpp"
 #include "transform/stages.hpp"
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <map>
+#include <optional>
+#include <utility>
 #include <vector>
 
 // A device with memory of its own makes the records, and the vertices of the sign's sweep, that the host would write:
-// the same bytes.
+// the same bytes. A processor's kernels make the frusta, too, which are at no place smaller than those of the host.
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -67,8 +74,8 @@ void check_same(const Made& device, const Made& host) {
 BOOST_AUTO_TEST_CASE(a_device_makes_the_records_that_the_host_writes) {
     const Device device = Device::preferred();
     device::Context& context = device::context_of(device);
-    const cl::Program program = context.program(
-        "mesh_records.cl", transform::Programs(context, KernelBody::automatic).mesh_records_source().options);
+    const transform::Programs programs(context, KernelBody::automatic);
+    const transform::SetUpBy on_its_own_memory{programs.mesh_records, programs.mesh_lanes(), true};
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     std::size_t on_device = 0, slivers = 0;
     for (unsigned seed = 1; seed <= 60; ++seed) {
@@ -79,7 +86,7 @@ BOOST_AUTO_TEST_CASE(a_device_makes_the_records_that_the_host_writes) {
             Grid grid = Grid::around(mesh, 48, band);
             if (seed % 3 == 0) grid.spacing[seed % 2] *= 0.7;
             if (seed % 7 == 0) grid.origin[0] -= 1e9 * grid.spacing[0];  // far: the host writes all
-            transform::Stages plain(context, pool, mesh), stages(context, pool, mesh, {{}, program});
+            transform::Stages plain(context, pool, mesh), stages(context, pool, mesh, {{}, on_its_own_memory});
             const Made whole = made_by(stages, context, grid, band);
             check_same(whole, made_by(plain, context, grid, band));
             BOOST_TEST(whole.on_device == (seed % 7 != 0));
@@ -92,4 +99,142 @@ BOOST_AUTO_TEST_CASE(a_device_makes_the_records_that_the_host_writes) {
     }
     BOOST_TEST(on_device > 0U);
     BOOST_TEST(slivers > 0U);
+}
+
+namespace {
+
+/// The host's frusta and those of kernels, which are null if too many faces are nearly degenerate.
+struct BothFrusta {
+    std::shared_ptr<const polyhedra::MeshTopology> topology;
+    polyhedra::Frusta host;
+    std::optional<polyhedra::Frusta> kernels;
+    std::vector<Polyhedron> records;  ///< of the kernels
+};
+
+BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
+    const Device device = Device::preferred();
+    device::Context& context = device::context_of(device);
+    const transform::Programs programs(context, KernelBody::automatic);
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    BothFrusta both{std::make_shared<const polyhedra::MeshTopology>(mesh), {}, {}, {}};
+    both.host = polyhedra::make_frusta(*both.topology, mesh.vertices());
+    const transform::FrustaSources sources(context, both.topology);
+    transform::FrustaMemory memory;
+    const transform::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
+    const polyhedra::LatticeView lattice = transform::lattice_of(grid);
+    transform::PreparedMesh prepared;
+    both.kernels = transform::frusta_by_kernels(job, sources, memory, mesh, &lattice, &prepared);
+    if (!both.kernels) return both;
+    both.records = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);
+    // Without records, of memory that has been used: the same.
+    const auto again = transform::frusta_by_kernels(job, sources, memory, mesh, nullptr, nullptr);
+    BOOST_TEST_REQUIRE(again.has_value());
+    BOOST_TEST((std::memcmp(again->slopes.data(), both.kernels->slopes.data(),
+                            again->slopes.size() * sizeof(polyhedra::FaceSlopes)) == 0));
+    BOOST_TEST(again->sites.size() == both.kernels->sites.size());
+    return both;
+}
+
+void check_slopes(const BothFrusta& both) {
+    // Of the roundings of a slope, far below the slack.
+    const auto is_wide = [](float kernel, float host) {
+        return kernel >= host - 1e-8F - 1e-6F * host || kernel >= CLSDF_OPEN_SLOPE;
+    };
+    std::size_t narrow = 0, wider = 0;
+    for (std::size_t face = 0; face < both.host.slopes.size(); ++face)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const polyhedra::FaceSlopes &kernel = both.kernels->slopes[face], &host = both.host.slopes[face];
+            narrow += is_wide(kernel.above[k], host.above[k]) && is_wide(kernel.below[k], host.below[k]) ? 0U : 1U;
+            wider += is_wide(host.above[k], kernel.above[k]) && is_wide(host.below[k], kernel.below[k]) ? 0U : 1U;
+        }
+    BOOST_TEST(narrow == 0U);
+    BOOST_TEST(wider <= both.host.slopes.size() / 100);
+}
+
+void check_sites(const BothFrusta& both) {
+    std::vector<std::uint32_t> host, kernels;
+    for (const auto& site : both.host.sites) host.push_back(site.vertex);
+    for (const auto& site : both.kernels->sites) kernels.push_back(site.vertex);
+    BOOST_TEST(kernels == host, boost::test_tools::per_element());
+    // Edges that are flat up to rounding make a saddle for exact predicates alone.
+    BOOST_TEST(both.kernels->saddle_vertices <= both.host.saddle_vertices);
+    BOOST_TEST(both.kernels->saddle_vertices >= both.host.saddle_vertices * 4 / 5);
+    BOOST_TEST(both.kernels->boxes == both.host.boxes);
+}
+
+/// The records are those that the host writes of the same frusta.
+void check_records(const BothFrusta& both, const Grid& grid) {
+    const std::size_t faces = both.topology->order.size();
+    const std::size_t groups = stretch_count(faces, polyhedra::record_group) * polyhedra::record_group;
+    std::vector<Polyhedron> records(groups + both.kernels->sites.size());
+    const polyhedra::LatticeView lattice = transform::lattice_of(grid);
+    write_face_records(*both.topology, *both.kernels, lattice, 0, std::span(records).first(faces));
+    std::fill(records.begin() + static_cast<std::ptrdiff_t>(faces),
+              records.begin() + static_cast<std::ptrdiff_t>(groups), Polyhedron(records[faces - 1]));
+    write_site_records(*both.topology, *both.kernels, lattice, 0, std::span(records).subspan(groups));
+    BOOST_TEST_REQUIRE(both.records.size() == records.size());
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < records.size(); ++i)
+        different += std::memcmp(&both.records[i], &records[i], sizeof(Polyhedron)) == 0 ? 0U : 1U;
+    BOOST_TEST(different == 0U);
+}
+
+/// Every triangle in four, `times` times; new vertices lie in their edges' middles, moved by `noise` of the edge.
+Mesh subdivided(const Mesh& mesh, int times, double noise, unsigned seed) {
+    Random random(seed);
+    std::vector<Vec3> vertices = mesh.vertices();
+    std::vector<Triangle> triangles = mesh.triangles();
+    for (; times > 0; --times) {
+        std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+        std::vector<Triangle> finer;
+        const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+            const auto [it, is_new] =
+                middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(vertices.size()));
+            if (is_new) {
+                Vec3 point;
+                const double length = std::hypot(vertices[a][0] - vertices[b][0], vertices[a][1] - vertices[b][1],
+                                                 vertices[a][2] - vertices[b][2]);
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    point[axis] = (vertices[a][axis] + vertices[b][axis]) / 2 + noise * length * random.uniform(-1, 1);
+                vertices.push_back(point);
+            }
+            return it->second;
+        };
+        for (const auto& [a, b, c] : triangles) {
+            const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+            finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+        }
+        triangles = std::move(finer);
+    }
+    return {std::move(vertices), std::move(triangles), mesh.name() + " subdivided"};
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(kernels_make_the_frusta_of_the_host) {
+    std::vector<Mesh> meshes{make_shape("sphere5"), make_shape("torus"), make_shape("cube")};
+    meshes.push_back(subdivided(make_shape("cube"), 4, 0, 1));        // most edges are exactly flat
+    meshes.push_back(subdivided(make_shape("sphere2"), 3, 0.02, 2));  // saddles at every other vertex
+    meshes.push_back(subdivided(make_shape("sphere2"), 3, 0.2, 3));   // folds, sharp edges
+    meshes.push_back(subdivided(make_shape("torus"), 1, 1e-15, 4));   // edges flat up to rounding
+    std::size_t made = 0, sites = 0;
+    for (unsigned seed = 1; seed <= 60; ++seed) {
+        Random random(seed);
+        meshes.push_back(awkward_mesh(random));
+    }
+    for (const Mesh& mesh : meshes) {
+        BOOST_TEST_CONTEXT(mesh.name() << ", " << mesh.triangles().size() << " triangles") {
+            Grid grid = Grid::around(mesh, 48, Band::symmetric(0.05 * mesh.box().longest_side()));
+            grid.spacing[1] *= 0.7;
+            const BothFrusta both = both_frusta(mesh, grid);
+            if (!both.kernels) continue;
+            ++made;
+            sites += both.kernels->sites.size();
+            check_slopes(both);
+            check_sites(both);
+            check_records(both, grid);
+        }
+    }
+    BOOST_TEST(made > 6U);
+    BOOST_TEST(sites > 0U);
 }

@@ -1,0 +1,319 @@
+// Frames of LANES faces at once, one a lane (the frame is that of polyhedron.h, in double), and records of them.
+//
+// Operation by operation this is triangle_frame() of lib/polyhedra/triangle_frame.cpp and pack() of records.cpp without
+// their special cases, so that records have the bytes that the host would write: quotients and roots of doubles are
+// rounded correctly by every device, and nothing is contracted.
+#ifndef CLSDF_FACE_FRAMES_H
+#define CLSDF_FACE_FRAMES_H
+
+#include "face_sources.h"
+#include "lanes.h"
+
+#pragma OPENCL FP_CONTRACT OFF
+
+#if LANES == 1
+#define TO_FLOATS(values) ((float)(values))
+#define TO_DOUBLES(values) ((double)(values))
+#define TO_INTS(values) ((int)(values))
+#define TO_LONGS(condition) (condition)
+#define AS_FLOATS as_float
+#define AS_UINTS as_uint
+#else
+#if defined(__clang__)
+#define TO_FLOATS(values) __builtin_convertvector(values, floatL)
+#define TO_DOUBLES(values) __builtin_convertvector(values, doubleL)
+#define TO_INTS(values) __builtin_convertvector(values, intL)
+#define TO_LONGS(condition) __builtin_convertvector(condition, longL)
+#else
+#define TO_FLOATS convert_floatL
+#define TO_DOUBLES convert_doubleL
+#define TO_INTS convert_intL
+#define TO_LONGS convert_long8
+#endif
+#define AS_FLOATS as_floatL
+#define AS_UINTS as_uintL
+#endif
+
+// A vector a lane.
+typedef struct Vectors {
+    doubleL x, y, z;
+} Vectors;
+
+INLINE Vectors vectors(doubleL x, doubleL y, doubleL z) {
+    const Vectors v = {x, y, z};
+    return v;
+}
+INLINE Vectors sum(Vectors a, Vectors b) {
+    return vectors(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+INLINE Vectors difference(Vectors a, Vectors b) {
+    return vectors(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+INLINE Vectors product(doubleL factor, Vectors a) {
+    return vectors(factor * a.x, factor * a.y, factor * a.z);
+}
+INLINE Vectors quotient(Vectors a, doubleL divisor) {
+    return vectors(a.x / divisor, a.y / divisor, a.z / divisor);
+}
+INLINE Vectors cross_product(Vectors a, Vectors b) {
+    return vectors(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+INLINE doubleL dot_in_order(Vectors a, Vectors b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+INLINE Vectors chosen(longL condition, Vectors a, Vectors b) {
+    return vectors(condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z);
+}
+
+// One load for each lane. Compilers make gathers of plain ones, which take many times as long on some processors.
+#if LANES == 1
+#define EACH_LANE(f) f(0)
+#else
+#define EACH_LANE(f) (f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7))
+#endif
+#define LOAD(type, p) (*(volatile __global const type*)(p))
+
+// The positions of vertices[0, LANES).
+INLINE Vectors positions_of(__global const double* positions, __private const uint* vertices) {
+#define PLACE(lane) (positions + 3 * (size_t)vertices[lane])
+#define X_OF(lane) xy[lane].x
+#define Y_OF(lane) xy[lane].y
+#define Z_OF(lane) z[lane]
+    double2 xy[LANES];
+    double z[LANES];
+#pragma unroll
+    for (uint lane = 0; lane < LANES; ++lane) {
+        xy[lane] = vload2(0, PLACE(lane));
+        z[lane] = LOAD(double, PLACE(lane) + 2);
+    }
+    return vectors((doubleL)EACH_LANE(X_OF), (doubleL)EACH_LANE(Y_OF), (doubleL)EACH_LANE(Z_OF));
+#undef Z_OF
+#undef Y_OF
+#undef X_OF
+#undef PLACE
+}
+
+// Three values by edge of the face become values by edge of the polyhedron, and the other way round.
+typedef struct BaseEdges {
+    longL is_first, is_second;  // which edge of the face is the base; else the third
+} BaseEdges;
+
+INLINE Vectors from_base(BaseEdges base, Vectors first, Vectors second, Vectors third) {
+    return chosen(base.is_first, first, chosen(base.is_second, second, third));
+}
+INLINE doubleL to_own(BaseEdges base, doubleL if_first, doubleL if_second, doubleL if_third) {
+    return base.is_first ? if_first : base.is_second ? if_second : if_third;
+}
+
+typedef struct FaceFrames {
+    BaseEdges base_edges;
+    Vectors start, end, apex;  // positions, from the start of the base
+    Vectors base, to_apex;     // edges, in units
+    Vectors along, across, normal;
+    doubleL length, height;
+    doubleL right, left;  // the halves' bases
+    doubleL along_right, along_left, across_right, across_left;
+    doubleL altitude;
+    Vectors foot;
+} FaceFrames;
+
+// a, b, c: the corners.
+INLINE FaceFrames frames_of_faces(FaceLattice lattice, Vectors a, Vectors b, Vectors c) {
+    const Vectors first = product(lattice.per_unit, difference(b, a)),
+                  second = product(lattice.per_unit, difference(c, b)),
+                  third = product(lattice.per_unit, difference(a, c));
+    const doubleL squared_first = dot_in_order(first, first), squared_second = dot_in_order(second, second),
+                  squared_third = dot_in_order(third, third);
+    const doubleL longer = squared_first >= squared_second ? squared_first : squared_second;
+    const longL is_third = squared_third > longer;
+    FaceFrames f;
+    f.base_edges.is_first = !is_third && squared_first >= squared_second;
+    f.base_edges.is_second = !is_third && !f.base_edges.is_first;
+    f.start = from_base(f.base_edges, a, b, c);
+    f.end = from_base(f.base_edges, b, c, a);
+    f.apex = from_base(f.base_edges, c, a, b);
+    f.base = from_base(f.base_edges, first, second, third);
+    f.to_apex = from_base(f.base_edges, second, third, first);
+    const Vectors from_apex = from_base(f.base_edges, third, first, second);
+    const longL is_right = to_own(f.base_edges, squared_second, squared_third, squared_first) <=
+                           to_own(f.base_edges, squared_third, squared_first, squared_second);
+    f.length = sqrt(to_own(f.base_edges, squared_first, squared_second, squared_third));
+    f.along = quotient(f.base, f.length);
+    const doubleL right = -dot_in_order(f.to_apex, f.along), left = -dot_in_order(from_apex, f.along);
+    f.right = right > 0.0 ? right : 0.0;
+    f.left = left > 0.0 ? left : 0.0;
+
+    Vectors across = chosen(is_right, f.to_apex, vectors(-from_apex.x, -from_apex.y, -from_apex.z));
+    across = difference(across, product(dot_in_order(across, f.along), f.along));
+    across = difference(across, product(dot_in_order(across, f.along), f.along));
+    f.height = sqrt(dot_in_order(across, across));
+    across = quotient(across, f.height);
+    across = difference(across, product(dot_in_order(across, f.along), f.along));
+    f.across = quotient(across, sqrt(dot_in_order(across, across)));
+    f.normal = cross_product(f.along, f.across);
+
+    const doubleL squared_height = f.height * f.height;
+    const doubleL slanted_right = sqrt(f.right * f.right + squared_height),
+                  slanted_left = sqrt(f.left * f.left + squared_height);
+    f.along_right = f.height / slanted_right;
+    f.along_left = f.height / slanted_left;
+    f.across_right = f.right / slanted_right;
+    f.across_left = f.left / slanted_left;
+    f.altitude = slanted_right * f.along_right;
+
+    const Vectors near_end = chosen(is_right, f.end, f.start);
+    const Vectors origin = vectors(lattice.origin[0], lattice.origin[1], lattice.origin[2]);
+    const doubleL to_foot = is_right ? f.right : -f.left;
+    f.foot = difference(product(lattice.per_unit, difference(near_end, origin)), product(to_foot, f.along));
+    return f;
+}
+
+// By edge of the polyhedra; doubles that are floats.
+typedef struct LaneSlopes {
+    doubleL above[3], below[3];
+} LaneSlopes;
+
+// The 35 doubles of a record, in which pairs of words are one.
+#define RECORD_DOUBLES 35
+typedef struct LaneRecords {
+    doubleL doubles[RECORD_DOUBLES];
+} LaneRecords;
+
+INLINE doubleL word_pairs(floatL a, floatL b) {
+#if LANES == 1
+    return as_double((float2)(a, b));
+#else
+    return as_double8(
+        (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7));
+#endif
+}
+
+// A number below 2^51, to the nearest integer: the ties go to the even one, as by lrint().
+INLINE doubleL rounded(doubleL x) {
+    const double shift = 6755399441055744.0;  // 1.5 * 2^52
+    return (x + shift) - shift;
+}
+
+INLINE doubleL limited(doubleL x, double limit) {
+    return LESSER(GREATER(x, -limit), limit);
+}
+
+// names: see CLSDF_NAME_NON_MANIFOLD.
+INLINE LaneRecords records_of(FaceLattice lattice, __private const FaceFrames* f, __private const LaneSlopes* slopes,
+                              uintL names) {
+    LaneRecords r;
+    const Vectors spacing = vectors(lattice.spacing[0], lattice.spacing[1], lattice.spacing[2]);
+    const double limit = (double)(1 << 30);
+    const Vectors origin =
+        vectors(rounded(limited(f->foot.x / spacing.x, limit)), rounded(limited(f->foot.y / spacing.y, limit)),
+                rounded(limited(f->foot.z / spacing.z, limit)));
+    const Vectors foot =
+        vectors(f->foot.x - origin.x * spacing.x, f->foot.y - origin.y * spacing.y, f->foot.z - origin.z * spacing.z);
+    const doubleL numbers[19] = {f->along.x * spacing.x,
+                                 f->across.x * spacing.x,
+                                 f->normal.x * spacing.x,
+                                 f->along.y * spacing.y,
+                                 f->across.y * spacing.y,
+                                 f->normal.y * spacing.y,
+                                 f->along.z * spacing.z,
+                                 f->across.z * spacing.z,
+                                 f->normal.z * spacing.z,
+                                 -dot_in_order(f->along, foot),
+                                 -dot_in_order(f->across, foot),
+                                 -dot_in_order(f->normal, foot),
+                                 f->right,
+                                 f->left,
+                                 f->along_right,
+                                 f->along_left,
+                                 f->across_right,
+                                 f->across_left,
+                                 f->altitude};
+#pragma unroll
+    for (uint i = 0; i < 19; ++i) r.doubles[16 + i] = numbers[i];
+#pragma unroll
+    for (uint i = 0; i < 9; ++i) r.doubles[i] = word_pairs(TO_FLOATS(numbers[2 * i]), TO_FLOATS(numbers[2 * i + 1]));
+    r.doubles[9] = word_pairs(TO_FLOATS(slopes->above[0]), TO_FLOATS(slopes->above[1]));
+    r.doubles[10] = word_pairs(TO_FLOATS(slopes->above[2]), TO_FLOATS(slopes->below[0]));
+    r.doubles[11] = word_pairs(TO_FLOATS(slopes->below[1]), TO_FLOATS(slopes->below[2]));
+    const floatL foot_x = TO_FLOATS(foot.x), foot_y = TO_FLOATS(foot.y), foot_z = TO_FLOATS(foot.z);
+    r.doubles[12] = word_pairs(foot_x, foot_y);
+    r.doubles[13] = word_pairs(foot_z, AS_FLOATS(TO_INTS(origin.x)));
+    r.doubles[14] = word_pairs(AS_FLOATS(TO_INTS(origin.y)), AS_FLOATS(TO_INTS(origin.z)));
+
+    const doubleL steepest =
+        GREATER(GREATER(GREATER(slopes->above[0], slopes->above[1]), GREATER(slopes->above[2], slopes->below[0])),
+                GREATER(slopes->below[1], slopes->below[2]));
+    const floatL farthest = GREATER(GREATER(fabs(foot_x), fabs(foot_y)), fabs(foot_z));
+    const doubleL longest = GREATER(GREATER(f->right, f->left), GREATER(f->altitude, TO_DOUBLES(farthest)));
+    // Flags as whole numbers, which a double holds.
+    const doubleL compact = steepest <= 1.0 ? (doubleL)CLSDF_POLYHEDRON_COMPACT : (doubleL)0.0;
+    const doubleL flags = (LESSER(f->along_right, f->along_left) > 0.15 ? compact : (doubleL)0.0) +
+                          (longest <= (double)CLSDF_NEAR_LENGTH ? (doubleL)CLSDF_POLYHEDRON_NEAR : (doubleL)0.0) +
+                          to_own(f->base_edges, (doubleL)0.0, (doubleL)(1 << CLSDF_POLYHEDRON_VERTEX_SHIFT),
+                                 (doubleL)(2 << CLSDF_POLYHEDRON_VERTEX_SHIFT));
+    const uintL non_manifold = (names >> 31) * CLSDF_POLYHEDRON_NON_MANIFOLD;
+    r.doubles[15] =
+        word_pairs(AS_FLOATS(AS_UINTS(TO_INTS(flags)) | non_manifold), AS_FLOATS(names & ~CLSDF_NAME_NON_MANIFOLD));
+    return r;
+}
+
+#if LANES == 8
+#if defined(__clang__)
+typedef double8 __attribute__((aligned(8))) UnalignedDoubles;
+#define STORE_DOUBLES(value, space, p) (*(space UnalignedDoubles*)(p) = (value))
+#else
+#define STORE_DOUBLES(value, space, p) vstore8(value, 0, p)
+#endif
+
+#if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_nontemporal_store)
+#define STREAM_DOUBLES(value, p) __builtin_nontemporal_store(value, (__global double8*)(p))
+#else
+#define STREAM_DOUBLES(value, p) STORE_DOUBLES(value, __global, p)
+#endif
+
+// Rows and columns of 8 x 8 numbers exchanged. Each round shuffles the first half of the rows into the second.
+INLINE void transpose_doubles(__private double8* rows) {
+#pragma unroll
+    for (uint round = 0; round < 3; ++round) {
+        double8 zipped[8];
+#pragma unroll
+        for (uint i = 0; i < 4; ++i) {
+            const double8 a = rows[i], b = rows[i + 4];
+            zipped[2 * i] = (double8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
+            zipped[2 * i + 1] = (double8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
+        }
+#pragma unroll
+        for (uint i = 0; i < 8; ++i) rows[i] = zipped[i];
+    }
+}
+#endif
+
+// Writes LANES records that follow each other, from a multiple of LANES on: whole cache lines, which the processor need
+// not read before.
+INLINE void store_records(__private LaneRecords* r, __global Polyhedron* records) {
+    __global double* const to = (__global double*)records;
+#if LANES == 1
+    for (uint i = 0; i < RECORD_DOUBLES; ++i) to[i] = r->doubles[i];
+#else
+    double8 lines[RECORD_DOUBLES];
+    __private double* const doubles = (__private double*)lines;
+#pragma unroll
+    for (uint part = 0; part < 32; part += 8) {
+        transpose_doubles(r->doubles + part);
+#pragma unroll
+        for (uint lane = 0; lane < LANES; ++lane)
+            STORE_DOUBLES(r->doubles[part + lane], __private, doubles + lane * RECORD_DOUBLES + part);
+    }
+#pragma unroll
+    for (uint i = 32; i < RECORD_DOUBLES; ++i) {
+        double lanes[LANES];
+        STORE_DOUBLES(r->doubles[i], __private, lanes);
+#pragma unroll
+        for (uint lane = 0; lane < LANES; ++lane) doubles[lane * RECORD_DOUBLES + i] = lanes[lane];
+    }
+#pragma unroll
+    for (uint line = 0; line < RECORD_DOUBLES; ++line) STREAM_DOUBLES(lines[line], to + 8 * line);
+#endif
+}
+
+#endif
