@@ -102,6 +102,7 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
     capabilities.float_width = device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>();
     capabilities.is_processor = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_CPU) != 0;
+    capabilities.has_own_memory = device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>() == CL_FALSE;
     capabilities.scattered_access = capabilities.is_processor && gathers_and_scatters_fast();
     capabilities.rounds_roots =
         (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
@@ -124,7 +125,8 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     : context_(std::move(context)),
       device_(std::move(device)),
       callers_queue_(std::move(queue)),
-      queue_(callers_queue_) {
+      queue_(callers_queue_),
+      pinned_(context_, device_) {
     guarded([&] {
         capabilities_ = capabilities_of(device_);
         cache_ = ProgramCache(default_cache_folder(keeps_programs(device_)));
@@ -139,6 +141,13 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
             fmt::format(
                 "the device \"{}\" has no double precision (cl_khr_fp64), which exact offsets need; choose another one",
                 device_.getInfo<CL_DEVICE_NAME>()));
+}
+
+void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const {
+    if (capabilities_.has_own_memory)
+        pinned_.read(queue, from, bytes, to);
+    else
+        queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
 }
 
 bool Context::drain() const noexcept {

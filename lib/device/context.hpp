@@ -5,6 +5,7 @@
 #include "device/build_records.hpp"
 #include "device/kernel_text.hpp"
 #include "device/opencl.hpp"
+#include "device/pinned_reads.hpp"
 #include "device/program_cache.hpp"
 
 #include <atomic>
@@ -35,6 +36,7 @@ public:
         unsigned compute_units = 1;
         unsigned float_width = 1;       ///< native vector width of float; 1 on most GPUs
         bool is_processor = false;      ///< shares the host's memory and runs one work-item a core
+        bool has_own_memory = false;    ///< beside the host's
         bool scattered_access = false;  ///< has instructions that gather and scatter, and they are fast
         bool rounds_roots = false;      ///< can round quotients and square roots of float correctly
         bool plain_inline = false;      ///< its compiler needs helper functions without "static"
@@ -59,6 +61,9 @@ public:
 
     /// Platform, device and driver with their versions, a line each, the last one ended.
     const std::string& identity() const { return identity_; }
+
+    /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed. Throws cl::Error.
+    void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
 
     /// Which cases of the self-test (transform/self_test.hpp), by name, this process need not run any more.
     bool is_tested(const std::string& test_case) const;
@@ -104,6 +109,7 @@ private:
     cl::CommandQueue callers_queue_;
     cl::CommandQueue queue_;
     Capabilities capabilities_;
+    mutable PinnedReads pinned_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
     std::map<std::string, Built> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay

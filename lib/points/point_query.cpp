@@ -181,10 +181,9 @@ public:
         queue_.finish();
         for_each_output(
             [&](const OutputRow&, const transform::HostArray& array, const transform::OutputMemory& of_output) {
-                if (array.is_wanted) of_output.fetch(queue_);
+                if (array.is_wanted) of_output.read(context_, queue_);
             },
             arrays, memory);
-        queue_.finish();
         return seconds;
     }
 

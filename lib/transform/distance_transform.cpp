@@ -197,11 +197,12 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     const device::Context& context = device::context_of(device);
     const bool in_place = targets.are_packed();
     const auto store = [&](const Grid& part, const transform::HostArrays& values) { targets.store(part, values); };
-    transform::SlabPipeline pipeline(context, pool, in_place ? transform::ArraySink() : transform::ArraySink(store),
-                                     true);
     const transform::SlabLimits limits =
         in_place ? transform::limits_of(context.capabilities()) : transform::stream_limits_of(context.capabilities());
-    compute(grid, band, outputs, targets.arrays(), in_place, transform::slabs_of(grid, limits), {}, pipeline, call);
+    std::vector<Grid> slabs = transform::slabs_of(grid, limits);
+    transform::SlabPipeline pipeline(context, pool, in_place ? transform::ArraySink() : transform::ArraySink(store),
+                                     slabs.size() > 1);
+    compute(grid, band, outputs, targets.arrays(), in_place, std::move(slabs), {}, pipeline, call);
 }
 
 void DistanceTransform::State::compute(const transform::Batch& batch, std::span<const Request> requests,

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <vector>
-
 namespace clsdf::transform {
 
 namespace {
@@ -40,7 +38,7 @@ FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
     return slab;
 }
 
-void OutputMemory::place(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes) {
+void OutputMemory::place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes) {
     host_ = host;
     bytes_ = bytes;
     if (context.capabilities().is_processor) {
@@ -57,13 +55,8 @@ void OutputMemory::enqueue_handover(const cl::CommandQueue& queue) const {
     queue.enqueueUnmapMemObject(in_place_, mapped);
 }
 
-cl::Event OutputMemory::fetch(const cl::CommandQueue& transfers) const {
-    cl::Event event;
-    if (in_place_() == nullptr) {
-        transfers.enqueueReadBuffer(*lease_, CL_FALSE, 0, bytes_, host_, nullptr, &event);
-        transfers.flush();
-    }
-    return event;
+void OutputMemory::read(const device::Context& context, const cl::CommandQueue& transfers) const {
+    if (in_place_() == nullptr) context.read(transfers, *lease_, bytes_, host_);
 }
 
 HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {
@@ -115,8 +108,9 @@ SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<devic
     : context_(context),
       pool_(std::move(pool)),
       sink_(std::move(sink)),
-      // A thread where there is one to be had, and where it is of use.
-      policy_(sink_ && overlap ? std::launch::async | std::launch::deferred : std::launch::deferred),
+      // A thread if there is one to be had, and if it is of use.
+      policy_(overlap && (sink_ || !context.capabilities().is_processor) ? std::launch::async | std::launch::deferred
+                                                                         : std::launch::deferred),
       transfers_(device::guarded([&] { return cl::CommandQueue(context.context(), context.device()); })) {}
 
 SlabPipeline::~SlabPipeline() {
@@ -158,22 +152,18 @@ void SlabPipeline::take_back(Slot& slot) {
 
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
     is_finished_ = false;
-    std::vector<cl::Event> read;
-    device::guarded([&] {
-        for_each_output(
-            [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
-                if (array.is_wanted) read.push_back(memory.fetch(transfers_));
-            },
-            slot.host_, slot.memory_);
-    });
-    slot.delivered_ = std::async(policy_, [this, previous = latest_, read, slab, values = slot.host_]() mutable {
+    slot.delivered_ = std::async(policy_, [this, previous = latest_, &slot, slab]() mutable {
+        if (!abandoned_)
+            device::guarded([&] {
+                for_each_output(
+                    [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+                        if (array.is_wanted) memory.read(context_, transfers_);
+                    },
+                    slot.host_, slot.memory_);
+            });
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
-        device::guarded([&] {
-            for (const cl::Event& event : read)
-                if (event() != nullptr) event.wait();
-        });
-        if (sink_ && !abandoned_) sink_(slab, values);
+        if (sink_ && !abandoned_) sink_(slab, slot.host_);
     });
     latest_ = slot.delivered_;
     if (sink_ && policy_ == std::launch::deferred) latest_.get();

@@ -38,19 +38,18 @@ FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
 /// Device memory for a host array: the array itself on a processor, whose memory it is.
 class OutputMemory {
 public:
-    void place(const device::Context& context, device::BufferPool& pool, void* host, std::size_t bytes);
+    void place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes);
 
     const cl::Buffer& buffer() const { return in_place_() != nullptr ? in_place_ : *lease_; }
 
     /// Enqueued behind what computes the result: where the array is the device's memory, it holds the result when all
     /// of the queue, which is in order, has ended.
     void enqueue_handover(const cl::CommandQueue& queue) const;
-    /// Elsewhere: reads the result, which has been computed. The array holds it when the event has completed; null
-    /// where there is nothing to read.
-    cl::Event fetch(const cl::CommandQueue& transfers) const;
+    /// Elsewhere: reads the result, which has been computed, into the array.
+    void read(const device::Context& context, const cl::CommandQueue& transfers) const;
 
 private:
-    void* host_ = nullptr;
+    std::byte* host_ = nullptr;
     std::size_t bytes_ = 0;
     cl::Buffer in_place_;
     device::BufferPool::Lease lease_;
@@ -79,8 +78,8 @@ private:
 };
 
 /// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of
-/// buffers, a queue of its own for what is read, and a thread for the sink, which is called with one slab at a time, in
-/// their order.
+/// buffers, a queue of its own for what is read, and a thread that reads and calls the sink, with one slab at a time,
+/// in their order.
 class SlabPipeline {
 public:
     class Slot {
@@ -100,7 +99,8 @@ public:
         std::shared_future<void> delivered_;
     };
 
-    /// Without a sink slabs end in the caller's memory. Without overlap it is called from the thread of deliver().
+    /// Without a sink slabs end in the caller's memory. Without overlap it is called from the thread of deliver(), and
+    /// what is still to be read is read in finish().
     SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
                  bool overlap);
     /// Slabs that were not handed on yet are dropped; waits for the sink.

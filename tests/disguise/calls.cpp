@@ -111,7 +111,10 @@ cl_int clFinish(cl_command_queue queue) {
 
 cl_int clWaitForEvents(cl_uint events, const cl_event* list) {
     if (const cl_int code = begin("clWaitForEvents")) return code;
-    count_wait();
+    if (events == 1 && is_pinned_read(list[0]))
+        count([](Counts& counts) { ++counts.pinned_reads; });
+    else
+        count_wait();
     return CLSDF_NEXT(clWaitForEvents)(events, list);
 }
 
@@ -120,7 +123,10 @@ cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocki
     if (const cl_int code = begin("clEnqueueReadBuffer")) return code;
     if (blocking != CL_FALSE) count_wait();
     count_down(bytes);
-    return CLSDF_NEXT(clEnqueueReadBuffer)(queue, buffer, blocking, offset, bytes, target, waits, wait_list, event);
+    const cl_int code =
+        CLSDF_NEXT(clEnqueueReadBuffer)(queue, buffer, blocking, offset, bytes, target, waits, wait_list, event);
+    if (code == CL_SUCCESS && event != nullptr) note_read(*event, target);
+    return code;
 }
 
 cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, std::size_t offset,

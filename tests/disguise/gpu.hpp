@@ -13,4 +13,9 @@ inline bool is_gpu() {
     return record().settings.gpu;
 }
 
+/// A read that does not block, into `target`.
+void note_read(cl_event event, const void* target);
+/// Whether it reads into mapped memory; asked once.
+bool is_pinned_read(cl_event event);
+
 }  // namespace clsdf::disguise

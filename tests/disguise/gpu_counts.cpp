@@ -31,6 +31,7 @@ std::vector<std::pair<std::string, std::uint64_t>> numbers_of(const disguise::Co
             {"transfers_up", counts.transfers_up},
             {"transfers_down", counts.transfers_down},
             {"blocking_waits", counts.blocking_waits},
+            {"pinned_reads", counts.pinned_reads},
             {"list_passes", list_kernel == counts.kernels.end() ? 0 : list_kernel->second.runs},
             {"launches", counts.launches},
             {"fills", counts.fills},

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,8 @@ struct Mapping {
 struct Memory {
     std::mutex mutex;
     std::map<cl_mem, std::byte*> host_memory;  ///< of buffers that were made with CL_MEM_USE_HOST_PTR
-    std::multimap<void*, Mapping> mappings;
+    std::multimap<const void*, Mapping> mappings;
+    std::set<cl_event> pinned_reads;  ///< that nobody has waited for
 };
 Memory& memory() {
     static auto* const only = new Memory;
@@ -139,6 +141,19 @@ cl_int unmap_on_gpu(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint
 }
 
 }  // namespace
+
+void note_read(cl_event event, const void* target) {
+    const std::scoped_lock lock(memory().mutex);
+    if (memory().mappings.contains(target))
+        memory().pinned_reads.insert(event);
+    else
+        memory().pinned_reads.erase(event);
+}
+
+bool is_pinned_read(cl_event event) {
+    const std::scoped_lock lock(memory().mutex);
+    return memory().pinned_reads.erase(event) > 0;
+}
 
 }  // namespace clsdf::disguise
 

@@ -3,6 +3,7 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include "core/parallel.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
 
@@ -97,6 +98,51 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
     BOOST_TEST(same_lattice.launches <= 17U);
     BOOST_TEST(same_lattice.fills <= 6U);
     BOOST_TEST(same_lattice.bytes_up <= 1024U);
+}
+
+BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
+    const Grid fine = grid_around(mesh(), 140, 3);
+    const Band narrow = Band::symmetric(2 * fine.voxel());
+    const DistanceTransform transform(test_device(), mesh());
+    std::vector<float> whole(fine.sample_count());
+    const std::size_t pieces = stretch_count(whole.size() * sizeof(float), device::PinnedReads::piece_bytes);
+    BOOST_REQUIRE(pieces > 3U);  // more than there is memory for
+    transform.compute(fine, narrow, {.distance = whole});
+    std::fill(whole.begin(), whole.end(), -7.0F);
+    disguise::restart();
+    transform.compute(fine, narrow, {.distance = whole});
+    const disguise::Counts counts = disguise::counts();
+    BOOST_TEST_MESSAGE(disguise::to_json(counts));
+    BOOST_TEST(counts.pinned_reads == pieces);
+    BOOST_TEST(counts.blocking_waits <= 2U);
+    BOOST_TEST(counts.bytes_down <= whole.size() * sizeof(float) + 1024U);
+    BOOST_TEST(counts.allocations == 0U);
+    // Parts of it are small enough for the driver.
+    const std::int64_t depth = fine.size[2];
+    for (std::int64_t begin = 0; begin < depth; begin += 16) {
+        const Grid part =
+            fine.part({0, 0, begin}, {fine.size[0], fine.size[1], std::min<std::int64_t>(16, depth - begin)});
+        std::vector<float> distance(part.sample_count());
+        transform.compute(part, narrow, {.distance = distance});
+        BOOST_TEST(std::equal(distance.begin(), distance.end(), whole.begin() + begin * (fine.size[0] * fine.size[1])));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(without_pinned_memory_the_driver_copies) {
+    const device::Context& context = device::context_of(test_device());
+    std::vector<unsigned char> written(2 * device::PinnedReads::piece_bytes + 3), read(written.size());
+    for (std::size_t i = 0; i < written.size(); ++i) written[i] = static_cast<unsigned char>(i * 2654435761U >> 13);
+    const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, written.size(),
+                            written.data());
+    device::PinnedReads reads(context.context(), context.device());
+    disguise::restart({.call = "clEnqueueMapBuffer", .number = 2});
+    for (const std::uint64_t pinned : {0U, 3U}) {
+        std::fill(read.begin(), read.end(), 0);
+        reads.read(context.queue(), buffer, read.size(), reinterpret_cast<std::byte*>(read.data()));
+        BOOST_TEST((read == written));
+        BOOST_TEST(disguise::counts().pinned_reads == pinned);
+    }
+    disguise::restart();
 }
 
 BOOST_AUTO_TEST_CASE(a_first_call_waits_for_the_lists_and_the_field_only) {

@@ -111,6 +111,7 @@ std::string to_json(const Counts& counts) {
     json["transfers_up"] = counts.transfers_up;
     json["transfers_down"] = counts.transfers_down;
     json["blocking_waits"] = counts.blocking_waits;
+    json["pinned_reads"] = counts.pinned_reads;
     json["launches"] = counts.launches;
     json["fills"] = counts.fills;
     json["copies"] = counts.copies;
