@@ -1,5 +1,6 @@
 #include "transform/kernel_frusta.hpp"
 
+#include "core/keep.hpp"
 #include "core/parallel.hpp"
 #include "transform/programs.hpp"
 #include "transform/short_launches.hpp"
@@ -50,17 +51,17 @@ double least_length(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
 
 class KernelFrusta {
 public:
-    KernelFrusta(const DeviceSetUp& job, const FrustaSources& sources, FrustaMemory& memory, const Mesh& mesh,
-                 const polyhedra::LatticeView* lattice)
-        : job_(job), sources_(sources), memory_(memory), count_(sources.topology->order.size()) {
-        const UninitializedVector<std::uint32_t>& vertices = sources.topology->faces.vertices;
+    KernelFrusta(const DeviceSetUp& job, std::shared_ptr<const FrustaSources> sources, FrustaMemory& memory,
+                 const Mesh& mesh, const polyhedra::LatticeView* lattice)
+        : job_(job), sources_(std::move(sources)), memory_(memory), count_(sources_->topology->order.size()) {
+        const UninitializedVector<std::uint32_t>& vertices = sources_->topology->faces.vertices;
         frusta_.positions.resize(vertices.size());
         for_each_index(vertices.size(), [&](std::size_t i) { frusta_.positions[i] = mesh.vertices()[vertices[i]]; });
         view_ = lattice != nullptr ? *lattice : polyhedra::view_of(frusta_.positions);
         frusta_.slopes.resize(count_);
         memory.signs.resize(3 * count_);
         memory.face_answers.resize(count_);
-        memory.vertex_answers.resize(sources.of_kernels.fan_items.size() * CLSDF_FAN_ITEM);
+        memory.vertex_answers.resize(sources_->of_kernels.fan_items.size() * CLSDF_FAN_ITEM);
         const device::Context& context = job.context;
         positions_ = shared(context, frusta_.positions, CL_MEM_READ_ONLY);
         slopes_ = shared(context, frusta_.slopes, CL_MEM_READ_WRITE);
@@ -70,15 +71,27 @@ public:
         least_length_ = least_length(mesh, view_);
     }
 
+    KernelFrusta(const KernelFrusta&) = delete;
+    KernelFrusta& operator=(const KernelFrusta&) = delete;
+    ~KernelFrusta() {
+        // After an error: what is under way uses these arrays.
+        if (!is_under_way_ || job_.context.drain()) return;
+        keep_for_good(sources_);
+        keep_for_good(memory_);
+        keep_for_good(frusta_);
+    }
+
     /// `records`: null, or room for those of the faces in whole groups.
     void find(const cl::Buffer* records) {
+        is_under_way_ = true;
         enqueue_slopes(records);
-        if (!sources_.of_kernels.fan_items.empty()) enqueue_fans();
+        if (!sources_->of_kernels.fan_items.empty()) enqueue_fans();
         for (const auto* written : {&slopes_, &signs_, &face_answers_, &vertex_answers_}) hand_over(job_, *written);
+        is_under_way_ = false;
     }
 
     bool complete(const polyhedra::FirstRecords* first) {
-        return complete_frusta(*sources_.topology, sources_.of_kernels,
+        return complete_frusta(*sources_->topology, sources_->of_kernels,
                                {memory_.signs, memory_.face_answers, memory_.vertex_answers}, first, memory_.completion,
                                frusta_);
     }
@@ -108,10 +121,10 @@ private:
         kernel.setArg(shortest, least_length_);
         kernel.setArg(face_count, static_cast<cl_uint>(count_));
         kernel.setArg(faces_of_item, static_cast<cl_uint>(job_.item_faces()));
-        kernel.setArg(triangles, *sources_.triangles);
-        kernel.setArg(opposite, *sources_.opposite);
+        kernel.setArg(triangles, *sources_->triangles);
+        kernel.setArg(opposite, *sources_->opposite);
         kernel.setArg(positions, *positions_);
-        kernel.setArg(names, *sources_.names);
+        kernel.setArg(names, *sources_->names);
         kernel.setArg(slopes, *slopes_);
         kernel.setArg(signs, *signs_);
         kernel.setArg(answers, *face_answers_);
@@ -131,13 +144,13 @@ private:
         cl::Kernel kernel(job_.program, "vertex_fans");
         enum Argument : cl_uint { begins, ends, per_unit, items, words, positions, signs, answers };
         kernel.setArg(per_unit, 1 / view_.unit);
-        kernel.setArg(items, *sources_.fan_items);
-        kernel.setArg(words, *sources_.fan_words);
+        kernel.setArg(items, *sources_->fan_items);
+        kernel.setArg(words, *sources_->fan_words);
         kernel.setArg(positions, *positions_);
         kernel.setArg(signs, *signs_);
         kernel.setArg(answers, *vertex_answers_);
         ShortLaunches(job_.context, {})
-            .over(sources_.of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
+            .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
                 kernel.setArg(begins, static_cast<cl_uint>(begin));
                 kernel.setArg(ends, static_cast<cl_uint>(end));
                 job_.enqueue(kernel, (end - begin) * CLSDF_FAN_ITEM);
@@ -145,12 +158,13 @@ private:
     }
 
     const DeviceSetUp& job_;
-    const FrustaSources& sources_;
+    std::shared_ptr<const FrustaSources> sources_;
     FrustaMemory& memory_;
     std::size_t count_;
     polyhedra::Frusta frusta_;
     polyhedra::LatticeView view_;
     double least_length_ = 0;
+    bool is_under_way_ = false;
     device::BufferPool::Lease positions_, slopes_, signs_, face_answers_, vertex_answers_;
 };
 
@@ -174,10 +188,11 @@ bool suits_kernels(const polyhedra::MeshTopology& topology, std::size_t least_fa
            polyhedra::are_few(topology.edges.non_manifold_corners, faces);
 }
 
-std::optional<polyhedra::Frusta> frusta_by_kernels(const DeviceSetUp& job, const FrustaSources& sources,
+std::optional<polyhedra::Frusta> frusta_by_kernels(const DeviceSetUp& job,
+                                                   const std::shared_ptr<const FrustaSources>& sources,
                                                    FrustaMemory& memory, const Mesh& mesh,
                                                    const polyhedra::LatticeView* lattice, PreparedMesh* prepared) {
-    if (!polyhedra::are_few(sources.of_kernels.awkward_faces.size(), sources.topology->order.size()))
+    if (!polyhedra::are_few(sources->of_kernels.awkward_faces.size(), sources->topology->order.size()))
         return std::nullopt;
     return device::guarded([&]() -> std::optional<polyhedra::Frusta> {
         KernelFrusta kernels(job, sources, memory, mesh, lattice);
@@ -186,7 +201,7 @@ std::optional<polyhedra::Frusta> frusta_by_kernels(const DeviceSetUp& job, const
             if (!kernels.complete(nullptr)) return std::nullopt;
             return std::move(kernels.frusta());
         }
-        const polyhedra::MeshTopology& topology = *sources.topology;
+        const polyhedra::MeshTopology& topology = *sources->topology;
         const std::size_t count = topology.order.size(), first_site = in_whole_record_groups(count);
         const std::size_t room = first_site + spare_records(count);
         const auto lease = [&](std::size_t records) {

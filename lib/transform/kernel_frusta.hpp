@@ -39,7 +39,8 @@ bool suits_kernels(const polyhedra::MeshTopology& topology, std::size_t least_fa
 
 /// The frusta, made by kernels and completed by the host; and their records for a lattice, unless it is null.
 /// `records` is set then. Returns nothing if too many faces are nearly degenerate: see complete_frusta().
-std::optional<polyhedra::Frusta> frusta_by_kernels(const DeviceSetUp& job, const FrustaSources& sources,
+std::optional<polyhedra::Frusta> frusta_by_kernels(const DeviceSetUp& job,
+                                                   const std::shared_ptr<const FrustaSources>& sources,
                                                    FrustaMemory& memory, const Mesh& mesh,
                                                    const polyhedra::LatticeView* lattice, PreparedMesh* records);
 

@@ -120,7 +120,7 @@ bool Stages::make_by_kernels(const polyhedra::LatticeView* lattice, PreparedMesh
         !suits_kernels(topology(), options_.set_up.least_faces))
         return false;
     if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(context_, topology_);
-    auto frusta = frusta_by_kernels(set_up(), *frusta_sources_, frusta_memory_, mesh_, lattice, records);
+    auto frusta = frusta_by_kernels(set_up(), frusta_sources_, frusta_memory_, mesh_, lattice, records);
     if (frusta) frusta_.emplace(std::move(*frusta));
     if (!has_moved_) {
         frusta_sources_.reset();
