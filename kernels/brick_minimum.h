@@ -6,12 +6,22 @@
 #include "layout.h"
 #include "subblocks.h"
 
+// What is known of a sample: the square of its least distance. If more than the distance is asked for, that is the high
+// word of a number whose low word is the nearest polyhedron: numbers that are not negative are in the order of their
+// bits, so that the lesser of two is the nearer one.
+#ifdef NEAREST
+typedef ulong Least;
+typedef ulongL LeastL;
+#define NO_LEAST ((ulong)as_uint(INFINITY) << 32 | CLSDF_NO_POLYHEDRON)
+#else
+typedef float Least;
+typedef floatL LeastL;
+#define NO_LEAST INFINITY
+#endif
+
 // The state of a brick's samples, sub-block by sub-block.
 typedef struct Minimum {
-    floatL squared[SUBBLOCKS * SUBBLOCK_VECTORS];
-#ifdef NEAREST
-    uintL polyhedron[SUBBLOCKS * SUBBLOCK_VECTORS];
-#endif
+    LeastL least[SUBBLOCKS * SUBBLOCK_VECTORS];
 } Minimum;
 
 // The host allocates as many bytes for each.
@@ -21,85 +31,114 @@ typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(1) ? 1 : -1];
 typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(0) ? 1 : -1];
 #endif
 
-// Where the samples of a coarse brick are among its bricks' minima, counted in numbers: bricks with x running fastest,
+// Where the samples of a coarse brick are among its bricks' minima, counted in samples: bricks with x running fastest,
 // then y, then z; there by sub-blocks. Each coordinate, from 0 to 31, adds its own. (Macros, for numbers and vectors.)
-#define BRICK_PLACES ((uint)(sizeof(Minimum) / sizeof(float)))
+#define BRICK_PLACES ((uint)(sizeof(Minimum) / sizeof(Least)))
 #define PLACE_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * BRICK_PLACES)
 #define PLACE_OF_Y(y) ((y) % 2u * 4u | (y) / 2u % 4u * SUBBLOCK_SAMPLES | (y) / 8u * (4 * BRICK_PLACES))
 #define PLACE_OF_Z(z) ((z) % 2u * 8u | (z) / 2u % 4u * (4 * SUBBLOCK_SAMPLES) | (z) / 8u * (16 * BRICK_PLACES))
 
 static inline void clear_minimum(__global Minimum* minimum) {
-    for (uint n = 0; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
-        minimum->squared[n] = INFINITY;
-#ifdef NEAREST
-        minimum->polyhedron[n] = CLSDF_NO_POLYHEDRON;
-#endif
-    }
+    for (uint n = 0; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) minimum->least[n] = NO_LEAST;
 }
 
 #ifdef NEAREST
-// Which lanes' polyhedra come after one in the caller's order of their triangles. lanes: those that matter.
-static inline intL come_after(uint polyhedron, uintL others, uint lanes, __global const Polyhedron* polyhedra) {
-    uint other[LANES], is_after[LANES];
-    store_lanes(others, 0, other);
-    store_lanes((uintL)0, 0, is_after);
-    for (; lanes; lanes &= lanes - 1) {
-        const uint lane = lowest_bit(lanes);
-        if (polyhedra[polyhedron].triangle < polyhedra[other[lane]].triangle) is_after[lane] = 0xFFFFFFFFu;
-    }
-    return as_intL(load_lanes(0, is_after));
+// The words of a vector of numbers, and numbers of words.
+INLINE uintL low_words(ulongL least) {
+    return (uintL)(as_uintL(least.lo).even, as_uintL(least.hi).even);
+}
+INLINE uintL high_words(ulongL least) {
+    return (uintL)(as_uintL(least.lo).odd, as_uintL(least.hi).odd);
+}
+INLINE ulongL least_of(floatL squared, uint polyhedron) {
+    uintL low = polyhedron, high = polyhedron;
+    low.odd = as_uintL(squared).lo;
+    high.odd = as_uintL(squared).hi;
+    return (ulongL)(as_ulong_halfL(low), as_ulong_halfL(high));
 }
 
-// Whether a polyhedron's triangle is the nearer one. Of those that are equally near the first in the caller's order is.
-INLINE intL is_nearer(floatL squared, uint polyhedron, floatL least, uintL nearest,
-                      __global const Polyhedron* polyhedra) {
-    const intL equal = (squared == least) & (nearest != polyhedron) & (nearest != CLSDF_NO_POLYHEDRON);
-    const uint lanes = lanes_to_bits(equal);
-    if (lanes == 0) return squared < least;
-    return (squared < least) | (equal & come_after(polyhedron, nearest, lanes, polyhedra));
+INLINE floatL squares_of(__global const Minimum* minimum, uint n) {
+    return as_floatL(high_words(minimum->least[n]));
+}
+
+// Where two polyhedra are equally near.
+INLINE uint equally_near(ulongL a, ulongL b) {
+    return lanes_to_bits(convert_intL((a ^ b) - 1ul < (ulongL)0xFFFFFFFFul));
+}
+
+// Of two numbers with equal squares, that whose polyhedron's triangle comes first in the caller's order.
+static inline ulong first_of(ulong a, ulong b, __global const Polyhedron* polyhedra) {
+    if ((uint)a == CLSDF_NO_POLYHEDRON || (uint)b == CLSDF_NO_POLYHEDRON) return LESSER(a, b);
+    const uint of_a = polyhedra[(uint)a].triangle, of_b = polyhedra[(uint)b].triangle;
+    return of_a == of_b ? LESSER(a, b) : of_a < of_b ? a : b;
+}
+#else
+INLINE floatL squares_of(__global const Minimum* minimum, uint n) {
+    return minimum->least[n];
 }
 #endif
 
 // Vector n.
 INLINE void lower_minimum(__global Minimum* minimum, uint n, floatL squared, uint polyhedron,
                           __global const Polyhedron* polyhedra) {
-    const floatL least = minimum->squared[n];
+    const LeastL least = minimum->least[n];
 #ifdef NEAREST
-    const uintL nearest = minimum->polyhedron[n];
-    const intL better = is_nearer(squared, polyhedron, least, nearest, polyhedra);
-    minimum->polyhedron[n] = better ? (uintL)polyhedron : nearest;
-    minimum->squared[n] = better ? squared : least;
+    const ulongL found = least_of(squared, polyhedron);
+    minimum->least[n] = LESSER(found, least);
+    for (uint lanes = equally_near(found, least); lanes; lanes &= lanes - 1) {
+        const uint lane = lowest_bit(lanes);
+        ((__global ulong*)(minimum->least + n))[lane] =
+            first_of(((__private const ulong*)&found)[lane], ((__private const ulong*)&least)[lane], polyhedra);
+    }
 #else
-    minimum->squared[n] = LESSER(squared, least);
+    minimum->least[n] = LESSER(squared, least);
 #endif
 }
 
 // Upper bounds of the distances in a sub-block and in a brick, as far as they are computed.
 INLINE float cap_of_subblock(__global const Minimum* minimum, uint b, float cap) {
-    floatL greatest = minimum->squared[b * SUBBLOCK_VECTORS];
-    for (uint v = 1; v < SUBBLOCK_VECTORS; ++v)
-        greatest = GREATER(greatest, minimum->squared[b * SUBBLOCK_VECTORS + v]);
+    floatL greatest = squares_of(minimum, b * SUBBLOCK_VECTORS);
+    for (uint v = 1; v < SUBBLOCK_VECTORS; ++v) {
+        const floatL squared = squares_of(minimum, b * SUBBLOCK_VECTORS + v);
+        greatest = GREATER(greatest, squared);
+    }
     const float reached = sqrt(greatest_lane(greatest));
     return LESSER(reached, cap);
 }
 static inline float cap_of_brick(__global const Minimum* minimum, float cap) {
-    floatL greatest = minimum->squared[0];
-    for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) greatest = GREATER(greatest, minimum->squared[n]);
+    floatL greatest = squares_of(minimum, 0);
+    for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
+        const floatL squared = squares_of(minimum, n);
+        greatest = GREATER(greatest, squared);
+    }
     const float reached = sqrt(greatest_lane(greatest));
     return LESSER(reached, cap);
 }
 
 // Whether any of a brick's samples has a distance.
 static inline bool has_distances(__global const Minimum* minimum) {
-    floatL least = minimum->squared[0];
-    for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) least = LESSER(least, minimum->squared[n]);
+    floatL least = squares_of(minimum, 0);
+    for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
+        const floatL squared = squares_of(minimum, n);
+        least = LESSER(least, squared);
+    }
     return -greatest_lane(-least) < INFINITY;
 }
 
 // Row (y, z) of a brick's samples, out of its sub-blocks.
-INLINE uint8 row_of(__global const uint* samples, uint y, uint z) {
-    __global const uint* half_row = samples + (PLACE_OF_Y(y) | PLACE_OF_Z(z));
-    return (uint8)(vload4(0, half_row), vload4(0, half_row + PLACE_OF_X(4u)));
+INLINE uint8 squares_of_row(__global const Minimum* minimum, uint y, uint z) {
+    __global const Least* half_row = (__global const Least*)minimum->least + (PLACE_OF_Y(y) | PLACE_OF_Z(z));
+#ifdef NEAREST
+    return (uint8)(as_uint8(vload4(0, half_row)).odd, as_uint8(vload4(0, half_row + PLACE_OF_X(4u))).odd);
+#else
+    return as_uint8((float8)(vload4(0, half_row), vload4(0, half_row + PLACE_OF_X(4u))));
+#endif
 }
+#ifdef NEAREST
+INLINE uint8 polyhedra_of_row(__global const Minimum* minimum, uint y, uint z) {
+    __global const Least* half_row = (__global const Least*)minimum->least + (PLACE_OF_Y(y) | PLACE_OF_Z(z));
+    return (uint8)(as_uint8(vload4(0, half_row)).even, as_uint8(vload4(0, half_row + PLACE_OF_X(4u))).even);
+}
+#endif
 
 #endif

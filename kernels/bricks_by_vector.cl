@@ -183,6 +183,12 @@ typedef struct Scratch {
 // The host allocates CLSDF_SCRATCH_BYTES for it.
 typedef char ScratchFits[sizeof(Scratch) <= CLSDF_SCRATCH_BYTES ? 1 : -1];
 
+// When the bricks are written, it has the rows of a slice: the distances, then the outputs.
+#define DISTANCE_BYTES (CLSDF_BRICK * CLSDF_COARSE * sizeof(float))
+#ifdef NEAREST
+typedef char SliceFits[DISTANCE_BYTES + SLICE_BYTES <= sizeof(Scratch) ? 1 : -1];
+#endif
+
 // Which of the 64 bricks of a coarse brick lie in the part, and are wanted.
 static inline ulong bricks_of_part(Layout layout, int3 coarse, Output output) {
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
@@ -279,8 +285,12 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
     output.distance = distance;
 #ifdef NEAREST
     SET_FINISHING(finishing)
+    Slice slice;
+    set_slice(&finishing, (__global uchar*)scratch + DISTANCE_BYTES, &slice);
     output.finishing = &finishing;
+    output.slice = &slice;
 #endif
+    output.rows = (__global uint*)scratch;
     output.computed = computed;
     output.sign_bits = sign_bits;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);

@@ -51,7 +51,7 @@ INLINE void store_ones(__global uchar* begin, __global uchar* end) {
 }
 
 // values[0], values[1], ... into [begin, end).
-INLINE void store_values(__private const uint* values, __global uint* begin, __global uint* end) {
+INLINE void store_values(__global const uint* values, __global uint* begin, __global uint* end) {
     for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = *values++;
     for (; begin + 4 <= end && PAST(begin, LINE_NUMBERS) != 0; begin += 4, values += 4)
         vstore4(vload4(0, values), 0, begin);
@@ -59,6 +59,16 @@ INLINE void store_values(__private const uint* values, __global uint* begin, __g
         store_line(vload16(0, values), begin);
     for (; begin + 4 <= end; begin += 4, values += 4) vstore4(vload4(0, values), 0, begin);
     for (; begin < end; ++begin) *begin = *values++;
+}
+
+// The same of bytes; are_words: of elements of whole words.
+INLINE void store_bytes(__global const uchar* bytes, __global uchar* begin, __global uchar* end, bool are_words) {
+    if (are_words) {
+        store_values((__global const uint*)bytes, (__global uint*)begin, (__global uint*)end);
+    } else {
+        for (; begin + 8 <= end; begin += 8, bytes += 8) vstore8(vload8(0, bytes), 0, begin);
+        for (; begin < end; ++begin) *begin = *bytes++;
+    }
 }
 
 #endif

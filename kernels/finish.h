@@ -47,58 +47,77 @@ typedef struct Finishing {
 
 // The nearest site of a sample, as the outputs need it.
 typedef struct Nearest {
-    double3 from;      // from the closest point to the sample, along the frame's axes, in units
-    double3 axes[3];   // by axis of the mesh: that of the frame's three unit vectors
-    uint frame_site;   // as the frame numbers it
-    uint triangle;     // that is named
-    uint site;         // of that triangle
-    uint normal;       // the pseudonormal's place; not of a face
+    double3 from;     // from the closest point to the sample, along the frame's axes, in units
+    double3 axes[3];  // by axis of the mesh: that of the frame's three unit vectors
+    uint frame_site;  // as the frame numbers it
+    uint triangle;    // as NamedSite
+    uint site;
+    uint normal;
     double sign;       // of the distance: 1 or -1
     double3 position;  // of the sample
     __global const Polyhedron* polyhedron;
-    double2 foot;      // the closest point, in the frame's plane
-    bool is_reversed;  // of an edge: the named triangle's runs the other way
+    double2 foot;  // the closest point, in the frame's plane
+    bool is_reversed;
 } Nearest;
 
-// The nearest site of a triangle, and how far the sample lies from its closest point in the frame's plane. at: (X, Y,
-// Z) of the sample.
-static inline double2 from_site(__global const Polyhedron* p, double4 at, __private uint* site) {
-    const bool left = at.x < 0.0;
-    const uint half_index = left ? CLSDF_HALF_LEFT : CLSDF_HALF_RIGHT;
-    const double base = p->exact_base[half_index], altitude = p->exact_altitude;
-    const double along = p->exact_normal_along[half_index], across = p->exact_normal_across[half_index];
-    const double away = fabs(at.x), side = left ? -1.0 : 1.0;
-    const double tolerance = SITE_TOLERANCE + SITE_ROUNDING * (away + fabs(at.y) + fabs(at.z) + p->exact_base[0] +
-                                                               p->exact_base[1] + altitude);
-    const double beyond = away - base, above_apex = at.y - altitude;
-    const double outward = along * beyond + across * at.y;
-    const double before = across * beyond - along * at.y;
-    const double past = along * above_apex - across * away;
-    const bool at_base = at.y <= tolerance;
-    if (!at_base && outward < -tolerance) {
-        *site = CLSDF_SITE_OF_FACE;
-        return (double2)(0.0, 0.0);
+// The nearest site of a triangle as the frame numbers it, and how far the sample lies from its closest point in the
+// frame's plane, along X and Y. (x, y, z): of the sample. p: the record's exact numbers from its bases on. The same
+// formula serves one sample and vectors of samples. (oclgrind gets the negation of a vector's mask wrong, which ?:
+// makes of it; select() does not.)
+#define DEFINE_FROM_SITE(name, Real, Mask)                                                                            \
+    INLINE void name(__private const Real* p, Real x, Real y, Real z, __private Real* from_x, __private Real* from_y, \
+                     __private Real* site) {                                                                          \
+        const Mask left = x < (Real)0.0;                                                                              \
+        const Real right_base = p[0], left_base = p[1], altitude = p[6];                                              \
+        const Real along = select(p[2], p[3], left), across = select(p[4], p[5], left);                               \
+        const Real away = fabs(x);                                                                                    \
+        const Real tolerance =                                                                                        \
+            SITE_TOLERANCE + SITE_ROUNDING * ((away + fabs(y)) + (fabs(z) + altitude) + (right_base + left_base));    \
+        const Real beyond = away - select(right_base, left_base, left), above_apex = y - altitude;                    \
+        const Real outward = along * beyond + across * y;                                                             \
+        const Real before = across * beyond - along * y;                                                              \
+        const Real past = along * above_apex - across * away;                                                         \
+        const Mask at_base = y <= tolerance, is_apex = past >= -tolerance;                                            \
+        const Mask is_end = select(before, beyond, at_base) >= -tolerance;                                            \
+        const Mask is_face = (y > tolerance) & (outward < -tolerance);                                                \
+        const Real nothing = 0.0;                                                                                     \
+        Real far_x = select(outward * along, away, is_apex), far_y = select(outward * across, above_apex, is_apex);   \
+        Real number = select(select((Real)FRAME_RIGHT_EDGE, (Real)FRAME_LEFT_EDGE, left), (Real)FRAME_APEX, is_apex); \
+        far_x = select(select(far_x, nothing, at_base), beyond, is_end);                                              \
+        far_y = select(far_y, y, at_base | is_end);                                                                   \
+        number = select(number, (Real)FRAME_BASE, at_base);                                                           \
+        number = select(number, select((Real)FRAME_RIGHT, (Real)FRAME_LEFT, left), is_end);                           \
+        *from_x = select(select(far_x, -far_x, left), nothing, is_face);                                              \
+        *from_y = select(far_y, nothing, is_face);                                                                    \
+        *site = select(number, (Real)CLSDF_SITE_OF_FACE, is_face);                                                    \
     }
-    if ((at_base ? beyond : before) >= -tolerance) {
-        *site = left ? FRAME_LEFT : FRAME_RIGHT;
-        return (double2)(side * beyond, at.y);
-    }
-    if (at_base) {
-        *site = FRAME_BASE;
-        return (double2)(0.0, at.y);
-    }
-    if (past >= -tolerance) {
-        *site = FRAME_APEX;
-        return (double2)(at.x, above_apex);
-    }
-    *site = left ? FRAME_LEFT_EDGE : FRAME_RIGHT_EDGE;
-    return (double2)(side * outward * along, outward * across);
-}
+DEFINE_FROM_SITE(from_site, double, long)
 
 // A site of the frame, as the triangle numbers it whose vertex `first` is the left end of the base.
 INLINE uint site_of_triangle(uint frame_site, uint first) {
     const uint number = frame_site % 3u + first;
     return frame_site / 3u * 3u + (number >= 3u ? number - 3u : number);
+}
+
+// A site as its lowest triangle names it.
+typedef struct NamedSite {
+    uint triangle;
+    uint site;
+    uint normal;       // the pseudonormal's place; not of a face
+    bool is_reversed;  // of an edge: the named triangle's runs the other way
+} NamedSite;
+
+static inline NamedSite name_site(__private const Finishing* finishing, __global const Polyhedron* p, uint frame_site) {
+    NamedSite named = {p->triangle, CLSDF_SITE_OF_FACE, 0, false};
+    if (frame_site == CLSDF_SITE_OF_FACE) return named;
+    const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+    const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(frame_site, first);
+    __global const TriangleSites* sites = finishing->sites + p->triangle;
+    named.normal = 6u * p->triangle + own;
+    named.triangle = sites->triangle[own];
+    named.site = sites->site[own] & CLSDF_SITE_NUMBER;
+    named.is_reversed = (sites->site[own] & CLSDF_SITE_REVERSED) != 0;
+    return named;
 }
 
 // sample: in samples of the lattice, which need not be whole numbers.
@@ -107,7 +126,13 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
     __global const Polyhedron* p = finishing->polyhedra + polyhedron;
     const Finish how = finishing->how;
     const double4 at = frame_at(p, sample.x, sample.y, sample.z);
-    const double2 in_plane = from_site(p, at, &nearest->frame_site);
+    double from_x, from_y, frame_site;
+    const double2 base = vload2(0, p->exact_base);
+    const double4 normals = vload4(0, p->exact_normal_along);  // along right, left, across right, left
+    const double halves[7] = {base.x, base.y, normals.x, normals.y, normals.z, normals.w, p->exact_altitude};
+    from_site(halves, at.x, at.y, at.z, &from_x, &from_y, &frame_site);
+    const double2 in_plane = (double2)(from_x, from_y);
+    nearest->frame_site = (uint)frame_site;
     nearest->from = (double3)(in_plane, at.z);
     nearest->axes[0] = vload3(0, p->exact_gradient_x) * how.per_spacing[0];
     nearest->axes[1] = vload3(0, p->exact_gradient_y) * how.per_spacing[1];
@@ -117,19 +142,11 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
                                   how.origin[2] + sample.z * how.spacing[2]);
     nearest->polyhedron = p;
     nearest->foot = at.xy - in_plane;
-    nearest->is_reversed = false;
-    nearest->triangle = p->triangle;
-    nearest->site = CLSDF_SITE_OF_FACE;
-    nearest->normal = 0;
-    if (nearest->frame_site != CLSDF_SITE_OF_FACE) {
-        const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
-        const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(nearest->frame_site, first);
-        __global const TriangleSites* sites = finishing->sites + p->triangle;
-        nearest->normal = 6u * p->triangle + own;
-        nearest->triangle = sites->triangle[own];
-        nearest->site = sites->site[own] & CLSDF_SITE_NUMBER;
-        nearest->is_reversed = (sites->site[own] & CLSDF_SITE_REVERSED) != 0;
-    }
+    const NamedSite named = name_site(finishing, p, nearest->frame_site);
+    nearest->triangle = named.triangle;
+    nearest->site = named.site;
+    nearest->normal = named.normal;
+    nearest->is_reversed = named.is_reversed;
 }
 
 // From the closest point to the sample, along the mesh's axes, in units.

@@ -19,34 +19,44 @@ typedef struct LaneOffsets {
 
 // The exact numbers of eight polyhedra, one a lane.
 INLINE void load_exact(__global const Polyhedron* polyhedra, __private const uint* numbers, __private double8* exact) {
-    // The last pair overlaps the one before it: it ends with the record.
 #pragma unroll
-    for (uint pair = 0; pair < EXACT_NUMBERS; pair += 2) {
-        const uint n = min(pair, (uint)EXACT_NUMBERS - 2);
-#define PAIR_OF(lane) vload2(0, polyhedra[numbers[lane]].exact_gradient_x + n)
-        const double8 even = (double8)(PAIR_OF(0), PAIR_OF(2), PAIR_OF(4), PAIR_OF(6));
-        const double8 odd = (double8)(PAIR_OF(1), PAIR_OF(3), PAIR_OF(5), PAIR_OF(7));
-#undef PAIR_OF
-        exact[n] = (double8)(even.s0, odd.s0, even.s2, odd.s2, even.s4, odd.s4, even.s6, odd.s6);
-        exact[n + 1] = (double8)(even.s1, odd.s1, even.s3, odd.s3, even.s5, odd.s5, even.s7, odd.s7);
+    for (uint part = 0; part < EXACT_NUMBERS; part += 4) {
+        const uint n = min(part, (uint)EXACT_NUMBERS - 4);  // the last four overlap those before them
+#define FOUR_OF(lane) vload4(0, polyhedra[numbers[lane]].exact_gradient_x + n)
+#pragma unroll
+        for (uint lane = 0; lane < 4; ++lane) exact[n + lane] = (double8)(FOUR_OF(lane), FOUR_OF(lane + 4));
+#undef FOUR_OF
+        transpose_double_halves(exact + n);
     }
 }
 
-// Of eight polyhedra into the group-th eight lanes.
-INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
-                              double centre, float rounder, uint group, __private LaneOffsets* o) {
+// Where a point lies from the integer origins of eight polyhedra: (x, y, z) in samples of the lattice.
+typedef struct FromOrigins {
+    double8 x, y, z;
+} FromOrigins;
+
+INLINE FromOrigins from_origins(__global const Polyhedron* polyhedra, __private const uint* numbers, double8 x,
+                                double8 y, double8 z) {
     float8 origin[4];  // the fourth is not of use
 #pragma unroll
     for (uint lane = 0; lane < 4; ++lane)
         origin[lane] = (float8)(vload4(0, (__global const float*)&polyhedra[numbers[lane]].origin_x),
                                 vload4(0, (__global const float*)&polyhedra[numbers[lane + 4]].origin_x));
     transpose_halves(origin);
-    const double8 i = convert_double8(first.x - as_int8(origin[0])) + centre,
-                  j = convert_double8(first.y - as_int8(origin[1])) + centre,
-                  k = convert_double8(first.z - as_int8(origin[2])) + centre;
+    const FromOrigins from = {x - convert_double8(as_int8(origin[0])), y - convert_double8(as_int8(origin[1])),
+                              z - convert_double8(as_int8(origin[2]))};
+    return from;
+}
+
+// Of eight polyhedra into the group-th eight lanes.
+INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
+                              double centre, float rounder, uint group, __private LaneOffsets* o) {
+    const FromOrigins from = from_origins(polyhedra, numbers, (double8)(first.x + centre), (double8)(first.y + centre),
+                                          (double8)(first.z + centre));
     double8 exact[EXACT_NUMBERS];
     load_exact(polyhedra, numbers, exact);
-    const double8 x = FRAME_AT(exact, 0, i, j, k), y = FRAME_AT(exact, 1, i, j, k), z = FRAME_AT(exact, 2, i, j, k);
+    const double8 x = FRAME_AT(exact, 0, from.x, from.y, from.z), y = FRAME_AT(exact, 1, from.x, from.y, from.z),
+                  z = FRAME_AT(exact, 2, from.x, from.y, from.z);
     const float8 rounded_y = convert_float8(y), rounded_z = convert_float8(z);
     store_eight_floats(convert_float8(x), group, o->x);
     store_eight_floats(rounded_y, group, o->y);

@@ -13,6 +13,7 @@ typedef double16 doubleL;
 typedef long16 longL;
 typedef int16 intL;
 typedef uint16 uintL;
+typedef ulong16 ulongL;
 #define LANE_BITS 0xFFFFu
 #define LANE_NUMBERS (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define load_lanes vload16
@@ -20,6 +21,7 @@ typedef uint16 uintL;
 #define convert_intL convert_int16
 #define convert_doubleL convert_double16
 #define as_uintL as_uint16
+#define as_ulong_halfL as_ulong8
 #define as_intL as_int16
 #define as_floatL as_float16
 #elif LANES == 8
@@ -28,6 +30,7 @@ typedef double8 doubleL;
 typedef long8 longL;
 typedef int8 intL;
 typedef uint8 uintL;
+typedef ulong8 ulongL;
 #define LANE_BITS 0xFFu
 #define LANE_NUMBERS (uint8)(0, 1, 2, 3, 4, 5, 6, 7)
 #define load_lanes vload8
@@ -35,6 +38,7 @@ typedef uint8 uintL;
 #define convert_intL convert_int8
 #define convert_doubleL convert_double8
 #define as_uintL as_uint8
+#define as_ulong_halfL as_ulong4
 #define as_intL as_int8
 #define as_floatL as_float8
 #elif LANES == 1
@@ -65,16 +69,22 @@ DEFINE_STORE(store_lanes, floatL, float, LANES, global)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, private)
 DEFINE_STORE(store_lanes, uintL, uint, LANES, global)
 DEFINE_STORE(store_eight, uint8, uint, 8, private)
+DEFINE_STORE(store_eight, uint8, uint, 8, global)
 DEFINE_STORE(store_eight_floats, float8, float, 8, private)
+DEFINE_STORE(store_eight_floats, float8, float, 8, global)
+DEFINE_STORE(store_eight_doubles, double8, double, 8, private)
+DEFINE_STORE(store_eight_doubles, double8, double, 8, global)
 #undef DEFINE_STORE
 #elif LANES == 16
 #define store_lanes vstore16
 #define store_eight vstore8
 #define store_eight_floats vstore8
+#define store_eight_doubles vstore8
 #else
 #define store_lanes vstore8
 #define store_eight vstore8
 #define store_eight_floats vstore8
+#define store_eight_doubles vstore8
 #endif
 
 #if LANES == 16

@@ -37,49 +37,42 @@ INLINE uintL places_of(uintL i, uintL j, uintL k) {
 // SCATTERED_ACCESS: the device is one where instructions that gather and scatter are fast. (Measured, on an Intel Xeon:
 // with them the bunny's bricks take a ninth less time.) A sample that is listed twice, as the list's first is, which
 // fills the last vector, gets the same distance twice: a scatter writes equal values to equal places.
-#if LANES == 16 && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && \
-    HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
+#if LANES == 16 && !defined(NEAREST) && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && \
+    HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
 #define ALL_LANES ((ushort)LANE_BITS)
-#define GATHER(p, places) __builtin_ia32_gathersiv16sf((float16)(0.0f), p, places, ALL_LANES, sizeof(float))
-#define SCATTER(values, p, places) __builtin_ia32_scattersiv16sf(p, ALL_LANES, places, values, sizeof(float))
 INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint number,
                          __global const Polyhedron* polyhedra) {
-    __private void* least_of = (__private void*)(size_t)minima->squared;
-    const float16 least = GATHER(least_of, as_intL(places));
-#ifdef NEAREST
-    __private void* nearest_of = (__private void*)(size_t)minima->polyhedron;
-    const uint16 nearest = as_uint16(GATHER(nearest_of, as_intL(places)));
-    const int16 better = is_nearer(squared, number, least, nearest, polyhedra);
-    SCATTER(better ? squared : least, least_of, as_intL(places));
-    SCATTER(as_float16(better ? (uint16)number : nearest), nearest_of, as_intL(places));
-#else
-    SCATTER(LESSER(squared, least), least_of, as_intL(places));
-#endif
+    __private void* samples = (__private void*)(size_t)minima;
+    const float16 least =
+        __builtin_ia32_gathersiv16sf((float16)(0.0f), samples, as_intL(places), ALL_LANES, sizeof(float));
+    __builtin_ia32_scattersiv16sf(samples, ALL_LANES, as_intL(places), LESSER(squared, least), sizeof(float));
 }
 #undef ALL_LANES
-#undef GATHER
-#undef SCATTER
 #else
 INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint number,
                          __global const Polyhedron* polyhedra) {
+#ifdef NEAREST
+    const LeastL found = least_of(squared, number);
+#else
+    const LeastL found = squared;
+#endif
+    LeastL least;
     uint place[LANES];
-    float values[LANES];
     store_lanes(places, 0, place);
-    store_lanes(squared, 0, values);
 #pragma unroll
     for (uint lane = 0; lane < LANES; ++lane) {
-        __global float* least = (__global float*)minima + place[lane];
-#ifdef NEAREST
-        __global uint* nearest = (__global uint*)least + CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK;
-        const bool better =
-            values[lane] < *least || (values[lane] == *least && *nearest != number && *nearest != CLSDF_NO_POLYHEDRON &&
-                                      polyhedra[number].triangle < polyhedra[*nearest].triangle);
-        *nearest = better ? number : *nearest;
-        *least = better ? values[lane] : *least;
-#else
-        *least = LESSER(values[lane], *least);
-#endif
+        __global Least* sample = (__global Least*)minima + place[lane];
+        const Least of_lane = ((__private const Least*)&found)[lane], before = *sample;
+        ((__private Least*)&least)[lane] = before;
+        *sample = LESSER(of_lane, before);
     }
+#ifdef NEAREST
+    for (uint lanes = equally_near(found, least); lanes; lanes &= lanes - 1) {
+        const uint lane = lowest_bit(lanes);
+        ((__global ulong*)minima)[place[lane]] =
+            first_of(((__private const ulong*)&found)[lane], ((__private const ulong*)&least)[lane], polyhedra);
+    }
+#endif
 }
 #endif
 

@@ -4,19 +4,32 @@
 
 #include "lanes.h"
 
+// A vector of eight numbers out of two, those of the second being 8 to 15. (Put together from parts, it would take
+// several instructions.)
+#if HAS_BUILTIN(__builtin_shufflevector)
+#define EIGHT_OF(a, b, Order, n0, n1, n2, n3, n4, n5, n6, n7) \
+    __builtin_shufflevector(a, b, n0, n1, n2, n3, n4, n5, n6, n7)
+#else
+#define EIGHT_OF(a, b, Order, n0, n1, n2, n3, n4, n5, n6, n7) shuffle2(a, b, (Order)(n0, n1, n2, n3, n4, n5, n6, n7))
+#endif
+
 // Rows and columns of 4 x 4 numbers exchanged, in each half of four vectors by itself: halves need no exchange where
 // each is loaded from its own place.
-INLINE void transpose_halves(__private float8* rows) {
-    const float8 a = rows[0], b = rows[1], c = rows[2], d = rows[3];
-    const float8 ab_low = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
-    const float8 ab_high = (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7);
-    const float8 cd_low = (float8)(c.s0, d.s0, c.s1, d.s1, c.s4, d.s4, c.s5, d.s5);
-    const float8 cd_high = (float8)(c.s2, d.s2, c.s3, d.s3, c.s6, d.s6, c.s7, d.s7);
-    rows[0] = (float8)(ab_low.s01, cd_low.s01, ab_low.s45, cd_low.s45);
-    rows[1] = (float8)(ab_low.s23, cd_low.s23, ab_low.s67, cd_low.s67);
-    rows[2] = (float8)(ab_high.s01, cd_high.s01, ab_high.s45, cd_high.s45);
-    rows[3] = (float8)(ab_high.s23, cd_high.s23, ab_high.s67, cd_high.s67);
-}
+#define DEFINE_TRANSPOSE_HALVES(name, Vector, Order)                             \
+    INLINE void name(__private Vector* rows) {                                   \
+        const Vector a = rows[0], b = rows[1], c = rows[2], d = rows[3];         \
+        const Vector ab_even = EIGHT_OF(a, b, Order, 0, 8, 2, 10, 4, 12, 6, 14); \
+        const Vector ab_odd = EIGHT_OF(a, b, Order, 1, 9, 3, 11, 5, 13, 7, 15);  \
+        const Vector cd_even = EIGHT_OF(c, d, Order, 0, 8, 2, 10, 4, 12, 6, 14); \
+        const Vector cd_odd = EIGHT_OF(c, d, Order, 1, 9, 3, 11, 5, 13, 7, 15);  \
+        rows[0] = EIGHT_OF(ab_even, cd_even, Order, 0, 1, 8, 9, 4, 5, 12, 13);   \
+        rows[1] = EIGHT_OF(ab_odd, cd_odd, Order, 0, 1, 8, 9, 4, 5, 12, 13);     \
+        rows[2] = EIGHT_OF(ab_even, cd_even, Order, 2, 3, 10, 11, 6, 7, 14, 15); \
+        rows[3] = EIGHT_OF(ab_odd, cd_odd, Order, 2, 3, 10, 11, 6, 7, 14, 15);   \
+    }
+DEFINE_TRANSPOSE_HALVES(transpose_halves, float8, uint8)
+DEFINE_TRANSPOSE_HALVES(transpose_double_halves, double8, ulong8)
+#undef DEFINE_TRANSPOSE_HALVES
 
 #if LANES == 16
 // Each round shuffles the first half of the rows into the second.

@@ -7,7 +7,7 @@
 #include "brick_minimum.h"
 #include "field_lines.h"
 #ifdef NEAREST
-#include "finish.h"
+#include "finish_rows.h"
 #endif
 #include "lanes.h"
 #include "layout.h"
@@ -17,7 +17,9 @@ typedef struct Output {
     __global float* distance;
 #ifdef NEAREST
     __private const Finishing* finishing;
+    __private Slice* slice;
 #endif
+    __global uint* rows;       // the distances of such rows
     __global uchar* computed;  // of each brick, whether it was written
     __global const uint* sign_bits;
 } Output;
@@ -56,13 +58,11 @@ INLINE uint sign_shift_of(Layout layout, int3 brick) {
 #else
 #define ROW_OF_VECTOR(rows, n) ((n) == 0 ? (rows).lo : (rows).hi)
 #endif
-INLINE uintL rows_from(__global const uint* samples, int y, int z) {
 #if ROWS_PER_VECTOR == 1
-    return row_of(samples, y, z);
+#define ROWS_FROM(row_of, minimum, y, z) row_of(minimum, y, z)
 #else
-    return (uintL)(row_of(samples, y, z), row_of(samples, y + 1, z));
+#define ROWS_FROM(row_of, minimum, y, z) ((uintL)(row_of(minimum, y, z), row_of(minimum, (y) + 1, z)))
 #endif
-}
 
 // The first row of the vector that has row y.
 INLINE int first_of_vector(int y) {
@@ -82,41 +82,30 @@ static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
 }
 #endif
 
-#ifdef NEAREST
-// What a vector's samples of slice z of a brick, from row y on, hold beside the distance, as far as they belong to the
-// part. inside, in_band: a bit a lane.
-static inline void finish_rows(Layout layout, int3 brick, __global const Minimum* minimum, int y, int z, uint inside,
-                               uint in_band, __private const Finishing* finishing) {
-    const int3 size = vload3(0, layout.size), first = vload3(0, layout.first);
-    uint nearest[LANES];
-    store_lanes(rows_from((__global const uint*)minimum->polyhedron, y, z), 0, nearest);
-    for (uint lane = 0; lane < LANES; ++lane) {
-        const int3 sample = brick * CLSDF_BRICK + (int3)((int)(lane % CLSDF_BRICK), y + (int)(lane / CLSDF_BRICK), z);
-        const int3 at = sample - first;
-        if (any(at < 0) || any(at >= size)) continue;
-        const size_t place = ((size_t)at.z * size.y + at.y) * size.x + at.x;
-        if ((in_band >> lane & 1u) != 0 && nearest[lane] != CLSDF_NO_POLYHEDRON)
-            finish_sample(finishing, sample, nearest[lane], inside >> lane & 1u, place);
-        else
-            leave_sample(finishing, place);
-    }
-}
-#endif
-
-// The distances of slice z of a brick, from row y on. What else is asked for is stored.
-INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, int y, int z, Output output,
-                           __private ulong* counters) {
+// A vector's samples of slice z of a brick, from row y on: returns their distances. If more is asked for, their closest
+// points are found, for the n-th brick of the slice's rows.
+INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, uint n, int y, int z,
+                           Output output, __private ulong* counters) {
     __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
     const uint shift = sign_shift_of(layout, brick);
     uint inside = 0;
 #pragma unroll
-    for (int n = 0; n < ROWS_PER_VECTOR; ++n)
-        inside |= (sign_bits[(y + n) * layout.sign_words] >> shift & 0xFFu) << (n * CLSDF_BRICK);
+    for (int r = 0; r < ROWS_PER_VECTOR; ++r)
+        inside |= (sign_bits[(y + r) * layout.sign_words] >> shift & 0xFFu) << (r * CLSDF_BRICK);
     intL in_band;
-    const floatL squared = as_floatL(rows_from((__global const uint*)minimum->squared, y, z));
+    const floatL squared = as_floatL(ROWS_FROM(squares_of_row, minimum, y, z));
     const uintL distances = as_uintL(signed_distances(layout, inside, squared, &in_band));
 #ifdef NEAREST
-    finish_rows(layout, brick, minimum, y, z, inside, lanes_to_bits(in_band), output.finishing);
+    const uintL polyhedra = ROWS_FROM(polyhedra_of_row, minimum, y, z);
+    const uint found = lanes_to_bits(in_band & (polyhedra != CLSDF_NO_POLYHEDRON));
+#pragma unroll
+    for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
+        __private Row* row = &output.slice->rows[y + r][n];
+        row->first = brick * CLSDF_BRICK + (int3)(0, y + r, z);
+        row->found = found >> (r * CLSDF_BRICK) & 0xFFu;
+        row->inside = inside >> (r * CLSDF_BRICK) & 0xFFu;
+        if (row->found != 0) find_row(output.finishing, ROW_OF_VECTOR(polyhedra, r), row);
+    }
 #endif
 #ifdef COUNT
     counters[CLSDF_COUNT_BAND] += popcount(lanes_to_bits(in_band) & lanes_in_part(layout, brick, y));
@@ -132,20 +121,27 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first);  // may be negative
     const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(count, 1, 1) * CLSDF_BRICK);
     for (int n = 0; n < count; ++n) mark_of(layout, brick, output)[n] = 1;
-    // Of a slice: rows that are read right after they are stored would be waited for.
-    uint distances[CLSDF_BRICK][CLSDF_COARSE];
     for (int z = begin.z; z < end.z; ++z) {
         for (int n = 0; n < count; ++n)
             for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR) {
-                const uintL rows = finished_rows(layout, brick + (int3)(n, 0, 0), minima + n, y, z, output, counters);
+                const uintL rows =
+                    finished_rows(layout, brick + (int3)(n, 0, 0), minima + n, n, y, z, output, counters);
 #pragma unroll
-                for (int r = 0; r < ROWS_PER_VECTOR; ++r) store_eight(ROW_OF_VECTOR(rows, r), n, distances[y + r]);
+                for (int r = 0; r < ROWS_PER_VECTOR; ++r)
+                    store_eight(ROW_OF_VECTOR(rows, r), n, output.rows + (y + r) * CLSDF_COARSE);
             }
+#ifdef NEAREST
+        finish_slice(output.slice, count, begin.y, end.y);
+#endif
+        // Rows that are read right after they are stored would be waited for.
         for (int y = begin.y; y < end.y; ++y) {
             const size_t row = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x;
             const size_t from = row + first.x + begin.x, to = row + first.x + end.x;
-            store_values(distances[y] + begin.x, (__global uint*)output.distance + from,
+            store_values(output.rows + y * CLSDF_COARSE + begin.x, (__global uint*)output.distance + from,
                          (__global uint*)output.distance + to);
+#ifdef NEAREST
+            store_slice_row(output.slice, output.finishing, y, begin.x, end.x, from);
+#endif
         }
     }
     for (int n = 0; n < count; ++n) clear_minimum(minima + n);  // while they are in the innermost cache
@@ -170,10 +166,10 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first);  // y and z may be negative
     const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(CLSDF_BRICK));
     for (int n = 0; n < 2; ++n) mark_of(layout, brick, output)[n] = 1;
-    for (int z = begin.z; z < end.z; ++z)
+    for (int z = begin.z; z < end.z; ++z) {
         for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR) {
-            const uintL left = finished_rows(layout, brick, minima, y, z, output, counters);
-            const uintL right = finished_rows(layout, brick + (int3)(1, 0, 0), minima + 1, y, z, output, counters);
+            const uintL left = finished_rows(layout, brick, minima, 0, y, z, output, counters);
+            const uintL right = finished_rows(layout, brick + (int3)(1, 0, 0), minima + 1, 1, y, z, output, counters);
 #pragma unroll
             for (int n = 0; n < ROWS_PER_VECTOR; ++n) {
                 if (y + n < begin.y || y + n >= end.y) continue;
@@ -182,6 +178,14 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
                            (__global uint*)output.distance + at);
             }
         }
+#ifdef NEAREST
+        finish_slice(output.slice, 2, begin.y, end.y);
+        for (int y = begin.y; y < end.y; ++y) {
+            const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x + first.x;
+            store_slice_row(output.slice, output.finishing, y, 0, 2 * CLSDF_BRICK, at);
+        }
+#endif
+    }
     for (int n = 0; n < 2; ++n) clear_minimum(minima + n);
 }
 

@@ -38,9 +38,9 @@ __kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __globa
         const int3 brick = brick_of_coarse((int3)(0, 0, 0), b) * CLSDF_BRICK;
         for (uint row = 0; row < 64; ++row) {
             const size_t at = ((size_t)(brick.z + row / 8) * 32 + brick.y + row % 8) * 32 + brick.x;
-            vstore8(as_float8(row_of((__global const uint*)minima[b].squared, row % 8, row / 8)), 0, squared + at);
+            vstore8(as_float8(squares_of_row(minima + b, row % 8, row / 8)), 0, squared + at);
 #ifdef NEAREST
-            vstore8(row_of((__global const uint*)minima[b].polyhedron, row % 8, row / 8), 0, nearest + at);
+            vstore8(polyhedra_of_row(minima + b, row % 8, row / 8), 0, nearest + at);
 #endif
         }
     }
