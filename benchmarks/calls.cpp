@@ -25,6 +25,14 @@ double seconds_of(const std::function<void()>& calls) {
     return watch.cost().wall;
 }
 
+/// A field with the closest points, as offsets from the samples, and the gradients.
+struct FieldWithOutputs {
+    Field field;
+    FieldArray<float> closest, gradient;
+
+    OutputTargets targets() { return {.distance = field.distance, .closest = closest, .gradient = gradient}; }
+};
+
 /// Compares random samples of fields with the reference.
 class Judge {
 public:
@@ -33,6 +41,16 @@ public:
     void look_at(const Field& field, std::size_t samples, CallCost& cost) {
         std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
         for (std::size_t n = 0; n < samples; ++n) look_at_sample(field, any(random_), cost);
+    }
+
+    /// A sample with an output that breaks its contract is wrong, too.
+    void look_at(const FieldWithOutputs& outputs, std::size_t samples, CallCost& cost) {
+        std::uniform_int_distribution<std::size_t> any(0, outputs.field.distance.size() - 1);
+        for (std::size_t n = 0; n < samples; ++n) {
+            const std::size_t offset = any(random_), wrong = cost.wrong;
+            look_at_sample(outputs.field, offset, cost);
+            if (cost.wrong == wrong && !has_right_outputs(outputs, offset)) ++cost.wrong;
+        }
     }
 
     /// A point of each of some boxes: wrong if it belies the box's place.
@@ -55,14 +73,45 @@ public:
     }
 
 private:
-    void look_at_sample(const Field& field, std::size_t offset, CallCost& cost) {
-        const Grid& grid = field.grid;
+    static Vec3 position_of(const Grid& grid, std::size_t offset) {
         const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
         const Index3 at{static_cast<std::int64_t>(offset % nx), static_cast<std::int64_t>(offset / nx % ny),
                         static_cast<std::int64_t>(offset / (nx * ny))};
         Vec3 point{};
         for (std::size_t axis = 0; axis < 3; ++axis)
             point[axis] = grid.origin[axis] + static_cast<double>(grid.first[axis] + at[axis]) * grid.spacing[axis];
+        return point;
+    }
+
+    /// The closest point is on the surface, at the distance of the sample, and the gradient leads away from it; beyond
+    /// the band there is none.
+    bool has_right_outputs(const FieldWithOutputs& outputs, std::size_t offset) const {
+        const Field& field = outputs.field;
+        const Vec3 sample = position_of(field.grid, offset);
+        const auto signed_distance = static_cast<double>(field.distance[offset]);
+        const double distance = std::abs(signed_distance), voxel = field.grid.voxel();
+        double squared = 0, along = 0, squared_gradient = 0;
+        Vec3 point{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto to_point = static_cast<double>(outputs.closest[3 * offset + axis]);
+            const auto gradient = static_cast<double>(outputs.gradient[3 * offset + axis]);
+            point[axis] = sample[axis] + to_point;
+            squared += to_point * to_point;
+            squared_gradient += gradient * gradient;
+            along -= gradient * to_point;
+        }
+        if (distance >= (signed_distance < 0 ? field.band.inside : field.band.outside))
+            return std::isnan(squared) && std::isnan(squared_gradient);
+        const double rounding = distance * static_cast<double>(std::numeric_limits<float>::epsilon());
+        const double tolerance = 1e-6 * voxel + 2 * rounding;
+        return std::abs(std::sqrt(squared) - distance) <= 1e-5 * voxel + 2 * rounding &&
+               oracle_.nearest(point).distance <= tolerance && std::abs(squared_gradient - 1) <= 1e-5 &&
+               std::abs(along - signed_distance) <= 1e-5 * voxel + 1e-5 * distance;
+    }
+
+    void look_at_sample(const Field& field, std::size_t offset, CallCost& cost) {
+        const Grid& grid = field.grid;
+        const Vec3 point = position_of(grid, offset);
         const double distance = oracle_.nearest(point).distance;
         const std::optional<int> winding = oracle_.winding_number(point);
         const bool inside = winding.has_value() && *winding != 0;
@@ -130,6 +179,35 @@ CallCost measure_again(const Job& job, Judge& judge) {
             return seconds_of(compute);
         });
     judge.look_at(field, job.options.samples_judged, cost);
+    return cost;
+}
+
+/// Of a band of 10% on 256 samples a side: from the mesh's arrays, or with a transform that is kept.
+CallCost measure_outputs(const Job& job, Judge& judge, bool is_kept) {
+    const char* const what =
+        "distance, closest point and gradient, both in floats / the distance; a band of 10% on 256";
+    CallCost cost{is_kept ? "outputs_again" : "outputs",
+                  std::string(what) +
+                      (is_kept ? " samples a side, on a kept transform" : " samples a side, from the mesh's arrays")};
+    if (!is_kept) cost.limit = 1.5;
+    const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
+    const Grid grid = Grid::around(job.mesh, job.scaled(256), wide);
+    const DistanceTransform kept = job.transform();
+    FieldWithOutputs outputs{kept(grid, wide), {}, {}};
+    Field alone = outputs.field;
+    outputs.closest.resize(3 * grid.sample_count());
+    outputs.gradient.resize(3 * grid.sample_count());
+    const auto compute = [&](const OutputTargets& targets) {
+        return seconds_of([&] {
+            if (is_kept)
+                kept.compute(grid, wide, targets);
+            else
+                job.transform().compute(grid, wide, targets);
+        });
+    };
+    job.measure(
+        cost, [&] { return compute(outputs.targets()); }, [&] { return compute({.distance = alone.distance}); });
+    judge.look_at(outputs, job.options.samples_judged, cost);
     return cost;
 }
 
@@ -406,9 +484,11 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     Judge judge(mesh, options.seed);
-    return {measure_again(job, judge),         measure_one_sample(job, judge), measure_patches(job, judge, false),
-            measure_patches(job, judge, true), measure_band_boxes(job, judge), measure_moved(job),
-            measure_classify(job, judge),      measure_small_meshes(job)};
+    return {measure_again(job, judge),          measure_outputs(job, judge, false),
+            measure_outputs(job, judge, true),  measure_one_sample(job, judge),
+            measure_patches(job, judge, false), measure_patches(job, judge, true),
+            measure_band_boxes(job, judge),     measure_moved(job),
+            measure_classify(job, judge),       measure_small_meshes(job)};
 }
 
 }  // namespace clsdf::bench
