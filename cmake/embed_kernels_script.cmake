@@ -1,7 +1,8 @@
 # Run by clsdf_embed_kernels: INPUTS (a list of files) -> OUTPUT (a header with the text of every file).
 #
 # A text is only ever handled as one quoted argument: as a list, CMake would split it at semicolons and join it at
-# brackets. It becomes ordinary literals, one a line: in raw ones GCC 12 alters blanks that follow a backslash.
+# brackets. It becomes ordinary literals, one a line: in raw ones GCC 12 alters blanks that follow a backslash. Their
+# suffix gives the length, which clang would otherwise count in more steps than it allows a constant.
 cmake_minimum_required(VERSION 3.25)
 
 set(table "")
@@ -12,7 +13,7 @@ foreach(input IN LISTS INPUTS)
   string(REPLACE "\"" "\\\"" text "${text}")
   string(REPLACE "\r" "\\r" text "${text}")
   string(REPLACE "\n" "\\n\"\n     \"" text "${text}")
-  string(APPEND table "\n    {\"${name}\",\n     \"${text}\"},\n")
+  string(APPEND table "\n    {\"${name}\",\n     \"${text}\"sv},\n")
 endforeach()
 
 file(WRITE "${OUTPUT}" "#pragma once
@@ -23,6 +24,8 @@ file(WRITE "${OUTPUT}" "#pragma once
 #include \"device/kernel_text.hpp\"
 
 namespace clsdf::kernels {
+
+using namespace std::string_view_literals;
 
 // Of this library: others have files of their own.
 constexpr device::KernelFile files[] = {

@@ -76,10 +76,11 @@ bool visit_leaves(const PointMesh& mesh, const UnitBox& box, std::size_t level, 
     const PointNode& node = mesh.nodes[mesh.tree.first[level] + number];
     std::array<unsigned char, width> is_met{};
     for (std::size_t i = 0; i < width; ++i) {
-        bool is_apart = false;
+        unsigned is_met_on_axes = 1;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            is_apart |= (node.lower[axis][i] > box.upper[axis]) | (node.upper[axis][i] < box.lower[axis]);
-        is_met[i] = is_apart ? 0 : 1;
+            is_met_on_axes &= static_cast<unsigned>(node.lower[axis][i] <= box.upper[axis]) &
+                              static_cast<unsigned>(node.upper[axis][i] >= box.lower[axis]);
+        is_met[i] = static_cast<unsigned char>(is_met_on_axes);
     }
     for (std::size_t i = 0; i < width; ++i) {
         if (is_met[i] == 0) continue;

@@ -38,8 +38,8 @@ void check_range(const Grid& grid, const Band& band) {
     if (longest > largest_ratio * grid.voxel())
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the spacings {} and {} differ by more than a factor of 1e9", grid.voxel(), longest));
-    constexpr double smallest = std::numeric_limits<float>::min();
-    constexpr double largest = std::numeric_limits<float>::max();
+    constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min());
+    constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
     if (unit_of(grid) < smallest || longest > largest)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("a spacing of {} is beyond the floats that distances are given in; scale the mesh",
