@@ -56,18 +56,6 @@ typedef struct ScanRecord {
     float altitude;
 } ScanRecord;
 
-// The numbers of a face in its leaf (PointLeaf), side by side.
-typedef struct FaceFrame {
-    double gradient[3][3];
-    double offset[3];
-    double base[2];
-    double normal_along[2];
-    double normal_across[2];
-    double altitude;
-    clsdf_uint32 triangle;
-    clsdf_uint32 padding;
-} FaceFrame;
-
 // Records: those of faces come first, then those of point sites.
 typedef struct ScanCounts {
     clsdf_uint32 faces;
@@ -93,7 +81,6 @@ typedef struct PointBrick {
 static_assert(sizeof(PointGroup) == 400 && offsetof(PointGroup, centre) == 16);
 static_assert(sizeof(FaceNeighbours) == 24);
 static_assert(sizeof(ScanRecord) == 128 && offsetof(ScanRecord, origin_x) == offsetof(Polyhedron, origin_x));
-static_assert(sizeof(FaceFrame) == 160 && offsetof(FaceFrame, triangle) == 152);
 static_assert(sizeof(ScanCounts) == 12);
 static_assert(sizeof(PointBrick) == CLSDF_POINTS_OF_BRICK * 60 + CLSDF_CANDIDATES * 72);
 }  // namespace clsdf

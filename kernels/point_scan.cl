@@ -171,21 +171,15 @@ INLINE void request_later(__global const uint* list, uint i, uint count, __globa
     request_line_for_soon(&later->slope_above[1]);
 }
 
-// Writes records and frames, a work-item a record, from polyhedra, of which those of point sites begin at first_site,
-// and from the tree's leaves.
-__kernel void pack_records(__global const Polyhedron* polyhedra, __global const PointLeaf* leaves, ScanCounts counts,
-                           uint first_site, __global ScanRecord* records, __global FaceFrame* frames) {
+// Writes records, a work-item each, from polyhedra, of which those of point sites begin at first_site.
+__kernel void pack_records(__global const Polyhedron* polyhedra, ScanCounts counts, uint first_site,
+                           __global ScanRecord* records) {
     const uint i = get_global_id(0);
     if (i >= counts.records) return;
     __global const Polyhedron* p = polyhedra + (i < counts.faces ? i : i - counts.faces + first_site);
     vstore16(vload16(0, (__global const float*)p), 0, (__global float*)(records + i));
     vstore16(vload16(1, (__global const float*)p), 1, (__global float*)(records + i));
     records[i].altitude = (float)p->exact_altitude;
-    if (i >= counts.faces) return;
-    __global const double* from = (__global const double*)(leaves + i / CLSDF_TREE_WIDTH) + i % CLSDF_TREE_WIDTH;
-    __global double* to = (__global double*)(frames + i);
-    for (uint k = 0; k < 19; ++k) to[k] = from[k * CLSDF_TREE_WIDTH];
-    frames[i].triangle = leaves[i / CLSDF_TREE_WIDTH].triangle[i % CLSDF_TREE_WIDTH];
 }
 
 // Squares of upper bounds of the distances of the centres of superblocks' children, a work-item a superblock. Looks at
@@ -249,17 +243,17 @@ INLINE void find_bounds(__global const PointGroup* group, __global const ScanRec
 #define OF_VECTOR(part) (vector * CLSDF_GROUP_WIDTH + (part)*LANES)
 
 // Takes a face for the points of a vector that it is nearest to so far. Returns the squared distances, in part `part`.
-INLINE LeafDistance take_face(ScanMesh mesh, uint face, uint vector, int part, __global PointBrick* brick) {
+INLINE FaceDistance take_face(ScanMesh mesh, uint face, uint vector, int part, __global PointBrick* brick) {
     __global const FaceFrame* of_face = mesh.frames + face;
     const uint at = OF_VECTOR(part);
     struct {
         doubleL x, y, z;
     } p = {load_lanes(0, brick->at[0] + at), load_lanes(0, brick->at[1] + at), load_lanes(0, brick->at[2] + at)};
 #define OF_FACE(member) ((doubleL)of_face->member)
-    LeafFrame frame;
-    SET_LEAF_FRAME(OF_FACE, p, frame)
+    PlacedFrame frame;
+    SET_PLACED_FRAME(OF_FACE, p, frame)
 #undef OF_FACE
-    const LeafDistance d = leaf_distance(frame);
+    const FaceDistance d = face_distance(frame);
     const doubleL squared = load_lanes(0, brick->squared + at);
     const uintL triangle = load_lanes(0, brick->triangle + at);
     const uint own = of_face->triangle;
@@ -314,7 +308,7 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
         return;
     }
     __global const FaceNeighbours* neighbours = mesh.neighbours + record;
-    const LeafDistance d = take_face(mesh, record, vector, part, brick);
+    const FaceDistance d = take_face(mesh, record, vector, part, brick);
     const doubleL squared = load_lanes(0, brick->squared + OF_VECTOR(part));
     lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
     const uint left = BITS_OF(d.left) & lanes, right = lanes & ~left;

@@ -1,18 +1,17 @@
 // One definition for the host and the kernels: the tree in which points look for their nearest triangle.
 //
-// Faces are in Morton order. A leaf is 16 consecutive faces, a node of level 1 is 16 consecutive leaves, a node of the
-// next level 16 consecutive nodes, up to one root. Lengths are in units of the points' lattice
-// (lib/points/point_mesh.hpp).
+// Faces are in Morton order. A node of level 1 is 16 consecutive faces, a node of the next level 16 consecutive nodes,
+// up to one root. Lengths are in units of the points' lattice (lib/points/point_mesh.hpp).
 #ifndef CLSDF_POINT_TREE_H
 #define CLSDF_POINT_TREE_H
 
 #include "polyhedron.h"
 
 #define CLSDF_TREE_WIDTH 16
-// Levels of nodes above the leaves: enough for 2^30 faces.
+// Levels of nodes: enough for 2^30 faces.
 #define CLSDF_TREE_LEVELS 8
-// A child on the stack of a search: its level (0: a leaf) and its number there.
-#define CLSDF_TREE_LEVEL_SHIFT 28
+// A node on the stack of a search: its level and its number there.
+#define CLSDF_TREE_LEVEL_SHIFT 26
 #define CLSDF_TREE_STACK (CLSDF_TREE_LEVELS * CLSDF_TREE_WIDTH)
 
 // The sign of a point, as finishing is told.
@@ -35,7 +34,7 @@ namespace clsdf {
 #endif
 
 typedef struct PointTree {
-    clsdf_uint32 leaves;                    // their number
+    clsdf_uint32 faces;                     // their number
     clsdf_uint32 levels;                    // of nodes; the last one has one node, the root
     clsdf_uint32 first[CLSDF_TREE_LEVELS];  // place of each level's first node
     clsdf_uint32 count[CLSDF_TREE_LEVELS];  // nodes of each level
@@ -48,21 +47,36 @@ typedef struct PointNode {
     float upper[3][CLSDF_TREE_WIDTH];
 } PointNode;
 
-// Frames of a leaf's faces (polyhedron.h), from the lattice's origin. The last face fills a leaf that is not full.
+// The frame of a face (polyhedron.h), from the lattice's origin.
+typedef struct FaceFrame {
+    double gradient[3][3];  // by axis of the lattice, then X, Y, Z
+    double offset[3];
+    double base[2];
+    double normal_along[2];
+    double normal_across[2];
+    double altitude;
+    clsdf_uint32 triangle;  // in the caller's order
+    clsdf_uint32 padding;
+} FaceFrame;
+
+// Frames of the faces of a node of level 1, from an origin near them. The last face fills a leaf that is not full.
 typedef struct PointLeaf {
-    double gradient[3][3][CLSDF_TREE_WIDTH];  // by axis of the lattice, then X, Y, Z
-    double offset[3][CLSDF_TREE_WIDTH];
-    double base[2][CLSDF_TREE_WIDTH];
-    double normal_along[2][CLSDF_TREE_WIDTH];
-    double normal_across[2][CLSDF_TREE_WIDTH];
-    double altitude[CLSDF_TREE_WIDTH];
-    clsdf_uint32 triangle[CLSDF_TREE_WIDTH];  // in the caller's order
+    float gradient[3][3][CLSDF_TREE_WIDTH];
+    float offset[3][CLSDF_TREE_WIDTH];
+    float base[2][CLSDF_TREE_WIDTH];
+    float normal_along[2][CLSDF_TREE_WIDTH];
+    float normal_across[2][CLSDF_TREE_WIDTH];
+    float altitude[CLSDF_TREE_WIDTH];
+    float origin[3];
+    float extent;  // of the greatest frame: the sum of its lengths
+    float padding[12];
 } PointLeaf;
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(PointTree) == 72);
 static_assert(sizeof(PointNode) == 384);
-static_assert(sizeof(PointLeaf) == 19 * 128 + 64 && offsetof(PointLeaf, triangle) == 19 * 128);
+static_assert(sizeof(PointLeaf) == 1280 && offsetof(PointLeaf, origin) == 1216);
+static_assert(sizeof(FaceFrame) == 160 && offsetof(FaceFrame, triangle) == 152);
 }  // namespace clsdf
 #endif
 

@@ -4,6 +4,9 @@
 // if its box is farther than that by more than all rounding, so the pair depends on the point alone: neither on the way
 // through the tree nor on the pair that the search begins with.
 
+#define REAL double
+#define TRUTH int
+
 #include "finish.h"
 #include "point_distance.h"
 #include "request.h"
@@ -32,41 +35,65 @@ INLINE PointBox box_of_point(double3 p) {
     return box;
 }
 
-// Squared distances of a leaf's faces, LANES from number `first` on.
-INLINE doubleL squared_distances(__global const PointLeaf* leaf, double3 p, int first) {
-#define OF_LEAF(member) load_lanes(0, leaf->member + first)
-    LeafFrame frame;
-    SET_LEAF_FRAME(OF_LEAF, p, frame)
-#undef OF_LEAF
-    return leaf_distance(frame).squared;
-}
-
-INLINE void take_if_nearer(__private Found* found, double squared, __global const PointLeaf* leaf, uint number,
-                           uint lane) {
-    const uint triangle = leaf->triangle[lane];
+// Takes a face if it is nearer.
+INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __private Found* found) {
+    __global const FaceFrame* f = frames + face;
+#define OF_FACE(member) (f->member)
+    PlacedFrame placed;
+    SET_PLACED_FRAME(OF_FACE, p, placed)
+#undef OF_FACE
+    const double squared = face_distance(placed).squared;
+    const uint triangle = f->triangle;
     if (squared < found->squared || (squared == found->squared && triangle < found->triangle)) {
         found->squared = squared;
         found->triangle = triangle;
-        found->face = number * CLSDF_TREE_WIDTH + lane;
+        found->face = face;
         found->bound = (float)squared;
     }
 }
 
-static inline void visit_leaf(__global const PointLeaf* leaves, uint number, double3 p, __private Found* found) {
+// Squared distances of a leaf's faces in float, LANES from number `first` on, to a point displaced from its origin.
+INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int first) {
+#define OF_LEAF(member) load_lanes(0, leaf->member + first)
+#define COORDINATE(column)                \
+    (OF_LEAF(gradient[0][column]) * p.x + \
+     (OF_LEAF(gradient[1][column]) * p.y + (OF_LEAF(gradient[2][column]) * p.z + OF_LEAF(offset[column]))))
+    const floatL x = COORDINATE(0), y = COORDINATE(1), z = COORDINATE(2), zero = (floatL)0.0f;
+    const intL left = x < 0.0f, below = y < 0.0f;
+    const floatL along = left ? OF_LEAF(normal_along[CLSDF_HALF_LEFT]) : OF_LEAF(normal_along[CLSDF_HALF_RIGHT]);
+    const floatL across = left ? OF_LEAF(normal_across[CLSDF_HALF_LEFT]) : OF_LEAF(normal_across[CLSDF_HALF_RIGHT]);
+    const floatL away = left ? -x : x;
+    const floatL beyond = away - (left ? OF_LEAF(base[CLSDF_HALF_LEFT]) : OF_LEAF(base[CLSDF_HALF_RIGHT]));
+    const floatL r = below ? -y : along * beyond + across * y;
+    const floatL before = below ? beyond : across * beyond - along * y;
+    const floatL past = below ? beyond : along * (y - OF_LEAF(altitude)) - across * away;
+    const floatL farther = GREATER(past, before);
+    const floatL end = GREATER(farther, zero), outside = GREATER(r, zero);
+    return end * end + (outside * outside + z * z);
+#undef COORDINATE
+#undef OF_LEAF
+}
+
+// Of distances in float, relative to the lengths that they follow from, with room.
+#define DISTANCE_ERROR 4.0e-6f
+
+// Takes the faces of a leaf that may be nearer.
+INLINE void visit_leaf(__global const PointLeaf* leaves, __global const FaceFrame* frames, uint number, uint faces,
+                       double3 p, __private Found* found) {
     __global const PointLeaf* leaf = leaves + number;
+    const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
+    const float error =
+        DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += LANES) {
-        const doubleL squared = squared_distances(leaf, p, first);
-#if LANES == 1
-        take_if_nearer(found, squared, leaf, number, first);
-#else
-        // Rounding is monotonic: what is nearer in double is not farther in float.
-        uint bits = lanes_to_bits(convert_floatL(squared) <= (floatL)found->bound);
-        if (bits == 0) continue;
-        double of_lane[LANES];
-        store_doubles(squared, of_lane);
-        for (; bits != 0; bits &= bits - 1)
-            take_if_nearer(found, of_lane[lowest_bit(bits)], leaf, number, first + lowest_bit(bits));
-#endif
+        const floatL squared = squared_to_faces(leaf, from_origin, first);
+        const float nearest = sqrt(-greatest_lane(-squared)) + error, bound = sqrt(found->bound);
+        const float most = LESSER(nearest, bound) + error;
+        uint bits = lanes_to_bits(squared <= (floatL)(most * most * (1.0f + 1.0e-5f)));
+        for (; bits != 0; bits &= bits - 1) {
+            const uint face = number * CLSDF_TREE_WIDTH + first + lowest_bit(bits);
+            if (face >= faces) break;
+            take_face(frames, face, p, found);
+        }
     }
 }
 
@@ -86,13 +113,16 @@ INLINE floatL squared_to_boxes(__global const PointNode* node, PointBox p, int f
 #define SHRINK 0.99999f
 
 // Puts a node's children that may be nearer on the stack, the nearest one on top. Returns the stack's new height.
+// children: nodes of their level.
 static inline int push_children(__global const PointNode* node, uint level, uint number, uint children, PointBox p,
                                 float bound, __private uint* items, __private float* squares, int height) {
-    const int bottom = height;
+    float least = INFINITY;
+    int nearest = height;
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += LANES) {
         const floatL squared = squared_to_boxes(node, p, first) * SHRINK;
 #if LANES == 1
         uint bits = squared <= bound;
+        const float* of_lane = &squared;
 #else
         uint bits = lanes_to_bits(squared <= (floatL)bound);
         if (bits == 0) continue;
@@ -100,28 +130,28 @@ static inline int push_children(__global const PointNode* node, uint level, uint
         store_lanes(squared, 0, of_lane);
 #endif
         for (; bits != 0; bits &= bits - 1) {
-#if LANES == 1
-            const uint lane = first;
-            const float at = squared;
-#else
-            const uint lane = first + lowest_bit(bits);
-            const float at = of_lane[lane - first];
-#endif
-            if (number * CLSDF_TREE_WIDTH + lane >= children) break;
-            int place = height++;
-            for (; place > bottom && squares[place - 1] < at; --place) {
-                squares[place] = squares[place - 1];
-                items[place] = items[place - 1];
-            }
-            squares[place] = at;
-            items[place] = (level - 1) << CLSDF_TREE_LEVEL_SHIFT | (number * CLSDF_TREE_WIDTH + lane);
+            const uint lane = lowest_bit(bits), child = number * CLSDF_TREE_WIDTH + first + lane;
+            if (child >= children) break;
+            const bool is_nearest = of_lane[lane] < least;
+            least = is_nearest ? of_lane[lane] : least;
+            nearest = is_nearest ? height : nearest;
+            squares[height] = of_lane[lane];
+            items[height++] = (level - 1) << CLSDF_TREE_LEVEL_SHIFT | child;
         }
+    }
+    if (nearest < height) {
+        const uint item = items[nearest];
+        items[nearest] = items[height - 1];
+        squares[nearest] = squares[height - 1];
+        items[height - 1] = item;
+        squares[height - 1] = least;
     }
     return height;
 }
 
-static inline void search(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves, double3 p,
-                          __private Found* found) {
+// nodes: from level 2 on.
+static inline void search(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves,
+                          __global const FaceFrame* frames, double3 p, __private Found* found) {
     const PointBox box = box_of_point(p);
     uint items[CLSDF_TREE_STACK];
     float squares[CLSDF_TREE_STACK];
@@ -132,32 +162,31 @@ static inline void search(PointTree tree, __global const PointNode* nodes, __glo
         if (squares[height] > found->bound) continue;
         const uint level = items[height] >> CLSDF_TREE_LEVEL_SHIFT;
         const uint number = items[height] & ((1u << CLSDF_TREE_LEVEL_SHIFT) - 1u);
-        if (level == 0) {
-            visit_leaf(leaves, number, p, found);
+        if (level == 1) {
+            visit_leaf(leaves, frames, number, tree.faces, p, found);
             continue;
         }
-        const uint children = level == 1 ? tree.leaves : tree.count[level - 2];
-        height = push_children(nodes + tree.first[level - 1] + number, level, number, children, box, found->bound,
-                               items, squares, height);
+        height = push_children(nodes + (tree.first[level - 1] - tree.count[0]) + number, level, number,
+                               tree.count[level - 2], box, found->bound, items, squares, height);
     }
 }
 
-// A work-item takes `run` points that follow each other, and begins each search at the leaf of the one before.
+// A work-item takes `run` points that follow each other, and begins each search with the face of the one before.
 // most: a squared distance, possibly infinite, beyond which nothing is looked for. points: in units.
 __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves,
-                                __global const double* points, uint begin, uint end, uint run, double most,
-                                __global uint* faces, __global double* squared) {
+                                __global const FaceFrame* frames, __global const double* points, uint begin, uint end,
+                                uint run, double most, __global uint* faces, __global double* squared) {
     const uint first = begin + (uint)get_global_id(0) * run;
     const uint last = first < end ? min(end, first + run) : first;
-    uint leaf = CLSDF_NO_FACE;
+    uint face = CLSDF_NO_FACE;
     for (uint i = first; i < last; ++i) {
         const double3 p = vload3(i, points);
         Found found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
-        if (leaf != CLSDF_NO_FACE) visit_leaf(leaves, leaf, p, &found);
-        search(tree, nodes, leaves, p, &found);
+        if (face != CLSDF_NO_FACE) take_face(frames, face, p, &found);
+        search(tree, nodes, leaves, frames, p, &found);
         faces[i] = found.face;
         squared[i] = found.squared;
-        if (found.face != CLSDF_NO_FACE) leaf = found.face / CLSDF_TREE_WIDTH;
+        if (found.face != CLSDF_NO_FACE) face = found.face;
     }
 }
 

@@ -120,13 +120,10 @@ private:
 
     bool finds_face_of_child(std::size_t level, std::size_t child) {
         if (level > 0) return finds_face(level - 1, child);
-        const std::size_t end = std::min((child + 1) * width, mesh_.face_count());
+        const double squared = squared_distance(mesh_.corners(child), box_, reach_.squared);
+        if (squared <= reach_.squared) return true;
         const double per_unit = 1 / mesh_.lattice.unit;
-        for (std::size_t face = child * width; face < end; ++face) {
-            const double squared = squared_distance(mesh_.corners(face), box_, reach_.squared);
-            if (squared <= reach_.squared) return true;
-            bounds_[0] = std::min(bounds_[0], static_cast<float>(squared * per_unit * per_unit));
-        }
+        bounds_[0] = std::min(bounds_[0], static_cast<float>(squared * per_unit * per_unit));
         return false;
     }
 

@@ -18,8 +18,6 @@ namespace {
 
 using polyhedra::Vector;
 
-constexpr std::size_t width = CLSDF_TREE_WIDTH;
-
 // In units, far above the rounding of frames, 1e-10.
 constexpr double least_gap = 1e-6;       // between faces without a common vertex
 constexpr double least_altitude = 1e-5;  // of a face
@@ -50,30 +48,6 @@ Shape shape_of(const PointMesh& mesh, std::size_t face) {
     shape.altitude = length > 0 ? length / longest : 0;
     shape.normal = length > 0 ? Vector(product / length) : Vector(0, 0, 0);
     return shape;
-}
-
-/// The faces' boxes, in units, as floats that hold them.
-struct FaceBox {
-    std::array<float, 3> lower, upper;
-};
-
-FaceBox box_of(const Shape& shape) {
-    FaceBox box{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto i = static_cast<Eigen::Index>(axis);
-        const auto [low, high] = std::minmax({shape.corners[0][i], shape.corners[1][i], shape.corners[2][i]});
-        // Floats are as fine as 3e-5 units there.
-        box.lower[axis] = static_cast<float>(low - 4e-5);
-        box.upper[axis] = static_cast<float>(high + 4e-5);
-    }
-    return box;
-}
-
-bool overlap(const FaceBox& a, const FaceBox& b) {
-    bool is_apart = false;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        is_apart |= (a.lower[axis] > b.upper[axis]) | (b.lower[axis] > a.upper[axis]);
-    return !is_apart;
 }
 
 /// Whether a plane separates all of the points by more than the gap from the others.
@@ -144,11 +118,9 @@ public:
     Finder(const PointMesh& mesh, SignRule rule) : mesh_(mesh), topology_(*mesh.topology), rule_(rule) {
         const std::size_t count = mesh.face_count();
         shapes_.resize(count);
-        boxes_.resize(count);
         is_spoilt_.assign(count, 0);
         for_each_index(count, [&](std::size_t face) {
             shapes_[face] = shape_of(mesh_, face);
-            boxes_[face] = box_of(shapes_[face]);
             if (!(shapes_[face].altitude > least_altitude)) is_spoilt_[face] = 1;
         });
     }
@@ -167,26 +139,15 @@ private:
     const Triangle& vertices(std::size_t face) const { return topology_.faces.triangles[face]; }
 
     void compare_all() {
-        const std::size_t leaves = stretch_count(mesh_.face_count(), width);
-        for_each_stretch(leaves, 8, [&](std::size_t, std::size_t begin, std::size_t end) {
-            for (std::size_t leaf = begin; leaf < end; ++leaf)
-                visit_leaves(mesh_, leaf_box(mesh_, leaf), [&](std::size_t other) {
-                    if (other >= leaf) compare(leaf, other);
-                    return false;
-                });
-        });
-    }
-
-    /// The faces of two leaves, or of one.
-    void compare(std::size_t leaf, std::size_t other) {
-        const std::size_t end = std::min((leaf + 1) * width, mesh_.face_count());
-        const std::size_t other_end = std::min((other + 1) * width, mesh_.face_count());
-        for (std::size_t f = leaf * width; f < end; ++f)
-            for (std::size_t g = std::max(other * width, f + 1); g < other_end; ++g)
-                if (overlap(boxes_[f], boxes_[g]) && !is_harmless(f, g)) {
-                    spoil(f);
-                    spoil(g);
+        for_each_index(mesh_.face_count(), [&](std::size_t face) {
+            visit_faces(mesh_, face_box(mesh_, face), [&](std::size_t other) {
+                if (other > face && !is_harmless(face, other)) {
+                    spoil(face);
+                    spoil(other);
                 }
+                return false;
+            });
+        });
     }
 
     void spoil(std::size_t face) { std::atomic_ref(is_spoilt_[face]).store(1, std::memory_order_relaxed); }
@@ -308,13 +269,17 @@ private:
     const polyhedra::MeshTopology& topology_;
     SignRule rule_;
     UninitializedVector<Shape> shapes_;
-    UninitializedVector<FaceBox> boxes_;
     std::vector<std::uint8_t> is_spoilt_;
     std::vector<std::uint32_t> root_;
     std::vector<std::uint16_t> of_root_;
 };
 
 }  // namespace
+
+bool are_sides_worthwhile(std::size_t points, std::size_t faces) {
+    constexpr std::size_t fewest = 16384;
+    return points >= std::max(faces, fewest);
+}
 
 FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                           const PointMesh& mesh, SignRule rule) {

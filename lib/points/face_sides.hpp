@@ -4,6 +4,7 @@
 
 #include "points/point_mesh.hpp"
 
+#include <cstddef>
 #include <memory>
 
 namespace clsdf::points {
@@ -17,6 +18,9 @@ struct FaceSides {
     device::BufferPool::Lease sides;
     std::size_t known = 0;  ///< faces whose sides are
 };
+
+/// Whether they cost less than the crossings of so many points that are asked for.
+bool are_sides_worthwhile(std::size_t points, std::size_t faces);
 
 /// Throws Error(out_of_memory).
 FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,

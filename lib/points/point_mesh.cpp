@@ -51,11 +51,11 @@ void add_children(const PointNode& node, PointNode& parent, std::size_t child) {
             *std::max_element(node.upper[axis], node.upper[axis] + width));
 }
 
-PointTree shape_of(std::size_t leaves) {
+PointTree shape_of(std::size_t faces) {
     PointTree tree{};
-    tree.leaves = static_cast<clsdf_uint32>(leaves);
+    tree.faces = static_cast<clsdf_uint32>(faces);
     clsdf_uint32 first = 0;
-    for (std::size_t below = leaves; tree.levels == 0 || below > 1;) {
+    for (std::size_t below = faces; tree.levels == 0 || below > 1;) {
         below = stretch_count(below, width);
         tree.first[tree.levels] = first;
         tree.count[tree.levels] = static_cast<clsdf_uint32>(below);
@@ -64,61 +64,96 @@ PointTree shape_of(std::size_t leaves) {
     return tree;
 }
 
-void set_frame(const Polyhedron& record, PointLeaf& leaf, std::size_t lane) {
+FaceFrame frame_of(const Polyhedron& record) {
     const std::array<const double*, 3> gradients{record.exact_gradient_x, record.exact_gradient_y,
                                                  record.exact_gradient_z};
     const std::array<double, 3> origin{static_cast<double>(record.origin_x), static_cast<double>(record.origin_y),
                                        static_cast<double>(record.origin_z)};
+    FaceFrame frame{};
     for (std::size_t column = 0; column < 3; ++column) {
         double constant = record.exact_constant_at_origin[column];
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            leaf.gradient[axis][column][lane] = gradients[axis][column];
+            frame.gradient[axis][column] = gradients[axis][column];
             constant -= gradients[axis][column] * origin[axis];
         }
-        leaf.offset[column][lane] = constant;
+        frame.offset[column] = constant;
     }
     for (std::size_t half = 0; half < 2; ++half) {
-        leaf.base[half][lane] = record.exact_base[half];
-        leaf.normal_along[half][lane] = record.exact_normal_along[half];
-        leaf.normal_across[half][lane] = record.exact_normal_across[half];
+        frame.base[half] = record.exact_base[half];
+        frame.normal_along[half] = record.exact_normal_along[half];
+        frame.normal_across[half] = record.exact_normal_across[half];
     }
-    leaf.altitude[lane] = record.exact_altitude;
-    leaf.triangle[lane] = record.triangle;
+    frame.altitude = record.exact_altitude;
+    frame.triangle = record.triangle;
+    return frame;
 }
 
-/// Writes the leaves, their boxes in the nodes above them, and the records.
-class LeafWriter {
-public:
-    LeafWriter(PointMesh& mesh, std::span<PointLeaf> leaves, std::span<Polyhedron> records)
-        : mesh_(mesh), leaves_(leaves), records_(records) {}
+/// Frames of neighbours, at most as many as a leaf holds, from the centre of their node's boxes.
+PointLeaf leaf_of(const PointNode& node, std::span<const FaceFrame> frames) {
+    PointLeaf leaf{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        leaf.origin[axis] = (*std::min_element(node.lower[axis], node.lower[axis] + frames.size()) +
+                             *std::max_element(node.upper[axis], node.upper[axis] + frames.size())) /
+                            2;
+    double extent = 0;
+    for (std::size_t lane = 0; lane < width; ++lane) {
+        const FaceFrame& frame = frames[std::min(lane, frames.size() - 1)];
+        double lengths = frame.base[0] + frame.base[1] + frame.altitude;
+        for (std::size_t column = 0; column < 3; ++column) {
+            double offset = frame.offset[column];
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                leaf.gradient[axis][column][lane] = static_cast<float>(frame.gradient[axis][column]);
+                offset += frame.gradient[axis][column] * static_cast<double>(leaf.origin[axis]);
+            }
+            leaf.offset[column][lane] = static_cast<float>(offset);
+            lengths += std::abs(offset);
+        }
+        for (std::size_t half = 0; half < 2; ++half) {
+            leaf.base[half][lane] = static_cast<float>(frame.base[half]);
+            leaf.normal_along[half][lane] = static_cast<float>(frame.normal_along[half]);
+            leaf.normal_across[half][lane] = static_cast<float>(frame.normal_across[half]);
+        }
+        leaf.altitude[lane] = static_cast<float>(frame.altitude);
+        extent = std::max(extent, lengths);
+    }
+    leaf.extent = rounded_up(extent);
+    return leaf;
+}
 
-    void write(std::size_t leaf) const {
+/// Writes nodes of the first level, and their faces' frames and records.
+class FaceWriter {
+public:
+    FaceWriter(PointMesh& mesh, std::span<PointLeaf> leaves, std::span<FaceFrame> frames, std::span<Polyhedron> records)
+        : mesh_(mesh), leaves_(leaves), frames_(frames), records_(records) {}
+
+    void write(std::size_t node) const {
         const polyhedra::MeshTopology& topology = *mesh_.topology;
-        const std::size_t begin = leaf * width, count = std::min(width, mesh_.face_count() - begin);
+        const std::size_t begin = node * width, count = std::min(width, mesh_.face_count() - begin);
         std::array<polyhedra::TriangleFrame, width> frames;
         const std::span<const Triangle> triangles(topology.faces.triangles);
         polyhedra::triangle_frames(mesh_.positions, triangles.subspan(begin, count), mesh_.lattice,
                                    std::span(frames).first(count));
-        for (std::size_t i = 0; i < count; ++i)
-            records_[begin + i] = polyhedra::pack(frames[i], {}, topology.order[begin + i], mesh_.positions,
-                                                  triangles[begin + i], mesh_.lattice);
-        for (std::size_t lane = 0; lane < width; ++lane)
-            set_frame(records_[begin + std::min(lane, count - 1)], leaves_[leaf], lane);
-        for (std::size_t i = 0; i < count; ++i)
-            for (const Vec3& corner : mesh_.corners(begin + i)) add_corner(leaf, corner);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t face = begin + i;
+            records_[face] =
+                polyhedra::pack(frames[i], {}, topology.order[face], mesh_.positions, triangles[face], mesh_.lattice);
+            frames_[face] = frame_of(records_[face]);
+            for (const Vec3& corner : mesh_.corners(face)) add_corner(mesh_.nodes[node], i, corner);
+        }
+        leaves_[node] = leaf_of(mesh_.nodes[node], frames_.subspan(begin, count));
     }
 
 private:
-    void add_corner(std::size_t leaf, const Vec3& corner) const {
+    void add_corner(PointNode& node, std::size_t child, const Vec3& corner) const {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double at = (corner[axis] - mesh_.lattice.origin[axis]) / mesh_.lattice.unit;
-            add(mesh_.nodes[leaf / width], leaf % width, axis, rounded_down(at - frame_error),
-                rounded_up(at + frame_error));
+            add(node, child, axis, rounded_down(at - frame_error), rounded_up(at + frame_error));
         }
     }
 
     PointMesh& mesh_;
     std::span<PointLeaf> leaves_;
+    std::span<FaceFrame> frames_;
     std::span<Polyhedron> records_;
 };
 
@@ -161,12 +196,12 @@ void UnitBox::add(const UnitBox& other) {
     }
 }
 
-UnitBox leaf_box(const PointMesh& mesh, std::size_t leaf) {
+UnitBox face_box(const PointMesh& mesh, std::size_t face) {
     UnitBox box;
-    const PointNode& node = mesh.nodes[leaf / width];
+    const PointNode& node = mesh.nodes[face / width];
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] = node.lower[axis][leaf % width];
-        box.upper[axis] = node.upper[axis][leaf % width];
+        box.lower[axis] = node.lower[axis][face % width];
+        box.upper[axis] = node.upper[axis][face % width];
     }
     return box;
 }
@@ -181,24 +216,27 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     result.positions.resize(vertices.size());
     for_each_index(vertices.size(), [&](std::size_t i) { result.positions[i] = mesh.vertices()[vertices[i]]; });
 
-    const std::size_t leaf_count = stretch_count(result.face_count(), width);
-    result.tree = shape_of(leaf_count);
+    result.tree = shape_of(result.face_count());
     result.nodes.assign(result.tree.first[result.tree.levels - 1] + 1, empty_node());
-    device::HostFilling leaves(context, pool, leaf_count * sizeof(PointLeaf), "leaves of the points' tree");
+    device::HostFilling leaves(context, pool, result.tree.count[0] * sizeof(PointLeaf), "leaves of the points' tree");
+    device::HostFilling frames(context, pool, result.face_count() * sizeof(FaceFrame), "frames of faces");
     device::HostFilling records(context, pool, result.face_count() * sizeof(Polyhedron), "polyhedra");
-    const LeafWriter writer(result, {static_cast<PointLeaf*>(leaves.memory()), leaf_count},
+    const FaceWriter writer(result, {static_cast<PointLeaf*>(leaves.memory()), result.tree.count[0]},
+                            {static_cast<FaceFrame*>(frames.memory()), result.face_count()},
                             {static_cast<Polyhedron*>(records.memory()), result.face_count()});
-    // Leaves of a node are written by one thread.
-    for_each_stretch(leaf_count, width, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t leaf = begin; leaf < end; ++leaf) writer.write(leaf);
+    for_each_stretch(result.tree.count[0], width, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t node = begin; node < end; ++node) writer.write(node);
     });
     fill_upper_levels(result);
     result.leaves = leaves.finish();
+    result.frames = frames.finish();
     result.polyhedra = records.finish();
-    const std::size_t bytes = result.nodes.size() * sizeof(PointNode);
+    const std::span<const PointNode> upper = std::span(result.nodes).subspan(result.tree.count[0]);
+    const std::size_t bytes = upper.size_bytes();
     result.device_nodes = pool->lease(bytes, "nodes of the points' tree");
-    device::guarded(
-        [&] { context.queue().enqueueWriteBuffer(*result.device_nodes, CL_TRUE, 0, bytes, result.nodes.data()); });
+    if (bytes > 0)
+        device::guarded(
+            [&] { context.queue().enqueueWriteBuffer(*result.device_nodes, CL_TRUE, 0, bytes, upper.data()); });
     return result;
 }
 

@@ -25,14 +25,15 @@ polyhedra::LatticeView lattice_for_points(const Mesh& mesh);
 /// follows from the triangles and the positions alone.
 struct PointMesh {
     polyhedra::LatticeView lattice;
-    Box box;                                                  ///< of the mesh
+    Box box;               ///< of the mesh
     std::shared_ptr<const polyhedra::MeshTopology> topology;  ///< whose faces the tree's faces are
     UninitializedVector<Vec3> positions;                      ///< of the vertices, numbered as in MeshTopology::faces
     PointTree tree{};
-    std::vector<PointNode> nodes;  ///< level by level; the root is the last
+    std::vector<PointNode> nodes;  ///< level by level; the children of the first ones are faces; the root is the last
 
-    device::BufferPool::Lease device_nodes;  ///< the same
-    device::BufferPool::Lease leaves;        ///< PointLeaf
+    device::BufferPool::Lease device_nodes;  ///< the same, from the second level on
+    device::BufferPool::Lease leaves;        ///< PointLeaf, in place of the first level
+    device::BufferPool::Lease frames;        ///< FaceFrame of each face
     device::BufferPool::Lease polyhedra;     ///< Polyhedron, of each face, with frames and without slopes
 
     /// A position from the lattice's origin.
@@ -50,7 +51,9 @@ struct PointMesh {
     }
 
     std::size_t host_bytes() const { return positions.size() * sizeof(Vec3) + nodes.size() * sizeof(PointNode); }
-    std::size_t device_bytes() const { return device_nodes.bytes() + leaves.bytes() + polyhedra.bytes(); }
+    std::size_t device_bytes() const {
+        return device_nodes.bytes() + leaves.bytes() + frames.bytes() + polyhedra.bytes();
+    }
 };
 
 /// A box in units, closed.
@@ -64,14 +67,13 @@ struct UnitBox {
     void add(const UnitBox& other);
 };
 
-/// Around a leaf's faces, with room for the rounding of frames.
-UnitBox leaf_box(const PointMesh& mesh, std::size_t leaf);
+/// Around a face, with room for the rounding of frames.
+UnitBox face_box(const PointMesh& mesh, std::size_t face);
 
 namespace detail {
 
 template <typename Visit>
-bool visit_leaves(const PointMesh& mesh, const UnitBox& box, std::size_t level, std::size_t number,
-                  const Visit& visit) {
+bool visit_faces(const PointMesh& mesh, const UnitBox& box, std::size_t level, std::size_t number, const Visit& visit) {
     constexpr std::size_t width = CLSDF_TREE_WIDTH;
     const PointNode& node = mesh.nodes[mesh.tree.first[level] + number];
     std::array<unsigned char, width> is_met{};
@@ -85,17 +87,18 @@ bool visit_leaves(const PointMesh& mesh, const UnitBox& box, std::size_t level, 
     for (std::size_t i = 0; i < width; ++i) {
         if (is_met[i] == 0) continue;
         const std::size_t child = number * width + i;
-        if (level > 0 ? visit_leaves(mesh, box, level - 1, child, visit) : visit(child)) return true;
+        if (level > 0 ? visit_faces(mesh, box, level - 1, child, visit) : visit(child)) return true;
     }
     return false;
 }
 
 }  // namespace detail
 
-/// Calls visit(leaf) for all leaves that overlap the box, until it returns true. Returns whether it did.
+/// Calls visit(face) for all faces whose boxes overlap the given one, ascending, until it returns true. Returns whether
+/// it did.
 template <typename Visit>
-bool visit_leaves(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
-    return detail::visit_leaves(mesh, box, mesh.tree.levels - 1, 0, visit);
+bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
+    return detail::visit_faces(mesh, box, mesh.tree.levels - 1, 0, visit);
 }
 
 /// Throws Error(invalid_argument or out_of_memory).

@@ -32,6 +32,7 @@ enum NearestArgument : cl_uint {
     nearest_tree,
     nearest_nodes,
     nearest_leaves,
+    nearest_frames,
     nearest_points,
     nearest_begin,
     nearest_end,
@@ -113,6 +114,7 @@ public:
         kernel.setArg(nearest_tree, mesh.tree);
         kernel.setArg(nearest_nodes, *mesh.device_nodes);
         kernel.setArg(nearest_leaves, *mesh.leaves);
+        kernel.setArg(nearest_frames, *mesh.frames);
         kernel.setArg(nearest_points, *device_points_);
         kernel.setArg(nearest_run, static_cast<cl_uint>(run()));
         kernel.setArg(nearest_most, most());

@@ -176,16 +176,13 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
         }
     }
     mesh.counts.longest = static_cast<float>(std::sqrt(squared) * (1 + 1e-6));
-    mesh.frames = pool->lease(faces * sizeof(FaceFrame), "frames of the scan of points");
     mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
         cl::Kernel pack(program, "pack_records");
         pack.setArg(0, *polyhedra.polyhedra);
-        pack.setArg(1, *point_mesh.leaves);
-        pack.setArg(2, mesh.counts);
-        pack.setArg(3, static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()));
-        pack.setArg(4, *mesh.records);
-        pack.setArg(5, *mesh.frames);
+        pack.setArg(1, mesh.counts);
+        pack.setArg(2, static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()));
+        pack.setArg(3, *mesh.records);
         context.queue().enqueueNDRangeKernel(pack, cl::NullRange, cl::NDRange(transform::in_whole_groups(records)),
                                              cl::NDRange(transform::common_group));
         context.queue().finish();
@@ -299,7 +296,7 @@ public:
         kernel.setArg(scan_counts, job_.scanned.counts);
         kernel.setArg(scan_records, *job_.scanned.records);
         kernel.setArg(scan_polyhedra, *job_.mesh.polyhedra);
-        kernel.setArg(scan_frames, *job_.scanned.frames);
+        kernel.setArg(scan_frames, *job_.mesh.frames);
         kernel.setArg(scan_neighbours, *job_.scanned.neighbours);
         kernel.setArg(scan_ring_starts, *job_.scanned.ring_starts);
         kernel.setArg(scan_ring_faces, *job_.scanned.ring_faces);

@@ -17,15 +17,13 @@ namespace clsdf::points {
 struct ScannedMesh {
     ScanCounts counts{};
     device::BufferPool::Lease records;        ///< ScanRecord
-    device::BufferPool::Lease frames;         ///< FaceFrame
     device::BufferPool::Lease neighbours;     ///< FaceNeighbours, of each face
     device::BufferPool::Lease ring_starts;    ///< of each vertex in ring_faces, and the end
     device::BufferPool::Lease ring_faces;     ///< the faces at each vertex
     device::BufferPool::Lease site_vertices;  ///< the vertex of each point site
 
     std::size_t device_bytes() const {
-        return records.bytes() + frames.bytes() + neighbours.bytes() + ring_starts.bytes() + ring_faces.bytes() +
-               site_vertices.bytes();
+        return records.bytes() + neighbours.bytes() + ring_starts.bytes() + ring_faces.bytes() + site_vertices.bytes();
     }
 };
 

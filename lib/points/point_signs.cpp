@@ -21,7 +21,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Corners = std::array<Vec3, 3>;
 
-constexpr std::size_t width = CLSDF_TREE_WIDTH;
 // A point nearer, in units, may lie on the surface.
 constexpr double nearly_zero = 1e-9;
 // Above all roundings of points in units, relative to their coordinates, and of distances.
@@ -77,19 +76,9 @@ bool is_on_triangle(const Corners& corners, const Vec3& p) {
     return is_on_segment(a, b, p) || is_on_segment(b, c, p) || is_on_segment(c, a, p);
 }
 
-/// Calls visit(corners) for all faces whose leaves overlap the box, until it returns true. Returns whether it did.
-template <typename Visit>
-bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) {
-    return visit_leaves(mesh, box, [&](std::size_t leaf) {
-        const std::size_t end = std::min((leaf + 1) * width, mesh.face_count());
-        for (std::size_t face = leaf * width; face < end; ++face)
-            if (visit(mesh.corners(face))) return true;
-        return false;
-    });
-}
-
 bool is_on_surface(const PointMesh& mesh, const Vec3& p, const Vec3& in_units) {
-    return visit_faces(mesh, UnitBox(in_units), [&](const Corners& corners) { return is_on_triangle(corners, p); });
+    return visit_faces(mesh, UnitBox(in_units),
+                       [&](std::size_t face) { return is_on_triangle(mesh.corners(face), p); });
 }
 
 /// Whether the face lies beyond the box of two points on an axis.
@@ -107,7 +96,8 @@ Crossings crossings_of_ray(const PointMesh& mesh, const Vec3& from, const Vec3& 
     Vec3 to = from;
     to[0] = is_forward ? infinity : -infinity;
     Crossings crossings;
-    visit_faces(mesh, box, [&](const Corners& corners) {
+    visit_faces(mesh, box, [&](std::size_t face) {
+        const Corners corners = mesh.corners(face);
         const auto& [a, b, c] = corners;
         if (is_apart(corners, from, to, 1) || is_apart(corners, from, to, 2) || is_apart(corners, from, to, 0))
             return false;
@@ -127,7 +117,8 @@ Crossings crossings_of_ray(const PointMesh& mesh, const Vec3& from, const Vec3& 
 /// an edge or runs in a face's plane: there exact predicates do not tell.
 std::optional<Crossings> crossings_along(const PointMesh& mesh, const Vec3& from, const Vec3& to, const UnitBox& box,
                                          Crossings crossings) {
-    const bool is_undecided = visit_faces(mesh, box, [&](const Corners& corners) {
+    const bool is_undecided = visit_faces(mesh, box, [&](std::size_t face) {
+        const Corners corners = mesh.corners(face);
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (is_apart(corners, from, to, axis)) return false;
         const auto& [a, b, c] = corners;

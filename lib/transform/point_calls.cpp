@@ -26,7 +26,9 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
         inputs.mesh = stages->points();
         const bool are_many = points::is_scan_worthwhile(programs, count, mesh().triangles().size());
         if (are_many) inputs.scanned = stages->scanned_mesh(programs.point_scan(device::context_of(device)));
-        if (sign != SignRule::none) inputs.sides = stages->face_sides(sign, are_many);
+        if (sign != SignRule::none)
+            inputs.sides =
+                stages->face_sides(sign, points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
         inputs.sites = stages->sites(outputs.gradient || inputs.sides != nullptr);
         inputs.sign = sign;
         inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
@@ -58,6 +60,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         compiling.seconds = compile_watch.seconds();
         pool->restart_peak();
         const Stopwatch watch;
+        points_asked += all.size();
         const points::PointInputs inputs = point_inputs(outputs, all.size());
         statistics.polyhedra_seconds = watch.seconds();
         // Nothing is computed if a point is refused.

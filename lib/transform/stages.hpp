@@ -60,7 +60,7 @@ struct SetUpBy {
 ///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
-///     face sides     + sign rule                         the same, once many points are asked for
+///     face sides     + sign rule                         the same, once about as many points are asked for
 ///     scanned mesh   + frusta                            the same, once many points are asked for
 ///
 /// A grid that is small beside the mesh gets records of what is near it, which are not kept. If many such grids of a

@@ -76,6 +76,7 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     std::vector<Vec3> before;
     if (first_positions.empty()) before = mesh().vertices();
     stages->move(std::move(positions));
+    points_asked = 0;
     if (first_positions.empty()) first_positions = std::move(before);
     plans.clear();
 }

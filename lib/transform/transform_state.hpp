@@ -113,6 +113,7 @@ struct DistanceTransform::State {
     std::unique_ptr<transform::Stages> stages;
     std::list<KeptPlan> plans;          // that was used last first
     std::vector<Vec3> first_positions;  // of the transform's mesh, from the first move on
+    std::size_t points_asked = 0;       // by query(), since the last move
 
 private:
     transform::Programs build_programs(const CallOptions& call);

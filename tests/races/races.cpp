@@ -3,7 +3,10 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include "device/context.hpp"
+
 #include <array>
+#include <vector>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -46,4 +49,39 @@ BOOST_AUTO_TEST_CASE(counted_and_with_unequal_spacing) {
     Grid grid = around_cube(8, 0.4);
     grid.spacing[1] = 0.2;
     check_on_simulator(cube(1), grid, Band{0.5, 0.3}, {}, {}, {.count = true});
+}
+
+BOOST_AUTO_TEST_CASE(boxes_of_a_plan_with_strides) {
+    const Grid grid = around_cube(10, 0.3);
+    const Band band = Band::symmetric(0.4);
+    // Two boxes that share samples, side by side in the rows of one array.
+    const std::array boxes{grid.block({-5, -5, -5}, {6, 5, 4}), grid.block({-2, -3, -4}, {7, 5, 4})};
+    constexpr std::ptrdiff_t row = 13 * sizeof(float), slice = 5 * row;
+    const device::Context& context = device::context_of(test_device());
+    const cl::CommandQueue queue(context.context(), context.device());
+    for (const KernelBody body : bodies) {
+        const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, 4 * slice);
+        const DistanceTransform transform(test_device(), cube(1), {.body = body});
+        std::vector<Request> requests;
+        for (std::size_t n = 0; n < 2; ++n) {
+            OutputTarget target(memory());
+            target.offset = n * 6 * sizeof(float);
+            target.strides = {sizeof(float), row, slice};
+            requests.push_back({boxes[n], band, {.distance = target}});
+        }
+        RequestPlan plan = transform.plan(requests);
+        cl::Event(plan.enqueue(queue())).wait();
+        std::vector<float> values(4 * slice / sizeof(float));
+        queue.enqueueReadBuffer(memory, CL_TRUE, 0, 4 * slice, values.data());
+        const Field field = transform(grid, band);
+        for (std::size_t n = 0; n < 2; ++n)
+            for (std::int64_t k = 0; k < 4; ++k)
+                for (std::int64_t j = 0; j < 5; ++j)
+                    for (std::int64_t i = 0; i < boxes[n].size[0]; ++i) {
+                        const auto at = static_cast<std::size_t>(13 * (5 * k + j) + i) + 6 * n;
+                        const Index3 first = boxes[n].first;
+                        const std::size_t of_field = grid.offset(first[0] + i + 5, first[1] + j + 5, first[2] + k + 5);
+                        BOOST_TEST(values[at] == field.distance[of_field]);
+                    }
+    }
 }

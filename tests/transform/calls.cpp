@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <fstream>
 #include <numeric>
 #include <span>
 #include <thread>
@@ -71,6 +73,14 @@ void check_places(const Mesh& mesh, const Grid& grid, const Band& band, KernelBo
             BOOST_TEST((bits_of(distances) == bits_of(expected.distance)));
             BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), guard)) == 3 * line);
         }
+}
+
+/// Of this process, by the kernel's account; 0 if there is none.
+std::size_t resident_bytes() {
+    std::ifstream file("/proc/self/statm");
+    std::size_t all = 0, resident = 0;
+    file >> all >> resident;
+    return resident * 4096;
 }
 
 }  // namespace
@@ -290,6 +300,34 @@ BOOST_AUTO_TEST_CASE(memory_does_not_grow_from_move_to_move) {
         BOOST_TEST_REQUIRE(later.host_bytes <= memory.host_bytes + 4096);
         BOOST_TEST_REQUIRE(later.device_bytes <= memory.device_bytes * 11 / 10);
     }
+}
+
+// As many steps as CLSDF_STEPS says, or 500.
+BOOST_AUTO_TEST_CASE(steps_of_a_moving_body_leave_memory_as_it_was) {
+    const char* const asked = std::getenv("CLSDF_STEPS");
+    const int steps = asked != nullptr ? std::atoi(asked) : 500;
+    const Mesh body = make_shape("sphere3");
+    DistanceTransform transform(test_device(), body);
+    const Grid grid = grid_around(body, 24, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const std::vector<Vec3> points(100, {1.1, 0.2, 0.3});
+    std::vector<float> distance(grid.sample_count()), of_points(points.size());
+    const auto step = [&](int number) {
+        const double angle = 0.01 * number, c = std::cos(angle), s = std::sin(angle);
+        transform.move({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {0.01 * s, 0, 0});
+        transform.compute(grid, band, {.distance = distance});
+        transform.query(points, 1, {.distance = of_points});
+    };
+    // Threads' stacks and the allocator's caches grow in the first steps.
+    const int warm = steps / 5;
+    for (int number = 0; number < warm; ++number) step(number);
+    const KeptMemory kept = transform.memory();
+    const std::size_t resident = resident_bytes();
+    for (int number = warm; number < steps; ++number) step(number);
+    BOOST_TEST(transform.memory().host_bytes == kept.host_bytes);
+    BOOST_TEST(transform.memory().device_bytes == kept.device_bytes);
+    const std::size_t now = resident_bytes();
+    BOOST_TEST(now < resident + (std::size_t{4} << 20), "from " << resident << " to " << now << " bytes");
 }
 
 BOOST_AUTO_TEST_CASE(faces_without_area_are_counted_as_boxes) {

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -23,6 +24,7 @@ using namespace clsdf::test;
 namespace {
 
 constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+constexpr KernelBody by_vector = KernelBody::by_vector;
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 double voxel_of(const Mesh& mesh) {
@@ -267,11 +269,13 @@ BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
                     points.push_back(p);
                 }
             const Field many = query(DistanceTransform(test_device(), mesh), points, within);
-            const DistanceTransform transform(test_device(), mesh);
+            std::optional<DistanceTransform> transform;
             constexpr std::size_t few = 1511;
             for (std::size_t begin = 0; begin < points.size(); begin += few) {
+                // A transform that has had few points counts crossings for their signs.
+                if (begin / few % 8 == 0) transform.emplace(test_device(), mesh);
                 const std::size_t count = std::min(few, points.size() - begin);
-                const Field some = query(transform, std::span(points).subspan(begin, count), within);
+                const Field some = query(*transform, std::span(points).subspan(begin, count), within);
                 visit_outputs(
                     [&](const char* name, const auto& of_many, const auto& of_some) {
                         const std::size_t size = of_many.size() / points.size();
@@ -286,6 +290,26 @@ BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
                     },
                     many, some);
             }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(few_points_do_not_depend_on_how_many_were_asked_for_before) {
+    for (const KernelBody body : both_bodies)
+        for (const Mesh& mesh : {make_shape("knot"), overlapping_cubes()}) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            const std::vector<Vec3> points = points_around(mesh, 1009, 83);
+            const Field first = query(transform, points);
+            // From some number on, the sides of faces tell the signs.
+            const std::vector<Vec3> others = points_around(mesh, 4001, 89);
+            for (std::size_t asked = 0; asked < std::max<std::size_t>(mesh.triangles().size(), 20000);
+                 asked += others.size())
+                query(transform, others);
+            visit_outputs(
+                [&](const char* name, const auto& of_first, const auto& of_last) {
+                    BOOST_TEST(std::memcmp(of_first.data(), of_last.data(), of_first.size() * sizeof(of_first[0])) == 0,
+                               mesh.name() << ", " << name << " differs");
+                },
+                first, query(transform, points));
         }
 }
 
@@ -407,25 +431,38 @@ BOOST_AUTO_TEST_CASE(errors_name_the_point_and_the_argument) {
 
 // Each changed line stands for wrong code that a compiler makes of a right one.
 BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
-    const std::vector<Vec3> points(5, {0.5, 0, 0});
-    std::vector<float> distance(5);
-    const std::array<std::array<const char*, 2>, 3> changes{
-        {{"along * above_apex - across * away", "along * above_apex + across * away"},
-         {"+ lane >= children", "+ lane + 1 >= children"},
-         {"inside ? -rounded : rounded", "rounded"}}};
-    for (const KernelBody body : both_bodies)
-        for (const auto& [from, to] : changes) {
+    struct Change {
+        const char* file;
+        const char* from;
+        const char* to;
+        std::vector<KernelBody> bodies{both_bodies.begin(), both_bodies.end()};
+    };
+    const std::vector<Change> changes{
+        {"points.cl", "along * above_apex - across * away", "along * above_apex + across * away"},
+        {"points.cl", "squared <= (floatL)(most", "squared < (floatL)(0.9f * most"},
+        {"points.cl", "child >= children", "child + 1 >= children"},
+        {"points.cl", "inside ? -rounded : rounded", "rounded"},
+        {"point_scan.cl", "chosen[length] = list ? list[k] : k", "chosen[length] = list ? list[i] : i", {by_vector}},
+        {"point_scan.cl", "outward * outward + z * z", "outward * outward", {by_vector}},
+        {"point_scan.cl", "faces[first + i] = brick->face[i]", "faces[first + i] = brick->face[0]", {by_vector}},
+        {"point_scan.cl", "across * beyond - along * y", "across * beyond + along * y", {by_vector}}};
+    for (const auto& [file, from, to, bodies] : changes)
+        for (const KernelBody body : bodies) {
             const TemporaryFolder folder;
             const Device device = Device::best();
             device.set_program_cache(folder.file("cache"));
             bool is_found = false;
             device::context_of(device).set_text_edit([&](std::string_view name, std::string& text) {
                 const std::size_t at = text.find(from);
-                if (name != "points.cl" || at == std::string::npos) return;
+                if (name != file || at == std::string::npos) return;
                 is_found = true;
                 text.replace(at, std::strlen(from), to);
             });
             const DistanceTransform transform(device, cube(1), {.body = body});
+            const bool are_many = std::string(file) == "point_scan.cl";
+            const std::vector<Vec3> points(are_many ? 20000 : 5, {0.5, 0, 0});
+            std::vector<float> distance(points.size());
+            BOOST_TEST_CONTEXT(file << ": " << to)
             check_throws(ErrorCode::device_failure, {"computes wrong fields", "points"},
                          [&] { transform.query(points, 1, {.distance = distance}); });
             BOOST_TEST(is_found, from);

@@ -12,6 +12,10 @@ endforeach()
 foreach(name extremes outputs self_test)
   target_link_libraries(test_transform_${name} PRIVATE clsdf::papers)
 endforeach()
+# 10,000 steps of a moving body.
+add_test(NAME transform_steps COMMAND test_transform_calls --color_output=no
+                                      --run_test=steps_of_a_moving_body_leave_memory_as_it_was CONFIGURATIONS nightly)
+set_tests_properties(transform_steps PROPERTIES ENVIRONMENT CLSDF_STEPS=10000 LABELS nightly TIMEOUT 3600)
 # Kernels that are made wrong on purpose are compiled anew.
 set_tests_properties(transform_self_test PROPERTIES TIMEOUT 900)
 
