@@ -38,7 +38,7 @@
 typedef struct Finishing {
     Finish how;
     __global const Polyhedron* polyhedra;
-    __global const TriangleSites* sites;  // of the triangles, in the caller's order
+    __global const TriangleSites* sites;  // of the triangles, in the mesh's order
     __global const float* normals;        // pseudonormals, six sites a triangle
 #define OUTPUT_POINTER(name, content, element, components) __global uchar* of_##name;
     CLSDF_OUTPUTS(OUTPUT_POINTER)
@@ -108,7 +108,10 @@ typedef struct NamedSite {
 } NamedSite;
 
 static inline NamedSite name_site(__private const Finishing* finishing, __global const Polyhedron* p, uint frame_site) {
-    NamedSite named = {p->triangle, CLSDF_SITE_OF_FACE, 0, false};
+    // The triangles of a part of a mesh have other numbers in the whole.
+    const uint renumbered = finishing->how.renumbered;
+    __global const uint* numbers = (__global const uint*)(finishing->sites + renumbered);
+    NamedSite named = {renumbered != 0 ? numbers[p->triangle] : p->triangle, CLSDF_SITE_OF_FACE, 0, false};
     if (frame_site == CLSDF_SITE_OF_FACE) return named;
     const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
     const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(frame_site, first);

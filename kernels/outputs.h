@@ -39,14 +39,14 @@ typedef struct TriangleSites {
 
 // What finishing needs to know of the grid and of the outputs.
 typedef struct Finish {
-    double origin[3];        // position of the lattice's sample (0, 0, 0), in the mesh's units
-    double spacing[3];       // in the mesh's units
-    double per_spacing[3];   // the reciprocals, per unit of the layout
-    double unit;             // of the layout, in the mesh's units
-    clsdf_uint32 wanted;     // bit n: output n is stored
-    clsdf_uint32 in_double;  // bit n: its elements are doubles
-    float outward;           // -1 if pseudonormals point inside: the mesh is inside out
-    float padding;
+    double origin[3];         // position of the lattice's sample (0, 0, 0), in the mesh's units
+    double spacing[3];        // in the mesh's units
+    double per_spacing[3];    // the reciprocals, per unit of the layout
+    double unit;              // of the layout, in the mesh's units
+    clsdf_uint32 wanted;      // bit n: output n is stored
+    clsdf_uint32 in_double;   // bit n: its elements are doubles
+    float outward;            // -1 if pseudonormals point inside: the mesh is inside out
+    clsdf_uint32 renumbered;  // triangles of a part of a mesh, whose numbers in the whole follow their sites; else 0
 } Finish;
 
 #ifndef __OPENCL_VERSION__

@@ -26,6 +26,7 @@ polyhedra::LatticeView lattice_for_points(const Mesh& mesh);
 struct PointMesh {
     polyhedra::LatticeView lattice;
     Box box;               ///< of the mesh
+    bool is_part = false;  ///< faces that cross rows with greater x than those of the points may be missing
     std::shared_ptr<const polyhedra::MeshTopology> topology;  ///< whose faces the tree's faces are
     UninitializedVector<Vec3> positions;                      ///< of the vertices, numbered as in MeshTopology::faces
     PointTree tree{};

@@ -87,9 +87,10 @@ bool is_apart(const Corners& corners, const Vec3& p, const Vec3& q, std::size_t 
     return high < std::min(p[axis], q[axis]) || low > std::max(p[axis], q[axis]);
 }
 
-/// On the ray along x from a point that is not on the surface, to the nearer side of the mesh's box.
+/// On the ray along x from a point that is not on the surface, to the nearer side of the mesh's box; of a part of a
+/// mesh, to the lower one.
 Crossings crossings_of_ray(const PointMesh& mesh, const Vec3& from, const Vec3& in_units) {
-    const bool is_forward = from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0];
+    const bool is_forward = !mesh.is_part && from[0] - mesh.box.lower[0] > mesh.box.upper[0] - from[0];
     constexpr double infinity = std::numeric_limits<double>::infinity();
     UnitBox box(in_units);
     (is_forward ? box.upper : box.lower)[0] = static_cast<float>(is_forward ? infinity : -infinity);

@@ -165,8 +165,10 @@ OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> orde
     return faces;
 }
 
-MeshTopology::MeshTopology(const Mesh& mesh)
-    : order(morton_order(mesh)),
+MeshTopology::MeshTopology(const Mesh& mesh) : MeshTopology(mesh, morton_order(mesh)) {}
+
+MeshTopology::MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order_in)
+    : order(std::move(order_in)),
       faces(ordered_faces(mesh, order)),
       rings(faces),
       edges(pair_edges(faces.triangles, rings)) {}

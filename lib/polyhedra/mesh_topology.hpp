@@ -38,6 +38,8 @@ struct MeshTopology {
 
     /// Throws Error(unsupported) for 2^30 faces or more.
     explicit MeshTopology(const Mesh& mesh);
+    /// In another order: the mesh's index of each face.
+    MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order);
 
     std::size_t bytes() const;
 };

@@ -183,6 +183,8 @@ private:
     std::vector<EdgeAtVertex> edges_;  ///< of the vertex
 };
 
+}  // namespace
+
 bool encloses_negative_volume(const Mesh& mesh) {
     const Vector centre = (to_vector(mesh.box().lower) + to_vector(mesh.box().upper)) / 2;
     const double longest = (to_vector(mesh.box().upper) - to_vector(mesh.box().lower)).maxCoeff();
@@ -195,8 +197,6 @@ bool encloses_negative_volume(const Mesh& mesh) {
     }
     return sum < 0;
 }
-
-}  // namespace
 
 Sites make_sites(const Mesh& mesh, bool with_normals) {
     const std::vector<Triangle>& triangles = mesh.triangles();

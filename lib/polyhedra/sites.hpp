@@ -18,6 +18,9 @@ struct Sites {
     bool encloses_negative_volume = false;
 };
 
+/// Whether the faces of a closed mesh look inwards.
+bool encloses_negative_volume(const Mesh& mesh);
+
 /// Equal vertices of the mesh are one already.
 Sites make_sites(const Mesh& mesh, bool with_normals);
 

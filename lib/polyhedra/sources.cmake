@@ -12,6 +12,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp
           ${CMAKE_CURRENT_LIST_DIR}/kernel_topology.cpp
           ${CMAKE_CURRENT_LIST_DIR}/lateral_planes.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/mesh_part.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh_topology.cpp
           ${CMAKE_CURRENT_LIST_DIR}/morton_order.cpp
           ${CMAKE_CURRENT_LIST_DIR}/one_rings.cpp

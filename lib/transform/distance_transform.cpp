@@ -145,6 +145,11 @@ const Topology& DistanceTransform::topology() const {
 SignRule DistanceTransform::sign() const {
     return state().sign;
 }
+DistanceTransform DistanceTransform::restrict_to(const Box& box, double half_width, double spacing) const {
+    DistanceTransform part;
+    part.state_ = state().restricted(box, half_width, spacing);
+    return part;
+}
 void DistanceTransform::move(std::span<const Vec3> positions) {
     state().move(positions);
 }
@@ -240,7 +245,8 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
         compute_on_device(requests, call);
         return;
     }
-    const std::vector<transform::HostTargets> targets = transform::targets_of(requests);
+    const std::vector<transform::HostTargets> targets = transform::targets_of(
+        requests, [&](const Request& request) { state.stages->check_inside(request.grid, request.band); });
     std::vector<transform::HostArrays> arrays;
     for (const transform::HostTargets& target : targets) arrays.push_back(target.arrays());
     const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, state.mesh().box());

@@ -1,7 +1,10 @@
 #include "transform/finishing.hpp"
 
+#include "core/parallel.hpp"
 #include "core/per_output.hpp"
 #include "polyhedra/sites.hpp"
+
+#include <cstring>
 
 namespace clsdf::transform {
 
@@ -20,12 +23,19 @@ device::BufferPool::Lease upload(device::Context& context, const std::shared_ptr
 }  // namespace
 
 DeviceSites upload_sites(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                         bool with_normals) {
-    const polyhedra::Sites sites = polyhedra::make_sites(mesh, with_normals);
+                         bool with_normals, std::span<const std::uint32_t> numbers) {
+    polyhedra::Sites sites = polyhedra::make_sites(mesh, with_normals);
+    if (!numbers.empty()) {
+        constexpr std::size_t of_entry = sizeof(TriangleSites) / sizeof(std::uint32_t);
+        for (TriangleSites& triangle : sites.triangles)
+            for (clsdf_uint32& lowest : triangle.triangle) lowest = numbers[lowest];
+        sites.triangles.resize(numbers.size() + stretch_count(numbers.size(), of_entry));
+        std::memcpy(&sites.triangles[numbers.size()], numbers.data(), numbers.size_bytes());
+    }
     return {
         upload(context, pool, sites.triangles, "names of the sites"),
         with_normals ? upload(context, pool, sites.normals, "pseudonormals of the sites") : device::BufferPool::Lease(),
-        sites.encloses_negative_volume};
+        sites.encloses_negative_volume, numbers.size()};
 }
 
 Finishing::Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
@@ -55,6 +65,7 @@ Finishing::Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<cons
 void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
     Finish finish = finish_;
     finish.in_double = outputs.in_double;
+    finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
     const cl::Buffer& unused = *sites_->triangles;
     cl_uint argument = first + 3;
     for_each_extra(

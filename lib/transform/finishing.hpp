@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 
 namespace clsdf::transform {
 
@@ -30,12 +31,14 @@ struct DeviceSites {
     device::BufferPool::Lease triangles;
     device::BufferPool::Lease normals;
     bool encloses_negative_volume = false;  ///< known with the normals
+    std::size_t renumbered = 0;             ///< triangles of a part of a mesh, whose numbers in the whole follow
 
     std::size_t bytes() const { return triangles.bytes() + normals.bytes(); }
 };
 
+/// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
 DeviceSites upload_sites(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                         bool with_normals);
+                         bool with_normals, std::span<const std::uint32_t> numbers = {});
 
 /// What the brick kernels are given to finish the samples of a grid with (kernels/finish.h).
 class Finishing {

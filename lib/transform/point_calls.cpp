@@ -51,6 +51,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     {
         const std::scoped_lock lock(mutex);
         transform::throw_if_stopped(call);
+        stages->check_inside(all, within);
         const Stopwatch compile_watch;
         const device::BuildWatch builds = compiling.watch(points::point_test_steps);
         compiling.first_use = points::ensure_points_tested(device, programs, false, builds);
@@ -123,6 +124,7 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
         throw Error(ErrorCode::invalid_argument, fmt::format("{} boxes have {} places for their answers; give as many",
                                                              boxes.size(), places.size()));
     points::check_boxes(boxes);
+    state.stages->check_inside(boxes, half_width);
     points::find_places(*state.points(), state.sign, boxes, half_width, places);
 }
 

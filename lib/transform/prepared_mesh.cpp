@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "device/host_filling.hpp"
+#include "polyhedra/frame_batch.hpp"
 
 #include <fmt/format.h>
 
@@ -181,14 +182,23 @@ PreparedMesh near_records(device::Context& context, const std::shared_ptr<device
     return finish_with_sites(filling, near.face_count, topology, frusta, lattice, near.sites);
 }
 
-SurfacePoints surface_points(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                             const polyhedra::LatticeView& lattice) {
+SurfaceSample surface_sample(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta) {
     const std::size_t faces = topology.order.size();
     const std::size_t stride = std::max<std::size_t>(1, faces / most_surface_points);
-    SurfacePoints points((faces + stride - 1) / stride);
+    SurfaceSample sample(stretch_count(faces, stride));
+    for_each_index(sample.size(), [&](std::size_t i) {
+        for (std::size_t k = 0; k < 3; ++k) sample[i][k] = frusta.positions[topology.faces.triangles[i * stride][k]];
+    });
+    return sample;
+}
+
+SurfacePoints surface_points(const SurfaceSample& sample, const polyhedra::LatticeView& lattice) {
+    SurfacePoints points(sample.size());
     for_each_index(points.size(), [&](std::size_t i) {
-        Polyhedron record;
-        write_face_records(topology, frusta, lattice, i * stride, {&record, 1});
+        constexpr Triangle corners{0, 1, 2};
+        polyhedra::TriangleFrame frame;
+        polyhedra::triangle_frames(sample[i], {&corners, 1}, lattice, {&frame, 1});
+        const Polyhedron record = polyhedra::pack(frame, {}, 0, sample[i], corners, lattice);
         points[i] = {{record.origin_x, record.origin_y, record.origin_z},
                      {record.foot[0], record.foot[1], record.foot[2]}};
     });

@@ -10,6 +10,7 @@
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/records.hpp"
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -75,8 +76,11 @@ PreparedMesh near_records(device::Context& context, const std::shared_ptr<device
                           const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
                           const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near);
 
-SurfacePoints surface_points(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                             const polyhedra::LatticeView& lattice);
+/// The triangles of the sample, of any lattice.
+using SurfaceSample = std::vector<std::array<Vec3, 3>>;
+SurfaceSample surface_sample(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta);
+
+SurfacePoints surface_points(const SurfaceSample& sample, const polyhedra::LatticeView& lattice);
 
 /// Throws Error(invalid_argument) if squares of distances would leave a float's range.
 void check_distance(const Mesh& mesh, const polyhedra::LatticeView& lattice);

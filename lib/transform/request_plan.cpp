@@ -258,7 +258,8 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
 void DistanceTransform::State::plan(transform::RequestPlanState& made, const CallOptions& call) {
     const std::span<const Request> requests = made.requests;
     const device::Context& context = device::context_of(device);
-    const std::vector<transform::DeviceTargets> targets = transform::device_targets_of(requests, context);
+    const std::vector<transform::DeviceTargets> targets = transform::device_targets_of(
+        requests, context, [this](const Request& request) { stages->check_inside(request.grid, request.band); });
     std::vector<transform::HostArrays> arrays;
     for (const transform::DeviceTargets& target : targets) arrays.push_back(target.arrays());
     const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, mesh().box());

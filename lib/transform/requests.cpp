@@ -107,13 +107,15 @@ auto kind_of(const Request& request, const HostArrays& arrays) {
 
 /// make(request) for each of them, with its index in the message of what it throws.
 template <class Made, class Make>
-std::vector<Made> made_of(std::span<const Request> requests, const Make& make) {
+std::vector<Made> made_of(std::span<const Request> requests, const std::function<void(const Request&)>& check,
+                          const Make& make) {
     std::vector<Made> all;
     all.reserve(requests.size());
     for (std::size_t n = 0; n < requests.size(); ++n) {
         try {
             requests[n].grid.validate();
             requests[n].band.validate();
+            if (check) check(requests[n]);
             all.push_back(make(requests[n]));
         } catch (const Error& error) {
             throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()),
@@ -125,13 +127,15 @@ std::vector<Made> made_of(std::span<const Request> requests, const Make& make) {
 
 }  // namespace
 
-std::vector<HostTargets> targets_of(std::span<const Request> requests) {
-    return made_of<HostTargets>(requests,
+std::vector<HostTargets> targets_of(std::span<const Request> requests,
+                                    const std::function<void(const Request&)>& check) {
+    return made_of<HostTargets>(requests, check,
                                 [](const Request& request) { return HostTargets(request.targets, request.grid); });
 }
 
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context) {
-    return made_of<DeviceTargets>(requests, [&](const Request& request) {
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
+                                             const std::function<void(const Request&)>& check) {
+    return made_of<DeviceTargets>(requests, check, [&](const Request& request) {
         return device::guarded([&] { return DeviceTargets(request.targets, request.grid, context); });
     });
 }

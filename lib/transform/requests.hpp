@@ -5,6 +5,7 @@
 #include "transform/output_targets.hpp"
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,9 +18,12 @@ struct Batch {
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
 
-/// Where the outputs of each request go. Throws what a call for it alone would throw, with its index in the message.
-std::vector<HostTargets> targets_of(std::span<const Request> requests);
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context);
+/// Where the outputs of each request go. Throws what a call for it alone would throw, or what `check` throws, with its
+/// index in the message.
+std::vector<HostTargets> targets_of(std::span<const Request> requests,
+                                    const std::function<void(const Request&)>& check = {});
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
+                                             const std::function<void(const Request&)>& check = {});
 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
 /// asks for, and a call for each request has a cost of its own: requests of a lattice are divided where that is

@@ -1,5 +1,6 @@
 #include "transform/stages.hpp"
 
+#include "polyhedra/sites.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/field_method.hpp"
 #include "transform/layout_of.hpp"
@@ -89,6 +90,91 @@ SetUpBy SetUpBy::programs(const device::Context& context, const Programs& progra
 
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
     : context_(context), pool_(std::move(pool)), options_(std::move(options)), mesh_(std::move(mesh)) {}
+
+Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
+               Restriction restriction, Options options)
+    : context_(context),
+      pool_(std::move(pool)),
+      options_(std::move(options)),
+      mesh_(std::move(part.mesh)),
+      restriction_(std::move(restriction)),
+      topology_(std::move(part.topology)),
+      frusta_(std::move(part.frusta)) {}
+
+std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
+                                           double spacing, SignRule sign) {
+    try {
+        Restriction restriction{box, half_width, spacing, {}, {}, false};
+        // As far as a grid's outermost coarse bricks, and the slack of their tests, which is far less than a sample.
+        Box needed = widened(box, half_width * (1 + 1e-3) + (CLSDF_COARSE + 1) * spacing);
+        if (sign != SignRule::none) needed.lower[0] = -std::numeric_limits<double>::infinity();
+        polyhedra::NearRecords near = index().near(needed);
+        if (near.faces.empty()) near.faces.push_back({0, 1});  // a mesh has a triangle
+        polyhedra::MeshPart part = polyhedra::part_of(mesh_, topology(), frusta(), near);
+        restriction.numbers = std::move(part.triangles);
+        restriction.sample = surface_sample(topology(), frusta());
+        restriction.encloses_negative_volume = polyhedra::encloses_negative_volume(mesh_);
+        return std::unique_ptr<Stages>(
+            new Stages(context_, std::move(pool), std::move(part), std::move(restriction), options_));
+    } catch (const std::bad_alloc&) {
+        throw preparation_error(mesh_);
+    }
+}
+
+namespace {
+
+std::string text_of(const Box& box) {
+    const auto& [lower, upper] = box;
+    return fmt::format("({}, {}, {}) to ({}, {}, {})", lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
+}
+
+bool is_within(const Box& box, const Box& other, double slack) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!(box.lower[axis] >= other.lower[axis] - slack && box.upper[axis] <= other.upper[axis] + slack))
+            return false;
+    return true;
+}
+
+Error beyond(const Restriction& restriction, const std::string& what) {
+    return {ErrorCode::invalid_argument,
+            fmt::format("{}, and the transform is restricted to the box from {}, half widths up to {} and spacings up "
+                        "to {}; restrict the whole transform to more",
+                        what, text_of(restriction.box), restriction.half_width, restriction.spacing)};
+}
+
+}  // namespace
+
+void Stages::check_inside(const Grid& grid, const Band& band) const {
+    if (!restriction_) return;
+    const Box samples{grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
+    const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
+    // Samples are as far off as their positions are rounded.
+    if (!is_within(samples, restriction_->box, 1e-6 * longest))
+        throw beyond(*restriction_, fmt::format("the grid's samples reach from {}", text_of(samples)));
+    if (!(longest <= restriction_->spacing))
+        throw beyond(*restriction_, fmt::format("the grid's spacing is {}", longest));
+    if (!(band.widest() <= restriction_->half_width))
+        throw beyond(*restriction_, fmt::format("the band's half width is {}", band.widest()));
+}
+
+void Stages::check_inside(std::span<const Vec3> points, double within) const {
+    if (!restriction_) return;
+    if (!(within <= restriction_->half_width))
+        throw beyond(*restriction_, fmt::format("points are looked up within {}", within));
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!is_within({points[i], points[i]}, restriction_->box, 0))
+            throw beyond(*restriction_,
+                         fmt::format("point {} lies at ({}, {}, {})", i, points[i][0], points[i][1], points[i][2]));
+}
+
+void Stages::check_inside(std::span<const Box> boxes, double half_width) const {
+    if (!restriction_) return;
+    if (!(half_width <= restriction_->half_width))
+        throw beyond(*restriction_, fmt::format("the half width around boxes is {}", half_width));
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+        if (!is_within(boxes[i], restriction_->box, 0))
+            throw beyond(*restriction_, fmt::format("box {} reaches from {}", i, text_of(boxes[i])));
+}
 
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
@@ -194,17 +280,20 @@ bool Stages::is_shared(bool is_kept, std::size_t packed, double most_share) cons
                        device_bytes() + record_bytes() <= budget());
 }
 
-std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box) {
+std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, bool is_for_sign) {
     if (!is_small(share_of(mesh_.box(), box))) return std::nullopt;
     polyhedra::NearRecords near = index().near(box);
-    if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
+    // What a part of a mesh has for the sign alone needs no records.
+    if ((!restriction_ || is_for_sign) &&
+        !is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
         return std::nullopt;
     return near;
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
     if (!is_bounded(layout)) return std::nullopt;
-    return near_box(widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout)));
+    return near_box(widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout)),
+                    false);
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
@@ -212,7 +301,7 @@ std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const 
     // Rows run along x: what they cross on the way to the samples.
     Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
     box.lower[0] = -std::numeric_limits<double>::infinity();
-    return near_box(widened(box, grid.voxel()));
+    return near_box(widened(box, grid.voxel()), true);
 }
 
 void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
@@ -230,7 +319,9 @@ void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inpu
     if (!inputs.records && !kept.records) kept.records = std::make_shared<const PreparedMesh>(all_records(view));
     if (!inputs.records) inputs.records = kept.records;
     if (has_uniform_caps(layout)) return;
-    if (!kept.points) kept.points = std::make_shared<const SurfacePoints>(surface_points(topology(), frusta(), view));
+    if (!kept.points)
+        kept.points = std::make_shared<const SurfacePoints>(
+            surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view));
     inputs.points = kept.points;
 }
 
@@ -269,7 +360,10 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
 std::shared_ptr<const DeviceSites> Stages::sites(bool with_normals) {
     if (!sites_ || (with_normals && sites_->normals.bytes() == 0)) {
         sites_.reset();
-        sites_ = std::make_shared<const DeviceSites>(upload_sites(context_, pool_, mesh_, with_normals));
+        DeviceSites sites = restriction_ ? upload_sites(context_, pool_, mesh_, with_normals, restriction_->numbers)
+                                         : upload_sites(context_, pool_, mesh_, with_normals);
+        if (restriction_) sites.encloses_negative_volume = restriction_->encloses_negative_volume;
+        sites_ = std::make_shared<const DeviceSites>(std::move(sites));
     }
     return sites_;
 }
@@ -278,8 +372,9 @@ std::shared_ptr<const points::PointMesh> Stages::points() {
     try {
         if (!points_) {
             topology();
-            points_ =
-                std::make_shared<const points::PointMesh>(points::make_point_mesh(context_, pool_, mesh_, topology_));
+            points::PointMesh made = points::make_point_mesh(context_, pool_, mesh_, topology_);
+            made.is_part = restriction_.has_value();
+            points_ = std::make_shared<const points::PointMesh>(std::move(made));
         }
         return points_;
     } catch (const std::bad_alloc&) {
@@ -302,7 +397,8 @@ std::shared_ptr<const points::ScannedMesh> Stages::scanned_mesh(const cl::Progra
 
 std::shared_ptr<const points::FaceSides> Stages::face_sides(SignRule sign, bool is_found) {
     try {
-        if (!face_sides_ && is_found)
+        // In front of a part's faces there may be others that are missing.
+        if (!face_sides_ && is_found && !restriction_)
             face_sides_ =
                 std::make_shared<const points::FaceSides>(points::find_face_sides(context_, pool_, *points(), sign));
         return face_sides_;
@@ -350,7 +446,10 @@ std::size_t Stages::record_bytes() const {
 std::size_t Stages::host_bytes() const {
     return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0) +
            (points_ ? points_->host_bytes() : 0) + (frusta_sources_ ? frusta_sources_->bytes() : 0) +
-           frusta_memory_.bytes();
+           frusta_memory_.bytes() +
+           (restriction_ ? restriction_->numbers.size() * sizeof(std::uint32_t) +
+                               restriction_->sample.size() * sizeof(restriction_->sample[0])
+                         : 0);
 }
 
 }  // namespace clsdf::transform

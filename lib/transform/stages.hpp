@@ -11,6 +11,7 @@
 #include "points/point_scan.hpp"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
+#include "polyhedra/mesh_part.hpp"
 #include "polyhedra/mesh_topology.hpp"
 #include "transform/device_faces.hpp"
 #include "transform/finishing.hpp"
@@ -22,6 +23,8 @@
 #include <list>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace clsdf {
 class FieldMethod;
@@ -51,6 +54,16 @@ struct SetUpBy {
     static SetUpBy programs(const device::Context& context, const Programs& programs, bool tests = false);
 };
 
+/// What a transform is restricted to, and what it needs of the whole mesh.
+struct Restriction {
+    Box box{};
+    double half_width = 0;
+    double spacing = 0;
+    std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
+    SurfaceSample sample;                ///< of the whole mesh
+    bool encloses_negative_volume = false;
+};
+
 /// What a transform keeps of its mesh. Each value is made from those above it when it is needed first, and again only
 /// if one of them has changed.
 ///
@@ -78,6 +91,16 @@ public:
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh)
         : Stages(context, std::move(pool), std::move(mesh), Options()) {}
+
+    /// Of what samples and points of a box can need: see DistanceTransform::restrict_to().
+    std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
+                                       double spacing, SignRule sign);
+    /// Null for the whole mesh.
+    const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
+    /// Throws Error(invalid_argument) if a restricted mesh does not suffice for a field, points or boxes.
+    void check_inside(const Grid& grid, const Band& band) const;
+    void check_inside(std::span<const Vec3> points, double within) const;
+    void check_inside(std::span<const Box> boxes, double half_width) const;
 
     device::Context& context() const { return context_; }
     const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }
@@ -119,6 +142,9 @@ public:
     std::size_t record_bytes() const;
 
 private:
+    Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, polyhedra::MeshPart part,
+           Restriction restriction, Options options);
+
     struct Lattice {
         Vec3 origin{};
         Vec3 spacing{};
@@ -144,7 +170,7 @@ private:
     Lattice& lattice(const Grid& grid);
     /// What a grid needs of the mesh, for its coarse bricks' lists or for its rows' crossings; nothing if that is more
     /// than half of the mesh.
-    std::optional<polyhedra::NearRecords> near_box(const Box& box);
+    std::optional<polyhedra::NearRecords> near_box(const Box& box, bool is_for_sign);
     std::optional<polyhedra::NearRecords> near_bricks(const Grid& grid, const Layout& layout);
     std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);
     /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made. `packed`: the
@@ -157,6 +183,7 @@ private:
     std::shared_ptr<device::BufferPool> pool_;
     Options options_;
     Mesh mesh_;
+    std::optional<Restriction> restriction_;
     std::shared_ptr<const polyhedra::MeshTopology> topology_;
     bool has_moved_ = false;
     std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on, as what follows

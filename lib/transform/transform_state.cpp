@@ -2,12 +2,16 @@
 
 #include "core/keep.hpp"
 #include "core/stopwatch.hpp"
+#include "points/box_places.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/field_method.hpp"
 #include "transform/layout_of.hpp"
 #include "transform/sweep_mesh.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -42,6 +46,39 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions op
                                    programs.body == KernelBody::by_vector, options.kept_bytes});
 }
 
+DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
+                                std::unique_ptr<transform::Stages> own_stages)
+    : device(other.device),
+      options(other.options),
+      topology(other.topology),
+      sign(other.sign),
+      vertices(other.vertices),
+      programs(other.programs),
+      pool(own_pool),
+      stages(std::move(own_stages)) {}
+
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(const Box& box, double half_width,
+                                                                               double spacing) {
+    points::check_boxes({&box, 1});
+    const auto refuse = [](double value, const char* what) {
+        if (value > 0 && std::isfinite(value)) return;
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("a transform is restricted to {} up to {}, which must be positive and finite; without "
+                                "an end every triangle can matter: use the whole transform",
+                                what, value));
+    };
+    refuse(half_width, "half widths");
+    refuse(spacing, "spacings");
+    const std::scoped_lock lock(mutex);
+    if (stages->restriction() != nullptr)
+        throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
+    if (options.method)
+        throw Error(ErrorCode::unsupported, "a transform with a method of its own cannot be restricted; use the whole");
+    auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    auto own_stages = make_room_for([&] { return stages->restricted(own_pool, box, half_width, spacing, sign); });
+    return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_stages)));
+}
+
 DistanceTransform::State::~State() {
     if (device::context_of(device).is_lost())
         keep_for_good(stages);  // whose mesh the device reads where the host has it
@@ -73,6 +110,10 @@ void DistanceTransform::State::move(const std::array<Vec3, 3>& rotation, const V
 }
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
+    if (stages->restriction() != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    "the transform is restricted, and triangles would come and go; move the whole one and restrict it "
+                    "again");
     std::vector<Vec3> before;
     if (first_positions.empty()) before = mesh().vertices();
     stages->move(std::move(positions));
@@ -119,6 +160,7 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
 
 transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs,
                                                    bool lone) {
+    stages->check_inside(grid, band);
     return make_room_for([&] { return make_inputs(grid, band, outputs, lone); });
 }
 

@@ -37,6 +37,9 @@ struct DistanceTransform::State {
     State& operator=(const State&) = delete;
     ~State();
 
+    /// See DistanceTransform::restrict_to().
+    std::unique_ptr<State> restricted(const Box& box, double half_width, double spacing);
+
     const Mesh& mesh() const { return stages->mesh(); }
 
     void move(std::span<const Vec3> positions);
@@ -116,6 +119,10 @@ struct DistanceTransform::State {
     std::size_t points_asked = 0;       // by query(), since the last move
 
 private:
+    /// With the mesh of other stages.
+    State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
+          std::unique_ptr<transform::Stages> own_stages);
+
     transform::Programs build_programs(const CallOptions& call);
     /// Of the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);

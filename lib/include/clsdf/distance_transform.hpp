@@ -249,6 +249,18 @@ public:
     /// R^T may differ from the identity's by 1e-12, and det R must be positive.
     void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
+    /// A transform of what a part of the domain can need of the mesh, for programs that share a domain. It keeps the
+    /// triangles near the box and, for a sign, those with smaller x in the rows of its samples. Its results have the
+    /// bytes of this one's, for grids with all samples in the box, spacings up to `spacing` and bands up to
+    /// `half_width`, for points and boxes in the box within half_width; all else throws Error(invalid_argument) that
+    /// names the box. It cannot be moved or restricted again. This transform is prepared first, and may be destroyed
+    /// then.
+    ///
+    /// Throws Error(invalid_argument) for a box with a coordinate that is not finite or a lower corner above its upper
+    /// one, and for lengths that are not positive and finite; Error(unsupported) for a transform that is restricted
+    /// already or has TransformOptions::method; Error(out_of_memory).
+    DistanceTransform restrict_to(const Box& box, double half_width, double spacing) const;
+
     /// Builds the other programs that such a field needs and, the first time on this device and driver version, tests
     /// them: a small known field is computed and compared. Computations do it by themselves; this is for programs that
     /// want to choose when. Returns whether something was tested. Throws Error(device_failure) that names the device,
@@ -292,8 +304,8 @@ public:
     ///
     /// A target is host memory of the caller for points.size() values, packed or strides[0] bytes from point to point.
     /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
-    /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 450
-    /// bytes a triangle, the first one of many points 320 more (TransformOptions::kept_bytes). An error leaves the
+    /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 520
+    /// bytes a triangle, the first one of many points 160 more (TransformOptions::kept_bytes). An error leaves the
     /// targets undefined.
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
@@ -329,6 +341,7 @@ public:
 
 private:
     friend class RequestPlan;
+    DistanceTransform() = default;
     /// Into memory of the device, by way of a plan.
     void compute_on_device(std::span<const Request> requests, const CallOptions& call) const;
     struct State;

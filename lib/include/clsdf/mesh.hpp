@@ -70,6 +70,10 @@ private:
     TripleLayout triangle_layout_;
 };
 
+namespace polyhedra {
+struct PartMaker;
+}
+
 /// An indexed triangle mesh in double precision, checked: it has a triangle, every index is in range, and every vertex
 /// in use is finite. Everything else (degenerate faces, holes, any orientation, unused vertices) is allowed and
 /// reported by describe_topology().
@@ -92,6 +96,7 @@ public:
     const Box& box() const { return box_; }
 
 private:
+    friend struct polyhedra::PartMaker;
     std::vector<Vec3> vertices_;
     std::vector<Triangle> triangles_;
     std::string name_;

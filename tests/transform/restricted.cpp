@@ -1,0 +1,243 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <vector>
+
+// A transform that is restricted to a box gives the bytes of the whole one there.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
+
+void check_same(const Field& whole, const Field& part) {
+    visit_outputs(
+        [](const char* name, const auto& of_whole, const auto& of_part) {
+            BOOST_TEST(of_whole.size() == of_part.size());
+            BOOST_TEST(std::memcmp(of_whole.data(), of_part.data(), of_whole.size() * sizeof(of_whole[0])) == 0,
+                       name << " differs");
+        },
+        whole, part);
+}
+
+/// Awkward ones: within the mesh, at its end, thin, around all of it, beside it and far from it.
+std::vector<Box> boxes_about(const Mesh& mesh) {
+    const Box all = mesh.box();
+    const auto at = [&](const Vec3& lower, const Vec3& upper) {
+        Box box;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double side = all.upper[axis] - all.lower[axis];
+            box.lower[axis] = all.lower[axis] + lower[axis] * side;
+            box.upper[axis] = all.lower[axis] + upper[axis] * side;
+        }
+        return box;
+    };
+    return {at({0.4, 0.3, 0.2}, {0.6, 0.7, 0.5}),       at({0.7, -0.2, -0.2}, {1.3, 0.4, 0.4}),
+            at({-0.3, 0.1, 0.55}, {1.3, 0.9, 0.551}),   at({-0.1, -0.1, -0.1}, {1.1, 1.1, 1.1}),
+            at({1.2, 0.2, 0.2}, {1.5, 0.8, 0.8}),       at({-0.6, 0.2, 0.2}, {-0.2, 0.8, 0.8}),
+            at({40, 40.5, 41}, {40.2, 40.7, 41.2}),     at({0.2, 0.2, 0.95}, {0.8, 0.8, 1.05})};
+}
+
+/// The block of a lattice that has all samples in a box.
+Grid samples_in(const Box& box, double h, const Vec3& origin) {
+    Grid grid = grid_at(origin, h, 1);
+    grid.origin = origin;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        grid.first[axis] = static_cast<std::int64_t>(std::ceil((box.lower[axis] - origin[axis]) / h));
+        const auto last = static_cast<std::int64_t>(std::floor((box.upper[axis] - origin[axis]) / h));
+        grid.size[axis] = std::max<std::int64_t>(1, last - grid.first[axis] + 1);
+    }
+    return grid;
+}
+
+/// Whether its samples lie in the box: a thin one may have none.
+bool is_inside(const Grid& grid, const Box& box) {
+    const Vec3 first = grid.position(0, 0, 0),
+               last = grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (first[axis] < box.lower[axis] || last[axis] > box.upper[axis]) return false;
+    return true;
+}
+
+/// The group body, which a processor takes long for, gets two of them.
+std::vector<Mesh> meshes(KernelBody body) {
+    Random random(17);
+    if (body == KernelBody::by_group) return {tilted(make_shape("knot")), random_slivers(random, 300)};
+    return {tilted(make_shape("noisy")),
+            make_shape("sphere5"),
+            without_triangle(make_shape("knot"), 7),
+            together({cube(1), shifted(make_shape("sphere4"), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {9, 0, 0}))},
+                     "overlapping"),
+            random_slivers(random, 400)};
+}
+
+Field query(const DistanceTransform& transform, std::span<const Vec3> points, double within) {
+    Field field;
+    OutputTargets targets;
+    visit_outputs(
+        [&](const char* name, auto& values, OutputTarget& target) {
+            const std::string output = name;
+            values.resize(points.size() * (output == "closest" || output == "gradient" ? 3
+                                           : output == "barycentric"                   ? 2
+                                                                                       : 1));
+            target = values;
+        },
+        field, targets);
+    transform.query(points, within, targets);
+    return field;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(grids_in_the_box_have_the_bytes_of_the_whole) {
+    for (const KernelBody body : both_bodies)
+        for (const Mesh& mesh : meshes(body)) {
+            const double side = mesh.box().longest_side();
+            const DistanceTransform whole(test_device(), mesh, {.body = body});
+            for (const Box& box : boxes_about(mesh)) {
+                const double h = side / 40;
+                const double half_width = 9 * h;
+                const DistanceTransform part = whole.restrict_to(box, half_width, h);
+                for (const double spacing : {h, 0.43 * h})
+                    for (const double voxels : {2.5, 9.0}) {
+                        const Grid grid = samples_in(box, spacing, {0.1 * side, -0.3 * side, 0.2 * side});
+                        if (!is_inside(grid, box)) continue;
+                        const Band band{0.7 * voxels * spacing, voxels * spacing};
+                        BOOST_TEST_CONTEXT(mesh.name() << ", spacing " << spacing << ", band of " << voxels
+                                                       << " voxels, box from " << box.lower[0] << ", " << box.lower[1]
+                                                       << ", " << box.lower[2])
+                        check_same(whole(grid, band, all_outputs()), part(grid, band, all_outputs()));
+                    }
+            }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(points_and_boxes_in_the_box_have_the_answers_of_the_whole) {
+    for (const KernelBody body : both_bodies)
+        for (const Mesh& mesh : meshes(body)) {
+            const double side = mesh.box().longest_side(), half_width = 0.1 * side;
+            const DistanceTransform whole(test_device(), mesh, {.body = body});
+            Random random(3);
+            for (const Box& box : boxes_about(mesh)) {
+                const DistanceTransform part = whole.restrict_to(box, half_width, side / 100);
+                std::vector<Vec3> points(2000);
+                std::vector<Box> boxes(500);
+                const auto place = [&] {
+                    Vec3 p{};
+                    for (std::size_t axis = 0; axis < 3; ++axis)
+                        p[axis] = std::clamp(box.lower[axis] + random.uniform(0, 1) * (box.upper[axis] - box.lower[axis]),
+                                             box.lower[axis], box.upper[axis]);
+                    return p;
+                };
+                for (Vec3& p : points) p = place();
+                for (Box& b : boxes) {
+                    const Vec3 p = place(), q = place();
+                    for (std::size_t axis = 0; axis < 3; ++axis) {
+                        b.lower[axis] = std::min(p[axis], 0.9 * p[axis] + 0.1 * q[axis]);
+                        b.upper[axis] = std::max(p[axis], 0.9 * p[axis] + 0.1 * q[axis]);
+                    }
+                }
+                BOOST_TEST_CONTEXT(mesh.name() << ", box from " << box.lower[0] << ", " << box.lower[1] << ", "
+                                               << box.lower[2]) {
+                    check_same(query(whole, points, half_width), query(part, points, half_width));
+                    const std::span<const Vec3> few = std::span(points).first(300);
+                    check_same(query(whole, few, 0.5 * half_width), query(part, few, 0.5 * half_width));
+                    std::vector<BoxPlace> of_whole(boxes.size()), of_part(boxes.size());
+                    whole.classify(boxes, half_width, of_whole);
+                    part.classify(boxes, half_width, of_part);
+                    BOOST_TEST((of_whole == of_part));
+                }
+            }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(a_part_outlives_the_whole_and_takes_a_part_of_its_memory) {
+    const Mesh mesh = make_shape("sphere7");
+    const Box eighth{{0, 0, 0}, {1.1, 1.1, 1.1}};
+    const double h = 0.002;
+    const Grid grid = samples_in({{0.5, 0.5, 0.5}, {0.6, 0.6, 0.7}}, h, {0, 0, 0});
+    std::optional<DistanceTransform> whole(std::in_place, test_device(), mesh);
+    const DistanceTransform part = whole->restrict_to(eighth, 3 * h, h);
+    const Field expected = (*whole)(grid, Band::symmetric(3 * h));
+    const KeptMemory of_whole = whole->memory();
+    whole.reset();
+    check_same(expected, part(grid, Band::symmetric(3 * h)));
+    // Of the sphere's octant and what lies before it, a fourth of the sphere, and a seam.
+    BOOST_TEST(part.memory().host_bytes < of_whole.host_bytes * 4 / 10);
+}
+
+BOOST_AUTO_TEST_CASE(many_boxes_of_a_part_go_into_one_call) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const double h = mesh.box().longest_side() / 80;
+    const Box box = boxes_about(mesh).front();
+    const DistanceTransform whole(test_device(), mesh);
+    const DistanceTransform part = whole.restrict_to(box, 4 * h, h);
+    const Grid all = samples_in(box, h, mesh.box().lower);
+    const Grid outside = all.grown(2);
+    std::vector<float> first(all.sample_count()), second(all.sample_count()), third(outside.sample_count());
+    const Band band = Band::symmetric(4 * h);
+    const std::array<Request, 2> right{Request{all, band, {.distance = first}}, Request{all, band, {.distance = second}}};
+    part.compute(right);
+    const Field expected = whole(all, band);
+    BOOST_TEST((bits_of(first) == bits_of(expected.distance)));
+    BOOST_TEST((bits_of(second) == bits_of(expected.distance)));
+    const std::array<Request, 2> wrong{right[0], Request{outside, band, {.distance = third}}};
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "reach from", "is restricted to the box from"},
+                 [&] { part.compute(wrong); });
+}
+
+BOOST_AUTO_TEST_CASE(what_a_part_cannot_answer_is_an_error_that_names_it) {
+    const Mesh mesh = cube(1);
+    const DistanceTransform whole(test_device(), mesh);
+    const Box box{{0, 0, 0}, {1, 1, 1}};
+    DistanceTransform part = whole.restrict_to(box, 0.3, 0.1);
+    const Grid inside = samples_in(box, 0.1, {0, 0, 0});
+    const char* const named = "is restricted to the box from (0, 0, 0) to (1, 1, 1), half widths up to 0.3";
+    const auto refused = [&](const char* what, const auto& call) {
+        check_throws(ErrorCode::invalid_argument, {what, named, "restrict the whole"}, call);
+    };
+    refused("samples reach from", [&] { part(inside.grown(1), Band::symmetric(0.3)); });
+    refused("half width is 0.31", [&] { part(inside, Band::symmetric(0.31)); });
+    refused("half width is inf", [&] { part(inside, Band::full()); });
+    refused("spacing is 0.2", [&] { part(samples_in(box, 0.2, {0, 0, 0}), Band::symmetric(0.3)); });
+    refused("samples reach from", [&] { part.plan(inside.grown(1), Band::symmetric(0.3)); });
+    std::vector<float> distance(2);
+    const std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}};
+    refused("point 1 lies at (0.5, 1.5, 0.5)", [&] { part.query(points, 0.3, {.distance = distance}); });
+    refused("within inf", [&] {
+        part.query(points, std::numeric_limits<double>::infinity(), {.distance = distance});
+    });
+    std::vector<BoxPlace> places(1);
+    const std::vector<Box> outside{{{0, 0, 0}, {2, 1, 1}}};
+    refused("box 0 reaches", [&] { part.classify(outside, 0.3, places); });
+    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.move(mesh.vertices()); });
+    check_throws(ErrorCode::unsupported, {"restrict the whole one"}, [&] { part.restrict_to(box, 0.1, 0.1); });
+    const double inf = std::numeric_limits<double>::infinity();
+    check_throws(ErrorCode::invalid_argument, {"half widths up to inf"}, [&] { whole.restrict_to(box, inf, 0.1); });
+    check_throws(ErrorCode::invalid_argument, {"spacings up to 0"}, [&] { whole.restrict_to(box, 0.1, 0); });
+    check_throws(ErrorCode::invalid_argument, {"corners exchanged"},
+                 [&] { whole.restrict_to({{1, 0, 0}, {0, 1, 1}}, 0.1, 0.1); });
+}
+
+BOOST_AUTO_TEST_CASE(a_part_of_a_moved_mesh_has_its_positions) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    std::vector<Vec3> positions = mesh.vertices();
+    for (Vec3& p : positions) p[0] += 0.2 * p[1] * p[1];
+    DistanceTransform whole(test_device(), mesh);
+    whole.move(positions);
+    const Box box = boxes_about(mesh).front();
+    const double h = mesh.box().longest_side() / 80;
+    const DistanceTransform part = whole.restrict_to(box, 4 * h, h);
+    const Grid grid = samples_in(box, h, {0, 0, 0});
+    check_same(whole(grid, Band::symmetric(4 * h), all_outputs()), part(grid, Band::symmetric(4 * h), all_outputs()));
+}
