@@ -81,7 +81,9 @@ std::string introduction(const Record& record) {
     const Summary total = sum_up(record.results).back();
     std::string text = fmt::format(
         "# Acceptance\n\n"
-        "Fields of the list, computed and held against the reference in double precision, with all outputs.\n"
+        "Fields of the list, computed and held against the reference in double precision, with all outputs. Each is "
+        "held\n"
+        "against other calls, too: requests, a restricted transform, points and a moved mesh, in blocks of the grid.\n"
         "`scripts/accept` makes this record, and the list field by field in build/acceptance.md.\n\n"
         "| | |\n|-|-|\n"
         "| outcome | {}: {} fields, {} failed |\n",
@@ -199,6 +201,7 @@ std::string row(const CostLimit& limit) {
 std::string explain(const Result& result) {
     if (result.passed()) return {};
     if (!result.error.empty()) return fmt::format("{}: {}\n", result.name, result.error);
+    if (!result.wrong_calls.empty()) return fmt::format("{}: {}\n", result.name, result.wrong_calls);
     if (result.judged.band_samples == 0) return fmt::format("{}: no sample in the band was checked\n", result.name);
     std::string text;
     for (const reference::CheckReport::Finding& finding : result.judged.findings)

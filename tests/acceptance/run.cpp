@@ -1,4 +1,6 @@
 #include "acceptance/run.hpp"
+
+#include "acceptance/calls.hpp"
 #include "core/stopwatch.hpp"
 
 #include <clsdf/error.hpp>
@@ -52,6 +54,7 @@ void compute_and_check(const Device& device, const Case& example, KernelBody bod
         result.judged = check(problem.mesh, field, example.samples, judged_voxels);
     }
     result.check_seconds = checking.seconds();
+    result.wrong_calls = wrong_calls(transform, problem, field);
     result.every_sample = result.judged.samples == problem.grid.sample_count();
 }
 

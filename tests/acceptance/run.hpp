@@ -21,6 +21,7 @@ struct Result {
     Index3 size{};
     double half_width_voxels = 0;
     SignRule sign = SignRule::none;
+    std::string wrong_calls;  ///< of other calls in blocks of the grid: see calls.hpp
     bool every_sample = false;
     reference::CheckReport judged;
     std::size_t beyond_aim = 0;  ///< band samples
@@ -28,7 +29,7 @@ struct Result {
     double check_seconds = 0;
 
     /// Fails for a field without a sample in its band, which proves nothing.
-    bool passed() const { return error.empty() && judged.band_samples > 0 && judged.passed(); }
+    bool passed() const { return error.empty() && wrong_calls.empty() && judged.band_samples > 0 && judged.passed(); }
 };
 
 Result run(const Device& device, const Case& example, KernelBody body);

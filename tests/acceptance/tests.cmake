@@ -2,7 +2,7 @@
 # `accept` all of it, which takes half an hour and fetches meshes.
 clsdf_require(CLI11 libcli11-dev CONFIG)
 add_executable(acceptance)
-foreach(source main case shape_cases strained_cases random_cases archive_cases run cost record)
+foreach(source main case shape_cases strained_cases random_cases archive_cases run calls cost record)
   target_sources(acceptance PRIVATE ${CMAKE_CURRENT_LIST_DIR}/${source}.cpp)
 endforeach()
 target_include_directories(acceptance PRIVATE ${PROJECT_SOURCE_DIR}/tests)

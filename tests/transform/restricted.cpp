@@ -42,10 +42,10 @@ std::vector<Box> boxes_about(const Mesh& mesh) {
         }
         return box;
     };
-    return {at({0.4, 0.3, 0.2}, {0.6, 0.7, 0.5}),       at({0.7, -0.2, -0.2}, {1.3, 0.4, 0.4}),
-            at({-0.3, 0.1, 0.55}, {1.3, 0.9, 0.551}),   at({-0.1, -0.1, -0.1}, {1.1, 1.1, 1.1}),
-            at({1.2, 0.2, 0.2}, {1.5, 0.8, 0.8}),       at({-0.6, 0.2, 0.2}, {-0.2, 0.8, 0.8}),
-            at({40, 40.5, 41}, {40.2, 40.7, 41.2}),     at({0.2, 0.2, 0.95}, {0.8, 0.8, 1.05})};
+    return {at({0.4, 0.3, 0.2}, {0.6, 0.7, 0.5}),     at({0.7, -0.2, -0.2}, {1.3, 0.4, 0.4}),
+            at({-0.3, 0.1, 0.55}, {1.3, 0.9, 0.551}), at({-0.1, -0.1, -0.1}, {1.1, 1.1, 1.1}),
+            at({1.2, 0.2, 0.2}, {1.5, 0.8, 0.8}),     at({-0.6, 0.2, 0.2}, {-0.2, 0.8, 0.8}),
+            at({40, 40.5, 41}, {40.2, 40.7, 41.2}),   at({0.2, 0.2, 0.95}, {0.8, 0.8, 1.05})};
 }
 
 /// The block of a lattice that has all samples in a box.
@@ -73,12 +73,11 @@ bool is_inside(const Grid& grid, const Box& box) {
 std::vector<Mesh> meshes(KernelBody body) {
     Random random(17);
     if (body == KernelBody::by_group) return {tilted(make_shape("knot")), random_slivers(random, 300)};
-    return {tilted(make_shape("noisy")),
-            make_shape("sphere5"),
-            without_triangle(make_shape("knot"), 7),
-            together({cube(1), shifted(make_shape("sphere4"), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {9, 0, 0}))},
-                     "overlapping"),
-            random_slivers(random, 400)};
+    return {
+        tilted(make_shape("noisy")), make_shape("sphere5"), without_triangle(make_shape("knot"), 7),
+        together({cube(1), shifted(make_shape("sphere4"), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {9, 0, 0}))},
+                 "overlapping"),
+        random_slivers(random, 400)};
 }
 
 Field query(const DistanceTransform& transform, std::span<const Vec3> points, double within) {
@@ -113,9 +112,9 @@ BOOST_AUTO_TEST_CASE(grids_in_the_box_have_the_bytes_of_the_whole) {
                         const Grid grid = samples_in(box, spacing, {0.1 * side, -0.3 * side, 0.2 * side});
                         if (!is_inside(grid, box)) continue;
                         const Band band{0.7 * voxels * spacing, voxels * spacing};
-                        BOOST_TEST_CONTEXT(mesh.name() << ", spacing " << spacing << ", band of " << voxels
-                                                       << " voxels, box from " << box.lower[0] << ", " << box.lower[1]
-                                                       << ", " << box.lower[2])
+                        BOOST_TEST_CONTEXT(mesh.name()
+                                           << ", spacing " << spacing << ", band of " << voxels << " voxels, box from "
+                                           << box.lower[0] << ", " << box.lower[1] << ", " << box.lower[2])
                         check_same(whole(grid, band, all_outputs()), part(grid, band, all_outputs()));
                     }
             }
@@ -135,8 +134,9 @@ BOOST_AUTO_TEST_CASE(points_and_boxes_in_the_box_have_the_answers_of_the_whole) 
                 const auto place = [&] {
                     Vec3 p{};
                     for (std::size_t axis = 0; axis < 3; ++axis)
-                        p[axis] = std::clamp(box.lower[axis] + random.uniform(0, 1) * (box.upper[axis] - box.lower[axis]),
-                                             box.lower[axis], box.upper[axis]);
+                        p[axis] =
+                            std::clamp(box.lower[axis] + random.uniform(0, 1) * (box.upper[axis] - box.lower[axis]),
+                                       box.lower[axis], box.upper[axis]);
                     return p;
                 };
                 for (Vec3& p : points) p = place();
@@ -147,8 +147,8 @@ BOOST_AUTO_TEST_CASE(points_and_boxes_in_the_box_have_the_answers_of_the_whole) 
                         b.upper[axis] = std::max(p[axis], 0.9 * p[axis] + 0.1 * q[axis]);
                     }
                 }
-                BOOST_TEST_CONTEXT(mesh.name() << ", box from " << box.lower[0] << ", " << box.lower[1] << ", "
-                                               << box.lower[2]) {
+                BOOST_TEST_CONTEXT(mesh.name()
+                                   << ", box from " << box.lower[0] << ", " << box.lower[1] << ", " << box.lower[2]) {
                     check_same(query(whole, points, half_width), query(part, points, half_width));
                     const std::span<const Vec3> few = std::span(points).first(300);
                     check_same(query(whole, few, 0.5 * half_width), query(part, few, 0.5 * half_width));
@@ -186,7 +186,8 @@ BOOST_AUTO_TEST_CASE(many_boxes_of_a_part_go_into_one_call) {
     const Grid outside = all.grown(2);
     std::vector<float> first(all.sample_count()), second(all.sample_count()), third(outside.sample_count());
     const Band band = Band::symmetric(4 * h);
-    const std::array<Request, 2> right{Request{all, band, {.distance = first}}, Request{all, band, {.distance = second}}};
+    const std::array<Request, 2> right{Request{all, band, {.distance = first}},
+                                       Request{all, band, {.distance = second}}};
     part.compute(right);
     const Field expected = whole(all, band);
     BOOST_TEST((bits_of(first) == bits_of(expected.distance)));
@@ -214,9 +215,7 @@ BOOST_AUTO_TEST_CASE(what_a_part_cannot_answer_is_an_error_that_names_it) {
     std::vector<float> distance(2);
     const std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}};
     refused("point 1 lies at (0.5, 1.5, 0.5)", [&] { part.query(points, 0.3, {.distance = distance}); });
-    refused("within inf", [&] {
-        part.query(points, std::numeric_limits<double>::infinity(), {.distance = distance});
-    });
+    refused("within inf", [&] { part.query(points, std::numeric_limits<double>::infinity(), {.distance = distance}); });
     std::vector<BoxPlace> places(1);
     const std::vector<Box> outside{{{0, 0, 0}, {2, 1, 1}}};
     refused("box 0 reaches", [&] { part.classify(outside, 0.3, places); });
@@ -225,8 +224,9 @@ BOOST_AUTO_TEST_CASE(what_a_part_cannot_answer_is_an_error_that_names_it) {
     const double inf = std::numeric_limits<double>::infinity();
     check_throws(ErrorCode::invalid_argument, {"half widths up to inf"}, [&] { whole.restrict_to(box, inf, 0.1); });
     check_throws(ErrorCode::invalid_argument, {"spacings up to 0"}, [&] { whole.restrict_to(box, 0.1, 0); });
-    check_throws(ErrorCode::invalid_argument, {"corners exchanged"},
-                 [&] { whole.restrict_to({{1, 0, 0}, {0, 1, 1}}, 0.1, 0.1); });
+    check_throws(ErrorCode::invalid_argument, {"corners exchanged"}, [&] {
+        whole.restrict_to({{1, 0, 0}, {0, 1, 1}}, 0.1, 0.1);
+    });
 }
 
 BOOST_AUTO_TEST_CASE(a_part_of_a_moved_mesh_has_its_positions) {
