@@ -190,19 +190,42 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
     }
 }
 
+// How far the closest point, which lies on the face or on one of its edges, is from the lines of the other edges.
+INLINE double distance_to_other_edges(__private const Nearest* nearest) {
+    __global const Polyhedron* p = nearest->polyhedron;
+    const double2 along = vload2(0, p->exact_normal_along), across = vload2(0, p->exact_normal_across);
+    const double2 beyond = (double2)(nearest->foot.x, -nearest->foot.x) - vload2(0, p->exact_base);
+    const double2 inward = -(along * beyond + across * nearest->foot.y);  // from the right and the left edge
+    const double base = nearest->frame_site == FRAME_BASE ? INFINITY : nearest->foot.y;
+    const double right = nearest->frame_site == FRAME_RIGHT_EDGE ? INFINITY : inward.x;
+    const double left = nearest->frame_site == FRAME_LEFT_EDGE ? INFINITY : inward.y;
+    const double slanted = LESSER(right, left);
+    return LESSER(base, slanted);
+}
+
 // The sign of a point by its side of the nearest face; CLSDF_POINT_UNDECIDED if it does not follow from that beyond all
-// rounding.
-#define SQUARE_OF_LEAST_DISTANCE 1.0e-12  // in units: rounding is far below the distance
-#define LEAST_COSINE 1.0e-3               // between a site's pseudonormal and the way to the point
+// rounding (docs/method.md, 'Sides of faces'). Lengths are in units.
+#define SQUARE_OF_LEAST_DISTANCE 1.0e-8
+#define LEAST_INSIDE_FACE 1.0e-6     // of the closest point to the face's edges
+#define LEAST_INSIDE_EDGE 1.0e-3     // the same on an edge, to the other two
+#define LEAST_COSINE 1.0e-3          // between an edge's pseudonormal and the way to the point
+#define LEAST_COSINE_AT_VERTEX 0.71  // the same of a vertex
 INLINE uint sign_by_sides(__private const Finishing* finishing, __private const Nearest* nearest, uint sides) {
     const double squared = dot(nearest->from, nearest->from);
-    double outward = nearest->from.z;
     if (sides == 0 || squared <= SQUARE_OF_LEAST_DISTANCE) return CLSDF_POINT_UNDECIDED;
+    double outward = nearest->from.z, least = LEAST_COSINE;
     if (nearest->frame_site != CLSDF_SITE_OF_FACE) {
         if (!(sides >> nearest->normal % 6u & 1u)) return CLSDF_POINT_UNDECIDED;
         outward = dot(offset_of(nearest), convert_double3(vload3(nearest->normal, finishing->normals)));
     }
-    if (!(outward * outward > LEAST_COSINE * LEAST_COSINE * squared)) return CLSDF_POINT_UNDECIDED;
+    if (nearest->frame_site < FRAME_BASE) {
+        least = LEAST_COSINE_AT_VERTEX;
+    } else {
+        const bool is_face = nearest->frame_site == CLSDF_SITE_OF_FACE;
+        if (!(distance_to_other_edges(nearest) > (is_face ? LEAST_INSIDE_FACE : LEAST_INSIDE_EDGE)))
+            return CLSDF_POINT_UNDECIDED;
+    }
+    if (!(outward * outward > least * least * squared)) return CLSDF_POINT_UNDECIDED;
     return sides & (outward > 0.0 ? CLSDF_SIDES_FRONT_INSIDE : CLSDF_SIDES_BACK_INSIDE) ? CLSDF_POINT_INSIDE
                                                                                         : CLSDF_POINT_OUTSIDE;
 }

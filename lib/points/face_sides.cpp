@@ -18,11 +18,14 @@ namespace {
 
 using polyhedra::Vector;
 
-// In units, far above the rounding of frames, 1e-10.
+// In units, far above the rounding of distances, 1e-10 (docs/method.md, 'Sides of faces').
 constexpr double least_gap = 1e-6;       // between faces without a common vertex
 constexpr double least_altitude = 1e-5;  // of a face
-// Sine or cosine of an angle between faces with a common vertex or edge.
-constexpr double least_angle = 1e-3;
+constexpr double least_sine = 1e-3;      // of a face's angles
+// Sine of an angle between faces with a common vertex or edge.
+constexpr double least_angle = 1e-2;
+// Cosine between a vertex' pseudonormal and the normals of its faces: 44 degrees.
+constexpr double least_cosine_at_vertex = 0.7193;
 // A point in front of a face whose crossings are counted: nearer than other faces are.
 constexpr double offset_in_front = 0.5 * least_gap;
 constexpr double least_altitude_in_front = 3 * 1.01 * least_gap / least_angle;
@@ -32,6 +35,7 @@ struct Shape {
     std::array<Vector, 3> corners;
     Vector normal;
     double altitude;  ///< the least; 0: no normal
+    double longest;   ///< side
 };
 
 Shape shape_of(const PointMesh& mesh, std::size_t face) {
@@ -46,6 +50,7 @@ Shape shape_of(const PointMesh& mesh, std::size_t face) {
     const double length = product.norm();
     const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
     shape.altitude = length > 0 ? length / longest : 0;
+    shape.longest = longest;
     shape.normal = length > 0 ? Vector(product / length) : Vector(0, 0, 0);
     return shape;
 }
@@ -121,7 +126,8 @@ public:
         is_spoilt_.assign(count, 0);
         for_each_index(count, [&](std::size_t face) {
             shapes_[face] = shape_of(mesh_, face);
-            if (!(shapes_[face].altitude > least_altitude)) is_spoilt_[face] = 1;
+            const Shape& shape = shapes_[face];
+            if (!(shape.altitude > std::max(least_altitude, least_sine * shape.longest))) is_spoilt_[face] = 1;
         });
     }
 
@@ -242,7 +248,8 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             if (const std::size_t other = across(face, k); other != face && has_same(other))
                 sides = static_cast<std::uint16_t>(sides | 1U << (3 + k));
-            if (is_one_fan(face, k, has_same)) sides = static_cast<std::uint16_t>(sides | 1U << k);
+            if (is_one_fan(face, k, has_same) && is_flat_enough(face, k))
+                sides = static_cast<std::uint16_t>(sides | 1U << k);
         }
         return sides;
     }
@@ -263,6 +270,23 @@ private:
             if (at == face) return i + 1 == count;
         }
         return false;
+    }
+
+    /// Whether the normals of the faces at a vertex are all near their sum, weighted by angles.
+    bool is_flat_enough(std::size_t face, std::size_t k) const {
+        const std::size_t vertex = vertices(face)[k], count = topology_.rings.size(vertex);
+        Vector sum(0, 0, 0);
+        for (std::size_t i = 0; i < count; ++i) {
+            const polyhedra::Corner corner = topology_.rings.corner(vertex, i);
+            const Shape& shape = shapes_[corner.face];
+            const Vector one = shape.corners[(corner.vertex + 1) % 3] - shape.corners[corner.vertex];
+            const Vector other = shape.corners[(corner.vertex + 2) % 3] - shape.corners[corner.vertex];
+            sum += std::atan2(one.cross(other).norm(), polyhedra::dot(one, other)) * shape.normal;
+        }
+        const double least = least_cosine_at_vertex * sum.norm();
+        for (std::size_t i = 0; i < count; ++i)
+            if (!(polyhedra::dot(shapes_[topology_.rings.corner(vertex, i).face].normal, sum) > least)) return false;
+        return true;
     }
 
     const PointMesh& mesh_;

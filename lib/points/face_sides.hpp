@@ -14,6 +14,7 @@ namespace clsdf::points {
 /// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if
 /// the face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its
 /// front is then the same place as the fronts beside it, and one point's crossings tell for all of them.
+/// docs/method.md, 'Sides of faces', proves it.
 struct FaceSides {
     device::BufferPool::Lease sides;
     std::size_t known = 0;  ///< faces whose sides are
