@@ -118,7 +118,7 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     BothFrusta both{std::make_shared<const polyhedra::MeshTopology>(mesh), {}, {}, {}};
     both.host = polyhedra::make_frusta(*both.topology, mesh.vertices());
-    const transform::FrustaSources sources(context, both.topology);
+    const auto sources = std::make_shared<const transform::FrustaSources>(context, both.topology);
     transform::FrustaMemory memory;
     const transform::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
     const polyhedra::LatticeView lattice = transform::lattice_of(grid);
