@@ -35,9 +35,9 @@ std::size_t differences(const Field& field, const Grid& block, std::span<const f
     for (std::int64_t z = 0; z < block.size[2]; ++z)
         for (std::int64_t y = 0; y < block.size[1]; ++y)
             for (std::int64_t x = 0; x < block.size[0]; ++x, ++i) {
-                const std::size_t at =
-                    field.grid.offset(block.first[0] - field.grid.first[0] + x,
-                                      block.first[1] - field.grid.first[1] + y, block.first[2] - field.grid.first[2] + z);
+                const std::size_t at = field.grid.offset(block.first[0] - field.grid.first[0] + x,
+                                                         block.first[1] - field.grid.first[1] + y,
+                                                         block.first[2] - field.grid.first[2] + z);
                 count += std::memcmp(&field.distance[at], &values[i], sizeof(float)) != 0 ? 1U : 0U;
             }
     return count;
