@@ -1,6 +1,6 @@
 // Frames of LANES faces at once, one a lane (the frame is that of polyhedron.h, in double), and records of them.
 //
-// Operation by operation this is triangle_frame() of lib/polyhedra/triangle_frame.cpp and pack() of records.cpp without
+// Operation by operation this is triangle_frame() of lib/polyhedra/frames.cpp and pack() of records.cpp without
 // their special cases, so that records have the bytes that the host would write: quotients and roots of doubles are
 // rounded correctly by every device, and nothing is contracted.
 #ifndef CLSDF_FACE_FRAMES_H

@@ -47,7 +47,7 @@ INLINE longL measure_edge(Vectors start, Vectors opposite, Vectors inward, Vecto
     return is_open || squared > SLIVER_SQUARED * dot_in_order(w, w);
 }
 
-// As lean() of lib/polyhedra/lateral_planes.cpp: at an obtuse apex the two planes lean outward.
+// As lean() of lib/polyhedra/slopes.cpp: at an obtuse apex the two planes lean outward.
 INLINE void lean(doubleL cosine, __private doubleL* slopes) {
     const longL is_obtuse = cosine > 0.0;
     const doubleL from_right = WIDENED(cosine * slopes[CLSDF_EDGE_RIGHT]),

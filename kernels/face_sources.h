@@ -25,7 +25,7 @@
 namespace clsdf {
 #endif
 
-// A lattice (polyhedra/lattice_view.hpp).
+// A lattice (polyhedra/frames.hpp).
 typedef struct FaceLattice {
     double origin[3];   // in the mesh's units
     double spacing[3];  // in units
@@ -34,8 +34,8 @@ typedef struct FaceLattice {
 } FaceLattice;
 
 // Up to CLSDF_FAN_ITEM vertices with equally many faces, all of which are one closed fan of one orientation. Blocks of
-// CLSDF_FAN_STRIDE vertices follow each other. A block holds, for all of its vertices at a time: the vertex; its
-// neighbours, counter-clockwise; the face and edge (3 face + edge) from the vertex to each of them.
+// CLSDF_FAN_STRIDE vertices follow each other. A block holds a corner of all its vertices at a time: the faces of each
+// vertex, counter-clockwise, and which of its three corners lies there (4 face + corner).
 typedef struct FanItem {
     clsdf_uint32 offset;  // of the first block, in words
     clsdf_uint32 count;

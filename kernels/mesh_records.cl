@@ -168,21 +168,21 @@ INLINE uint lane_bits(longL condition) {
 }
 
 INLINE void load_item(FanItem item, __global const uint* words, __private const uint* numbers,
-                      __global const double* positions, __global const float* signs, double per_unit,
-                      __private Fans* fans) {
+                      __global const uint* triangles, __global const double* positions, __global const float* signs,
+                      double per_unit, __private Fans* fans) {
     uint places[LANES];
-    const uint stride = CLSDF_FAN_STRIDE * (1 + 2 * item.faces);
+    const uint stride = CLSDF_FAN_STRIDE * item.faces;
     for (uint lane = 0; lane < LANES; ++lane)
         places[lane] = item.offset + numbers[lane] / CLSDF_FAN_STRIDE * stride + numbers[lane] % CLSDF_FAN_STRIDE;
-    load_fans(item.faces, words, places, positions, signs, per_unit, fans);
+    load_fans(item.faces, words, places, triangles, positions, signs, per_unit, fans);
 }
 
 // The vertices numbers[0, valid) of an item that surely have no gap lose CLSDF_VERTEX_IS_OPEN.
 INLINE void look_at_all(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
-                        __global const double* positions, __global const float* signs, double per_unit,
-                        __global uchar* answers) {
+                        __global const uint* triangles, __global const double* positions, __global const float* signs,
+                        double per_unit, __global uchar* answers) {
     Fans fans;
-    load_item(item, words, numbers, positions, signs, per_unit, &fans);
+    load_item(item, words, numbers, triangles, positions, signs, per_unit, &fans);
     const uint covered = lane_bits(are_covered(&fans, item.faces, true));
     for (uint lane = 0; lane < valid; ++lane)
         if (covered >> lane & 1u) answers[numbers[lane]] &= (uchar)~CLSDF_VERTEX_IS_OPEN;
@@ -190,8 +190,8 @@ INLINE void look_at_all(FanItem item, __global const uint* words, __private cons
 
 // Answers (CLSDF_VERTEX_...) about the vertices of items, CLSDF_FAN_ITEM each.
 __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const FanItem* items,
-                          __global const uint* words, __global const double* positions, __global const float* signs,
-                          __global uchar* all_answers) {
+                          __global const uint* words, __global const uint* triangles, __global const double* positions,
+                          __global const float* signs, __global uchar* all_answers) {
 #if LANES == 1
     const uint vertex = (uint)get_global_id(0), number = begin + vertex / CLSDF_FAN_ITEM,
                first = vertex % CLSDF_FAN_ITEM;
@@ -209,7 +209,7 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
         uint numbers[LANES];
         for (uint lane = 0; lane < LANES; ++lane) numbers[lane] = min(i + lane, item.count - 1);
         Fans fans;
-        load_item(item, words, numbers, positions, signs, per_unit, &fans);
+        load_item(item, words, numbers, triangles, positions, signs, per_unit, &fans);
         const EdgeKinds kinds = edge_kinds(&fans, item.faces);
         const uint left = lane_bits(kinds.is_left), saddles = lane_bits(kinds.is_saddle);
         uint asked = lane_bits(kinds.is_mixed && !kinds.is_left);
@@ -222,20 +222,21 @@ __kernel void vertex_fans(uint begin, uint end, double per_unit, __global const 
             queued += is_asked ? 1u : 0u;
         }
         if (queued < LANES) continue;
-        look_at_all(item, words, queue, LANES, positions, signs, per_unit, answers);
+        look_at_all(item, words, queue, LANES, triangles, positions, signs, per_unit, answers);
         queued -= LANES;
         for (uint k = 0; k < queued; ++k) queue[k] = queue[LANES + k];
     }
     if (queued == 0) return;
     for (uint k = queued; k < LANES; ++k) queue[k] = queue[0];
-    look_at_all(item, words, queue, queued, positions, signs, per_unit, answers);
+    look_at_all(item, words, queue, queued, triangles, positions, signs, per_unit, answers);
 }
 
-// Moves `count` records that the host wrote to their places.
-__kernel void place_records(uint count, __global const Polyhedron* written, __global const uint* places,
-                            __global Polyhedron* records) {
+// Moves `count` items of so many words, which the host wrote, to their places in an array of such items.
+__kernel void place_items(uint count, uint words, __global const uint* written, __global const uint* places,
+                          __global uint* items) {
     const uint n = get_global_id(0);
-    if (n < count) records[places[n]] = written[n];
+    if (n >= count) return;
+    for (uint i = 0; i < words; ++i) items[(size_t)places[n] * words + i] = written[(size_t)n * words + i];
 }
 
 // The vertices of the sign's sweep, as lib/transform/sweep_mesh.cpp snaps them to multiples of 1 / scale samples. None

@@ -14,6 +14,8 @@
 // rounding of the conditions.
 #define SURE_MARGIN (0.99 * 5.0e-6)
 
+#define NEXT_OF_THREE(k) ((0x9u >> (2 * (k))) & 3u)
+
 // Vertices with equally many faces, each of which is a closed fan, counter-clockwise. Face f lies between the edges f
 // and f + 1.
 typedef struct Fans {
@@ -25,22 +27,31 @@ typedef struct Fans {
 
 // The fans of `places`: where the words of LANES vertices begin (FanItem).
 INLINE void load_fans(uint faces, __global const uint* words, __private const uint* places,
-                      __global const double* positions, __global const float* signs, double per_unit,
-                      __private Fans* fans) {
-    uint vertices[LANES];
-#pragma unroll
-    for (uint lane = 0; lane < LANES; ++lane) vertices[lane] = LOAD(uint, words + places[lane]);
-    const Vectors centre = positions_of(positions, vertices);
+                      __global const uint* triangles, __global const double* positions, __global const float* signs,
+                      double per_unit, __private Fans* fans) {
+    uint corners[LANES], vertices[LANES];
+#define EDGE_OF(lane) (3 * (size_t)(corners[lane] >> 2))
+    Vectors centre;
     for (uint f = 0; f < faces; ++f) {
 #pragma unroll
         for (uint lane = 0; lane < LANES; ++lane)
-            vertices[lane] = LOAD(uint, words + places[lane] + CLSDF_FAN_STRIDE * (1 + f));
+            corners[lane] = LOAD(uint, words + places[lane] + CLSDF_FAN_STRIDE * f);
+        if (f == 0) {
+#pragma unroll
+            for (uint lane = 0; lane < LANES; ++lane)
+                vertices[lane] = LOAD(uint, triangles + EDGE_OF(lane) + (corners[lane] & 3));
+            centre = positions_of(positions, vertices);
+        }
+#pragma unroll
+        for (uint lane = 0; lane < LANES; ++lane)
+            vertices[lane] = LOAD(uint, triangles + EDGE_OF(lane) + NEXT_OF_THREE(corners[lane] & 3));
         const Vectors spoke = product(per_unit, difference(positions_of(positions, vertices), centre));
         fans->spokes[f] = product(1.0 / sqrt(dot_in_order(spoke, spoke)), spoke);
-#define SIGN_OF(lane) LOAD(float, signs + LOAD(uint, words + places[lane] + CLSDF_FAN_STRIDE * (1 + faces + f)))
+#define SIGN_OF(lane) LOAD(float, signs + EDGE_OF(lane) + (corners[lane] & 3))
         fans->signs[f] = TO_DOUBLES((floatL)EACH_LANE(SIGN_OF));
 #undef SIGN_OF
     }
+#undef EDGE_OF
     fans->spokes[faces] = fans->spokes[0];
     fans->signs[faces] = fans->signs[0];
     Vectors middle = vectors(0.0, 0.0, 0.0);

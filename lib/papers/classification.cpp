@@ -3,8 +3,8 @@
 #include "core/parallel.hpp"
 #include "mesh/equal_vertices.hpp"
 #include "papers/gap_tests.hpp"
-#include "polyhedra/edge_slopes.hpp"
-#include "polyhedra/edges.hpp"
+#include "polyhedra/slopes.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -60,12 +60,14 @@ Surface::Surface(const Mesh& mesh)
     const LatticeView unit = unit_of(mesh);
     const MeshFaces faces{mesh.vertices(), triangles_, unit};
     PairedEdges edges = pair_edges(triangles_, rings_);
-    // Of the slopes only what they are decided from is used: the edges' marks and pairs.
-    const float open = 1;
-    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings_, edges, open);
-    measure_edges(faces, edges.faces, of_non_manifold, open, [&](const EdgeSlopes& stretch) {
-        for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) frames_[face] = stretch.frame(face);
+    const FaceMeasures measures(faces, rings_, edges);
+    std::vector<std::array<std::uint8_t, 3>> marks(triangles_.size());
+    for_each_index(marks.size(), [&](std::size_t face) {
+        const MeasuredFace measured = measures.measure(static_cast<std::uint32_t>(face));
+        frames_[face] = measured.frame;
+        marks[face] = measured.marks;
     });
+    for_each_index(marks.size(), [&](std::size_t face) { edges.faces[face].marks = marks[face]; });
     edges_ = std::move(edges.faces);
 }
 

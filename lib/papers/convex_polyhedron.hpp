@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polyhedra/vector.hpp"
+#include "polyhedra/frames.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,10 +1,9 @@
 #include "papers/mauch.hpp"
 
 #include "core/parallel.hpp"
-#include "polyhedra/edges.hpp"
-#include "polyhedra/morton_order.hpp"
-#include "polyhedra/one_rings.hpp"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/face_order.hpp"
+#include "polyhedra/frames.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

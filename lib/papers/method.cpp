@@ -147,9 +147,7 @@ UninitializedVector<Polyhedron> papers::face_records(transform::Stages& stages, 
     const polyhedra::MeshTopology& topology = stages.topology();
     const polyhedra::Frusta& frusta = stages.frusta();
     UninitializedVector<Polyhedron> records(topology.order.size());
-    for_each_range(records.size(), [&](std::size_t begin, std::size_t end) {
-        write_face_records(topology, frusta, lattice, begin, std::span(records).subspan(begin, end - begin));
-    });
+    write_face_records(topology, frusta, lattice, records);
     return records;
 }
 

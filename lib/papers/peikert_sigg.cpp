@@ -2,8 +2,8 @@
 
 #include "core/parallel.hpp"
 #include "papers/gap_tests.hpp"
-#include "polyhedra/edge_batches.hpp"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/frames.hpp"
+#include "polyhedra/slopes.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 

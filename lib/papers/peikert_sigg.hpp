@@ -1,8 +1,8 @@
 #pragma once
 
 #include "papers/pieces.hpp"
+#include "polyhedra/frames.hpp"
 #include "polyhedra/records.hpp"
-#include "polyhedra/vector.hpp"
 
 #include <clsdf/mesh.hpp>
 

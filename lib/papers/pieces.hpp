@@ -1,7 +1,7 @@
 #pragma once
 
 #include "piece.h"
-#include "polyhedra/vector.hpp"
+#include "polyhedra/frames.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -1,12 +1,12 @@
 #include <clsdf/error.hpp>
 #include <clsdf/papers.hpp>
 
+#include "core/parallel.hpp"
 #include "papers/convex_polyhedron.hpp"
 #include "papers/peikert_sigg.hpp"
-#include "polyhedra/edge_slopes.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/gaps.hpp"
-#include "polyhedra/lateral_planes.hpp"
+#include "polyhedra/slopes.hpp"
 
 #include <fmt/format.h>
 
@@ -126,18 +126,12 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
     std::iota(order.begin(), order.end(), 0U);
     const MeshFaces faces{welded.vertices(), triangles, lattice};
     const OneRings rings(triangles, welded.vertices().size());
-    PairedEdges edges = pair_edges(triangles, rings);
-    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, CLSDF_OPEN_SLOPE);
-    UninitializedVector<TriangleFrame> frames(triangles.size());
-    std::vector<FaceSlopes> slopes(triangles.size());
-    std::vector<FramePlanes::Directions> directions(triangles.size());
-    measure_edges(faces, edges.faces, of_non_manifold, CLSDF_OPEN_SLOPE, [&](EdgeSlopes& stretch) {
-        for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
-            frames[face] = stretch.frame(face);
-            lean(frames[face], stretch.slopes(face));
-            slopes[face] = stretch.slopes(face);
-            directions[face] = {frames[face].normal, frames[face].inwards};
-        }
+    const PairedEdges edges = pair_edges(triangles, rings);
+    const FaceMeasures measures(faces, rings, edges);
+    UninitializedVector<MeasuredFace> measured(triangles.size());
+    for_each_index(measured.size(), [&](std::size_t face) {
+        measured[face] = measures.measure(static_cast<std::uint32_t>(face));
+        lean(measured[face].frame, measured[face].slopes);
     });
 
     std::vector<BoundingSolid> result;
@@ -148,19 +142,19 @@ std::vector<BoundingSolid> leaned_solids(const Mesh& mesh, std::span<const std::
         result.push_back({triangle, part, solid_mesh(solid, foot, lattice.unit)});
     };
     for (const std::uint32_t face : selected) {
-        add(face, SolidPart::front, frames[face], slopes[face]);
-        add(face, SolidPart::back, frames[face], slopes[face]);
+        add(face, SolidPart::front, measured[face].frame, measured[face].slopes);
+        add(face, SolidPart::back, measured[face].frame, measured[face].slopes);
     }
 
-    std::vector<std::uint8_t> marks(rings.vertex_count());
     std::vector<std::uint32_t> indices(rings.vertex_count());
     std::iota(indices.begin(), indices.end(), 0U);
     std::vector<std::uint32_t> used;
-    for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex)
+    for (const std::uint32_t vertex : indices)
         if (rings.size(vertex) > 0) used.push_back(vertex);
-    find_gaps(faces, edges.faces, rings, FramePlanes(directions, slopes), rejection_margin, used, marks);
-    for (std::uint32_t vertex = 0; vertex < marks.size(); ++vertex) {
-        if (!(marks[vertex] & vertex_gap)) continue;
+    const std::vector<std::uint8_t> marks = find_gaps(faces, edges.faces, rings, MeasuredFaces(measured), used);
+    for (std::size_t n = 0; n < used.size(); ++n) {
+        if (!(marks[n] & vertex_gap)) continue;
+        const std::uint32_t vertex = used[n];
         bool all = true;
         for (std::size_t i = 0; i < rings.size(vertex) && all; ++i)
             all = std::find(selected.begin(), selected.end(), rings.corner(vertex, i).face) != selected.end();

@@ -1,9 +1,7 @@
 #pragma once
 
-#include "polyhedra/edges.hpp"
-#include "polyhedra/one_rings.hpp"
-#include "polyhedra/triangle_frame.hpp"
-#include "polyhedra/vertex_fans.hpp"
+#include "polyhedra/frames.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <clsdf/papers.hpp>
 

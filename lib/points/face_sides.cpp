@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "points/point_signs.hpp"
-#include "polyhedra/vector.hpp"
+#include "polyhedra/frames.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,6 @@
 
 #include "core/parallel.hpp"
 #include "device/host_filling.hpp"
-#include "polyhedra/frame_batch.hpp"
 #include "polyhedra/records.hpp"
 
 #include <clsdf/error.hpp>
@@ -129,14 +128,12 @@ public:
     void write(std::size_t node) const {
         const polyhedra::MeshTopology& topology = *mesh_.topology;
         const std::size_t begin = node * width, count = std::min(width, mesh_.face_count() - begin);
-        std::array<polyhedra::TriangleFrame, width> frames;
         const std::span<const Triangle> triangles(topology.faces.triangles);
-        polyhedra::triangle_frames(mesh_.positions, triangles.subspan(begin, count), mesh_.lattice,
-                                   std::span(frames).first(count));
+        const polyhedra::MeshFaces faces{mesh_.positions, triangles, mesh_.lattice};
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t face = begin + i;
-            records_[face] =
-                polyhedra::pack(frames[i], {}, topology.order[face], mesh_.positions, triangles[face], mesh_.lattice);
+            records_[face] = polyhedra::pack(faces.frame(face), {}, topology.order[face], mesh_.positions,
+                                             triangles[face], mesh_.lattice);
             frames_[face] = frame_of(records_[face]);
             for (const Vec3& corner : mesh_.corners(face)) add_corner(mesh_.nodes[node], i, corner);
         }

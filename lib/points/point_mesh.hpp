@@ -5,8 +5,8 @@
 #include "core/uninitialized_vector.hpp"
 #include "device/buffer_pool.hpp"
 #include "point_tree.h"
-#include "polyhedra/mesh_topology.hpp"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/frames.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,17 +1,13 @@
 #include "polyhedra/frusta.hpp"
 
 #include "core/parallel.hpp"
-#include "polyhedra/edge_slopes.hpp"
+#include "polyhedra/frames.hpp"
 #include "polyhedra/gaps.hpp"
-#include "polyhedra/lateral_planes.hpp"
-#include "polyhedra/records.hpp"
-#include "polyhedra/triangle_frame.hpp"
-
-#include <tbb/enumerable_thread_specific.h>
+#include "polyhedra/slopes.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -105,46 +101,6 @@ SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> or
     return site;
 }
 
-namespace {
-
-struct MarkedVertices {
-    std::size_t saddles = 0;
-    std::vector<std::uint32_t> gaps{};  ///< ascending
-};
-
-MarkedVertices marked_vertices(std::span<const std::uint8_t> marks) {
-    constexpr std::size_t stretch = 4096;
-    std::vector<MarkedVertices> parts(stretch_count(marks.size(), stretch));
-    for_each_stretch(marks.size(), stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
-        for (std::size_t vertex = begin; vertex < end; ++vertex) {
-            parts[part].saddles += (marks[vertex] & vertex_saddle) != 0 ? 1U : 0U;
-            if ((marks[vertex] & vertex_gap) != 0) parts[part].gaps.push_back(static_cast<std::uint32_t>(vertex));
-        }
-    });
-    MarkedVertices all;
-    for (const MarkedVertices& part : parts) {
-        all.saddles += part.saddles;
-        all.gaps.insert(all.gaps.end(), part.gaps.begin(), part.gaps.end());
-    }
-    return all;
-}
-
-/// Whether a frame is one of triangle_frame()'s special cases, or nearly, in any lattice. Lengths are as in view_of().
-bool is_sliver(const TriangleFrame& frame) {
-    constexpr double thin = 2e-4;  // an altitude, beside its base
-    constexpr double vanishing = 1e-20;
-    return !(frame.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
-}
-
-PairedEdges copy_of(const PairedEdges& edges) {
-    PairedEdges copy{UninitializedVector<FaceEdges>(edges.faces.size()), edges.non_manifold_ends,
-                     edges.non_manifold_corners};
-    for_each_index(copy.faces.size(), [&](std::size_t face) { copy.faces[face] = edges.faces[face]; });
-    return copy;
-}
-
-}  // namespace
-
 LatticeView view_of(std::span<const Vec3> positions) {
     double largest = 0;
     for (const Vec3& position : positions)
@@ -157,61 +113,85 @@ std::size_t Frusta::bytes() const {
            slivers.size() * sizeof(std::uint32_t);
 }
 
-Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FirstRecords* first,
-                   const FrustaOptions& options) {
-    const OneRings& rings = topology.rings;
-    const std::size_t count = topology.order.size();
-    Frusta result;
-    result.positions.resize(topology.faces.vertices.size());
-    for_each_index(result.positions.size(),
-                   [&](std::size_t i) { result.positions[i] = positions[topology.faces.vertices[i]]; });
-    const LatticeView lattice = first != nullptr ? first->lattice : view_of(result.positions);
-    const MeshFaces faces{result.positions, topology.faces.triangles, lattice};
+UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::span<const Vec3> positions) {
+    UninitializedVector<Vec3> ordered(topology.faces.vertices.size());
+    for_each_index(ordered.size(), [&](std::size_t i) { ordered[i] = positions[topology.faces.vertices[i]]; });
+    return ordered;
+}
 
-    PairedEdges edges = copy_of(topology.edges);  // whose marks depend on the positions, too
-    const std::vector<EdgeSlope> of_non_manifold = non_manifold_slopes(faces, rings, edges, CLSDF_OPEN_SLOPE);
+namespace {
 
-    result.slopes.resize(count);
-    UninitializedVector<FramePlanes::Directions> directions(count);
-    UninitializedVector<std::uint8_t> marks(rings.vertex_count());
-    for_each_index(marks.size(), [&](std::size_t vertex) { marks[vertex] = 0; });
-    tbb::enumerable_thread_specific<GapScreen> screens(
-        [&] { return GapScreen(topology.faces.first_vertices, edges.faces, rings, rejection_margin, marks); });
-    std::atomic<std::size_t> boxes = 0;
-    tbb::enumerable_thread_specific<std::vector<std::uint32_t>> slivers;
-    measure_edges(faces, edges.faces, of_non_manifold, CLSDF_OPEN_SLOPE, [&](EdgeSlopes& stretch) {
-        std::size_t boxes_here = 0;
-        for (std::size_t face = stretch.begin(); face < stretch.end(); ++face) {
-            const TriangleFrame& frame = stretch.frame(face);
-            if (options.lean) lean(frame, stretch.slopes(face));
-            boxes_here += frame.is_box ? 1U : 0U;
-            if (is_sliver(frame)) slivers.local().push_back(static_cast<std::uint32_t>(face));
-            result.slopes[face] = stretch.slopes(face);
-            directions[face] = {frame.normal, frame.inwards};
-            if (first != nullptr) write_face_record(topology, result, lattice, face, frame, first->records[face]);
-        }
-        boxes += boxes_here;
-        screens.local().look_at(stretch);
+using Numbers = std::vector<std::uint32_t>;
+
+Numbers all_numbers(std::size_t count) {
+    Numbers numbers(count);
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    return numbers;
+}
+
+/// Whether a frame is one of triangle_frame()'s special cases, or nearly, in any lattice. Lengths are as in view_of().
+bool is_sliver(const TriangleFrame& frame) {
+    constexpr double thin = 2e-4;  // an altitude, beside its base
+    constexpr double vanishing = 1e-20;
+    return !(frame.altitude > thin * frame.base_length()) || !(frame.base_length() > vanishing);
+}
+
+/// All faces around the vertices, and `others`; ascending.
+Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& rings, Numbers others) {
+    for (const std::uint32_t vertex : vertices)
+        for (std::size_t i = 0; i < rings.size(vertex); ++i) others.push_back(rings.corner(vertex, i).face);
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    return others;
+}
+
+void complete(const MeshTopology& topology, const LeftToHost& left, const FrustaOptions& options, Frusta& frusta) {
+    const std::size_t all = topology.order.size();
+    const LatticeView lattice = view_of(frusta.positions);
+    const MeshFaces faces{frusta.positions, topology.faces.triangles, lattice};
+    const FaceMeasures measures(faces, topology.rings, topology.edges);
+    const Numbers numbers =
+        left.faces.size() == all ? left.faces : faces_around(left.vertices, topology.rings, left.faces);
+    UninitializedVector<MeasuredFace> measured(numbers.size());
+    for_each_index(numbers.size(), [&](std::size_t i) {
+        measured[i] = measures.measure(numbers[i]);
+        if (options.lean) lean(measured[i].frame, measured[i].slopes);
     });
-    std::vector<std::uint32_t> left;
-    for (GapScreen& screen : screens) {
-        const auto& of_screen = screen.finish();
-        left.insert(left.end(), of_screen.begin(), of_screen.end());
+    const MeasuredFaces by_face(measured, numbers.size() == all ? std::span<const std::uint32_t>() : numbers);
+
+    for (const std::uint32_t face : left.faces) {
+        const MeasuredFace& own = by_face[face];
+        frusta.slopes[face] = own.slopes;
+        if (own.frame.is_box) ++frusta.boxes;
+        if (is_sliver(own.frame)) frusta.slivers.push_back(face);
     }
-    find_gaps(faces, edges.faces, rings, FramePlanes(directions, result.slopes), rejection_margin, left, marks);
-
-    result.boxes = boxes;
-    for (const std::vector<std::uint32_t>& some : slivers)
-        result.slivers.insert(result.slivers.end(), some.begin(), some.end());
-    std::sort(result.slivers.begin(), result.slivers.end());
-    const MarkedVertices marked = marked_vertices(marks);
-    result.saddle_vertices = marked.saddles;
-    if (!options.point_sites) return result;
-    result.sites.resize(marked.gaps.size());
-    for_each_index(marked.gaps.size(), [&](std::size_t i) {
-        result.sites[i] = point_site(faces, topology.order, topology.faces.vertices, rings, marked.gaps[i]);
+    const std::vector<std::uint8_t> marks =
+        find_gaps(faces, topology.edges.faces, topology.rings, by_face, left.vertices);
+    Numbers gaps;
+    frusta.saddle_vertices = left.saddles_elsewhere;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+        if ((marks[i] & vertex_saddle) != 0) ++frusta.saddle_vertices;
+        if ((marks[i] & vertex_gap) != 0) gaps.push_back(left.vertices[i]);
+    }
+    if (!options.point_sites) return;
+    frusta.sites.resize(gaps.size());
+    for_each_index(gaps.size(), [&](std::size_t i) {
+        frusta.sites[i] = point_site(faces, topology.order, topology.faces.vertices, topology.rings, gaps[i]);
     });
-    return result;
+}
+
+}  // namespace
+
+void complete_frusta(const MeshTopology& topology, const LeftToHost& left, Frusta& frusta) {
+    complete(topology, left, {}, frusta);
+}
+
+Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options) {
+    Frusta frusta;
+    frusta.positions = ordered_positions(topology, positions);
+    frusta.slopes.resize(topology.order.size());
+    complete(topology, {all_numbers(topology.order.size()), all_numbers(frusta.positions.size()), 0}, options, frusta);
+    return frusta;
 }
 
 }  // namespace clsdf::polyhedra

@@ -1,11 +1,8 @@
 #pragma once
 
-#include "polyhedra/lateral_planes.hpp"
-#include "polyhedra/mesh_topology.hpp"
-#include "polyhedra/one_rings.hpp"
-#include "polyhedra/triangle_frame.hpp"
-#include "polyhedra/vector.hpp"
-#include "polyhedron.h"
+#include "polyhedra/frames.hpp"
+#include "polyhedra/slopes.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -43,18 +40,25 @@ struct FrustaOptions {
     bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
 };
 
-/// Records of all faces for one lattice, written on the way: see write_face_records(). The frusta do not depend on it.
-struct FirstRecords {
-    LatticeView lattice;
-    std::span<Polyhedron> records;  ///< one a face
+/// What kernels do not decide (KernelTopology::left_to_host()).
+struct LeftToHost {
+    std::vector<std::uint32_t> faces{};     ///< ascending: their slopes
+    std::vector<std::uint32_t> vertices{};  ///< ascending: whether they leave gaps, and are saddle vertices
+    std::size_t saddles_elsewhere = 0;      ///< saddle vertices among the other vertices
 };
 
 /// A lattice for frusta alone. Lengths are of the order of one, so that their squares do not leave a double's range.
 LatticeView view_of(std::span<const Vec3> positions);
 
+/// The positions of the mesh's vertices, numbered as in MeshTopology::faces.
+UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::span<const Vec3> positions);
+
+/// The frusta of all faces by the host alone, with exact predicates: the specification of what the kernels make.
 /// `positions`: of the mesh's vertices, as the mesh numbers them.
-Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FirstRecords* first = nullptr,
-                   const FrustaOptions& options = {});
+Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options = {});
+
+/// Completes frusta that have their positions, and slopes of the other faces, by the same means.
+void complete_frusta(const MeshTopology& topology, const LeftToHost& left, Frusta& frusta);
 
 /// The frustum of a vertex by itself: it holds the vertex' whole normal cone. `order`, `vertices`: the caller's indices
 /// of the faces and of the vertices.

@@ -1,33 +1,112 @@
 #include "polyhedra/gaps.hpp"
 
 #include "core/parallel.hpp"
-#include "polyhedra/cone_search.hpp"
-#include "polyhedra/vertex_fans.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
 namespace clsdf::polyhedra {
 
-void GapScreen::look_at(const EdgeSlopes& stretch) {
-    const std::size_t number = stretch.begin() / OrderedFaces::stretch;
-    for (std::uint32_t vertex = first_vertices_[number]; vertex < first_vertices_[number + 1]; ++vertex) {
-        if (rings_.corner(vertex, rings_.size(vertex) - 1).face >= stretch.end()) {
-            fans_.leave(vertex);
-            continue;
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+
+/// The directions of a circle that satisfy conditions c . u >= 0: an arc of at most half a turn, from one end
+/// counter-clockwise to the other, once there is a condition. An end is kept as long as the condition that it comes
+/// from, so that most cuts need neither a root nor a division.
+class Arc {
+public:
+    enum class Answer { not_empty, empty, undecided };
+
+    Answer cut(const Vector2& condition) {
+        const double squared = condition.squaredNorm();
+        if (!(squared > negligible * negligible))
+            return Answer::not_empty;  // the circle is nearly that condition's own
+        if (is_whole_) {
+            is_whole_ = false;
+            first_ = {first_direction(condition), squared};
+            last_ = {-first_.direction, squared};
+            return Answer::not_empty;
         }
-        const EdgesAround edges(edges_, rings_, vertex);
-        marks_[vertex] = edges.vertex_mark();
-        if (!edges.are_plain()) {
-            fans_.leave(vertex);
-        } else if (edges.are_mixed()) {
-            fans_.add(stretch, vertex);
+        const double at_first = condition.dot(first_.direction);
+        const double at_last = condition.dot(last_.direction);
+        if (at_first >= 0 && at_last >= 0) return leaves_middle(condition);
+        if (at_first < 0 && at_last < 0)
+            return is_certain(at_first, squared, first_) && is_certain(at_last, squared, last_) ? Answer::empty
+                                                                                                : Answer::undecided;
+        if (at_first < 0) {
+            first_ = {first_direction(condition), squared};
+        } else {
+            last_ = {first_direction(-condition), squared};
         }
+        return Answer::not_empty;
     }
+
+    Vector2 middle() const {
+        if (is_whole_) return {1, 0};
+        // The ends of half a turn cancel; its middle is a quarter turn after the first one.
+        if (is_half_turn()) return {-first_.direction.y(), first_.direction.x()};
+        return first_.direction / std::sqrt(first_.squared) + last_.direction / std::sqrt(last_.squared);
+    }
+
+private:
+    /// Between the rounding of a product, 1e-15, and what decides anything about a mesh, 1e-6 (the margin of a gap).
+    static constexpr double tolerance = 1e-12;
+    static constexpr double negligible = 1e-14;
+
+    struct End {
+        Vector2 direction;
+        double squared;  // its length's; rounding may have moved it by the tolerance
+    };
+
+    /// Where the half turn that satisfies the condition begins.
+    static Vector2 first_direction(const Vector2& condition) { return {condition.y(), -condition.x()}; }
+
+    /// Whether a product of a condition with an end is not 0 by rounding: the tolerance times the sum of their lengths.
+    static bool is_certain(double product, double squared, const End& end) {
+        return product * product > 2 * tolerance * tolerance * (squared + end.squared);
+    }
+
+    bool is_half_turn() const {
+        const double product = first_.direction.dot(last_.direction);
+        return product < 0 && product * product > (1 - 2e-12) * first_.squared * last_.squared;
+    }
+
+    /// Both ends are inside, so everything is, unless the arc is half a turn that turns its back on the condition: then
+    /// it hangs on rounding whether its ends are left.
+    Answer leaves_middle(const Vector2& condition) const {
+        return is_half_turn() && condition.dot(middle()) < 0 ? Answer::undecided : Answer::not_empty;
+    }
+
+    bool is_whole_ = true;
+    End first_{Vector2::Zero(), 0};
+    End last_{Vector2::Zero(), 0};
+};
+
+}  // namespace
+
+bool ConeSearch::move_to_circle_of_last() {
+    // x and y are perpendicular to the last condition, about equally long, and not short; no more is needed.
+    const Vector& pole = conditions_.back();
+    Vector x = direction_ - direction_.dot(pole) / pole.squaredNorm() * pole;
+    if (x.squaredNorm() < 0.01) x = any_perpendicular(pole.normalized());
+    const Vector y = pole.cross(x);
+    Arc arc;
+    for (std::size_t i = 0; i + 1 < conditions_.size(); ++i) {
+        const Arc::Answer answer = arc.cut({conditions_[i].dot(x), conditions_[i].dot(y)});
+        if (answer == Arc::Answer::empty) return false;
+        // The arc then stays as it is, too large rather than too small: what follows may still prove it empty.
+        if (answer == Arc::Answer::undecided) undecided_ = true;
+    }
+    if (undecided_) return true;
+    const Vector2 middle = arc.middle();
+    direction_ = (middle.x() * x + middle.y() * y).normalized();
+    return true;
 }
 
 namespace {
@@ -40,50 +119,51 @@ constexpr std::size_t large_fan = 32;
 /// Sine of the steepest spoke to a face's plane where the faces around a vertex are taken for flat ground.
 constexpr double flat = 1e-9;
 
+/// Marks of the edges at a vertex.
+class EdgesAround {
+public:
+    /// The two edges of a face.
+    void add(const MeasuredFaces& faces, const Corner& corner) {
+        const MeasuredFace& face = faces[corner.face];
+        marks_ |= face.marks[corner.vertex];
+        marks_ |= face.marks[previous_of_three(corner.vertex)];
+    }
+
+    bool has(std::uint8_t mark) const { return (marks_ & mark) != 0; }
+    bool are_mixed() const { return has(edge_convex) && has(edge_concave); }
+    bool can_be_mixed() const { return are_mixed() || has(edge_unoriented); }
+
+private:
+    std::uint8_t marks_ = 0;
+};
+
 /// Decides one vertex after the other; keeps its memory in between.
 class GapTest {
 public:
-    GapTest(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings, const FramePlanes& planes,
-            double margin, std::span<std::uint8_t> marks)
+    GapTest(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
+            const MeasuredFaces& measured, double margin)
         : faces_(faces),
           edges_(edges),
           rings_(rings),
-          planes_(planes),
+          measured_(measured),
           per_unit_(std::min(1 / faces.lattice.unit, std::numeric_limits<double>::max())),
-          margin_(margin),
-          marks_(marks),
-          screen_(edges, rings, margin) {}
+          margin_(margin) {}
 
-    /// Sets the mark of a vertex, or puts it off until others like it have come.
-    void look_at(std::uint32_t vertex) {
-        for (std::size_t i = 0; i < rings_.size(vertex); ++i) planes_.fetch_ahead(rings_.corner(vertex, i).face);
-        const EdgesAround edges(edges_, rings_, vertex);
-        marks_[vertex] = edges.vertex_mark();
-        if (!edges.are_plain()) {
-            set(vertex, has_gap(vertex, edges));
-        } else if (edges.are_mixed()) {
-            screen_.add(planes_, vertex);
-        }
-    }
-
-    /// Sets the marks that are still put off.
-    void finish() {
-        for (const std::uint32_t vertex : screen_.finish()) set(vertex, fans_leave_directions_out(vertex));
+    /// VertexMark of a vertex.
+    std::uint8_t look_at(std::uint32_t vertex) {
+        EdgesAround edges;
+        for (std::size_t i = 0; i < rings_.size(vertex); ++i) edges.add(measured_, rings_.corner(vertex, i));
+        return static_cast<std::uint8_t>((edges.are_mixed() ? vertex_saddle : 0) |
+                                         (has_gap(vertex, edges) ? vertex_gap : 0));
     }
 
 private:
-    void set(std::uint32_t vertex, bool gap) {
-        if (gap) marks_[vertex] |= vertex_gap;
-    }
-
-    static bool can_be_mixed(const EdgesAround& edges) { return edges.are_mixed() || edges.has(edge_unoriented); }
-
     /// Only a closed fan with edges of both kinds can leave directions out, and only if every fan of the vertex does.
     /// Where more than two faces share an edge there are no fans, and any normal may be left out.
     bool has_gap(std::uint32_t vertex, const EdgesAround& edges) {
         if (edges.has(edge_at_box)) return false;  // the box holds all points that are nearest to the vertex
         if (edges.has(edge_non_manifold)) return has_normals(vertex);
-        if (edges.has(edge_open) || !can_be_mixed(edges)) return false;
+        if (edges.has(edge_open) || !edges.can_be_mixed()) return false;
         return fans_leave_directions_out(vertex);
     }
 
@@ -92,8 +172,8 @@ private:
         for (std::size_t fan = 0; fan < fans_.fan_count(); ++fan) {
             EdgesAround fan_edges;
             for (std::size_t i = fans_.start(fan); i < fans_.start(fan + 1); ++i)
-                fan_edges.add(edges_, fans_.faces()[i].corner);
-            if (!can_be_mixed(fan_edges)) return false;
+                fan_edges.add(measured_, fans_.faces()[i].corner);
+            if (!fan_edges.can_be_mixed()) return false;
         }
         spokes_.clear();
         for (const VertexFans::Face& face : fans_.faces()) spokes_.push_back(spoke(vertex, face.neighbour));
@@ -125,7 +205,7 @@ private:
     /// its opposite are.
     template <typename Search>
     bool for_axes(std::size_t vertex, const Search& search) {
-        const Vector normal = planes_.normal(rings_.corner(vertex, 0).face);
+        const Vector normal = measured_[rings_.corner(vertex, 0).face].frame.normal;
         Vector sum = Vector::Zero();
         double height = 0;
         for (const Vector& s : spokes_) {
@@ -161,7 +241,7 @@ private:
             for (const bool by_edge_before : {true, false}) {
                 if (rejected) break;
                 search_.return_to(normals);
-                collect_face_edges(fan, by_edge_before);
+                collect_face_planes(fan, by_edge_before);
                 rejected = add_rejections();
             }
             if (!rejected) return false;
@@ -169,18 +249,18 @@ private:
         return true;
     }
 
-    void collect_face_edges(std::size_t fan, bool by_edge_before) {
-        face_edges_.clear();
+    void collect_face_planes(std::size_t fan, bool by_edge_before) {
+        face_planes_.clear();
         order(fans_.start(fan), fans_.start(fan + 1));
         for (const std::size_t i : order_) {
             const VertexFans::Face& face = fans_.faces()[i];
             const bool leaving = by_edge_before == face.forward;  // in the face's own order it begins at the vertex
             const std::uint32_t k = leaving ? face.corner.vertex : previous_of_three(face.corner.vertex);
-            face_edges_.push_back({face.corner.face, k});
+            face_planes_.push_back(measured_[face.corner.face].plane(k));
         }
     }
 
-    /// Whether every face rejects some unit vector u by the margin at its edge of face_edges_: g . u >= margin. The
+    /// Whether every face rejects some unit vector u by the margin at its edge of face_planes_: g . u >= margin. The
     /// plane of an edge is the higher one of two, above the face and below, so that is a condition for each side; first
     /// that of the side on which the normals lie, which mostly decides.
     ///
@@ -191,9 +271,9 @@ private:
         for (int round = 0; round < rounds; ++round) {
             const Vector middle = search_.direction();
             for (const bool side_of_middle : {true, false}) {
-                for (const Corner& edge : face_edges_) {
-                    const bool above = (planes_.normal(edge.face).dot(middle) >= 0) == side_of_middle;
-                    if (!search_.add(rejection(edge, above) - margin_ * middle)) return false;
+                for (const LateralPlane& plane : face_planes_) {
+                    const bool above = (plane.normal.dot(middle) >= 0) == side_of_middle;
+                    if (!search_.add(rejection(plane, above) - margin_ * middle)) return false;
                 }
             }
             if (search_.is_undecided() || 2 * middle.dot(search_.direction()) > 1) break;
@@ -202,10 +282,9 @@ private:
         return true;
     }
 
-    /// g with g . u > 0 where the plane of the face's edge, on one side of the face, has u outside. Scaled such that g
-    /// . u counts in units by which the slack widens that plane.
-    Vector rejection(const Corner& edge, bool above) const {
-        const LateralPlane plane = planes_.plane(edge);
+    /// g with g . u > 0 where the plane, on one side of the face, has u outside. Scaled such that g . u counts in units
+    /// by which the slack widens that plane.
+    static Vector rejection(const LateralPlane& plane, bool above) {
         const auto slope = static_cast<double>(above ? plane.above : plane.below);
         return (plane.inward + (above ? slope : -slope) * plane.normal) * (-1 / (1 + slope));
     }
@@ -229,15 +308,13 @@ private:
     const MeshFaces& faces_;
     std::span<const FaceEdges> edges_;
     const OneRings& rings_;
-    const FramePlanes& planes_;
+    const MeasuredFaces& measured_;
     double per_unit_;  // only the directions of what it scales are used
     double margin_;
-    std::span<std::uint8_t> marks_;
 
-    FanScreen screen_;
     VertexFans fans_;
-    std::vector<Vector> spokes_;      // unit vectors to the neighbours; of face i of the fans, that at its edge before
-    std::vector<Corner> face_edges_;  // at which the faces of a fan reject
+    std::vector<Vector> spokes_;  // unit vectors to the neighbours; of face i of the fans, that at its edge before
+    std::vector<LateralPlane> face_planes_;  // at which the faces of a fan reject
     std::vector<std::size_t> order_;
     ConeSearch search_;
     bool undecided_ = false;  // whether a search that succeeded hangs on rounding
@@ -245,15 +322,16 @@ private:
 
 }  // namespace
 
-void find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
-               const FramePlanes& planes, double margin, std::span<const std::uint32_t> vertices,
-               std::span<std::uint8_t> marks) {
-    tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, planes, margin, marks); });
+std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const FaceEdges> edges, const OneRings& rings,
+                                    const MeasuredFaces& measured, std::span<const std::uint32_t> vertices,
+                                    double margin) {
+    std::vector<std::uint8_t> marks(vertices.size());
+    tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, measured, margin); });
     for_each_range(vertices.size(), [&](std::size_t begin, std::size_t end) {
         GapTest& test = tests.local();
-        for (const std::uint32_t vertex : vertices.subspan(begin, end - begin)) test.look_at(vertex);
+        for (std::size_t i = begin; i < end; ++i) marks[i] = test.look_at(vertices[i]);
     });
-    tbb::parallel_for_each(tests.begin(), tests.end(), [](GapTest& test) { test.finish(); });
+    return marks;
 }
 
 }  // namespace clsdf::polyhedra

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <utility>
 
 namespace clsdf::polyhedra {
@@ -11,6 +12,41 @@ namespace clsdf::polyhedra {
 namespace {
 
 static_assert(CLSDF_FAN_ITEM % CLSDF_FAN_STRIDE == 0);
+
+using Numbers = std::vector<std::uint32_t>;
+
+void sort_and_unite(Numbers& numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+/// Collects f(part, begin, end), lists of numbers of sub-ranges, one after the other.
+template <typename Function>
+Numbers collected(std::size_t count, const Function& f) {
+    constexpr std::size_t stretch = 1U << 16;
+    std::vector<Numbers> parts(stretch_count(count, stretch));
+    for_each_stretch(count, stretch,
+                     [&](std::size_t part, std::size_t begin, std::size_t end) { f(begin, end, parts[part]); });
+    if (parts.size() == 1) return std::move(parts.front());
+    Numbers all;
+    for (const Numbers& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+}
+
+/// The faces with an answer.
+Numbers answered_faces(std::span<const std::uint8_t> answers) {
+    return collected(answers.size(), [&](std::size_t begin, std::size_t end, Numbers& found) {
+        const std::uint8_t* const first = answers.data();
+        for (std::size_t face = begin; face < end;) {
+            constexpr std::size_t step = 64;
+            const std::size_t last = std::min(end, face + step);
+            if (std::any_of(first + face, first + last, [](std::uint8_t answer) { return answer != 0; }))
+                for (std::size_t i = face; i < last; ++i)
+                    if (first[i] != 0) found.push_back(static_cast<std::uint32_t>(i));
+            face = last;
+        }
+    });
+}
 
 /// Files the vertices of closed fans by the number of their faces.
 class FanFiling {
@@ -28,10 +64,8 @@ public:
         for_each_stretch(faces_.size(), stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
             write(parts_[part], begin, end, result);
         });
-        for (const Part& part : parts_) {
+        for (const Part& part : parts_)
             result.awkward_vertices.insert(result.awkward_vertices.end(), part.awkward.begin(), part.awkward.end());
-            result.border_vertices.insert(result.border_vertices.end(), part.border.begin(), part.border.end());
-        }
     }
 
 private:
@@ -40,7 +74,7 @@ private:
 
     struct Part {
         ByFaces counts{};  ///< of vertices; then the number of the first one among those with as many faces
-        std::vector<std::uint32_t> awkward, border;
+        std::vector<std::uint32_t> awkward;
     };
 
     /// Walks around the vertices.
@@ -54,15 +88,23 @@ private:
                 ++part.counts[count];
                 continue;
             }
-            std::uint8_t marks = 0;
-            for (std::size_t i = 0; i < count; ++i) {
-                const Corner corner = topology_.rings.corner(vertex, i);
-                const FaceEdges& edges = topology_.edges.faces[corner.face];
-                marks |= edges.marks[corner.vertex];
-                marks |= edges.marks[previous_of_three(corner.vertex)];
-            }
-            (marks == edge_open ? part.border : part.awkward).push_back(static_cast<std::uint32_t>(vertex));
+            if (!is_ordinary_border(vertex, count)) part.awkward.push_back(static_cast<std::uint32_t>(vertex));
         }
+    }
+
+    /// Whether a vertex is at an open edge, hence without a gap, and has not the two edges of a saddle vertex.
+    bool is_ordinary_border(std::size_t vertex, std::size_t count) const {
+        std::uint8_t marks = 0;
+        std::size_t uses = 0;  // of edges with two faces: two each
+        for (std::size_t i = 0; i < count; ++i) {
+            const Corner corner = topology_.rings.corner(vertex, i);
+            const FaceEdges& edges = topology_.edges.faces[corner.face];
+            for (const std::uint32_t k : {corner.vertex, previous_of_three(corner.vertex)}) {
+                marks |= edges.marks[k];
+                uses += edges.marks[k] == 0 ? 1U : 0U;
+            }
+        }
+        return marks == edge_open && uses < 4;
     }
 
     /// Whether the faces are one closed fan; lists its corners, counter-clockwise, where the ring has its own.
@@ -93,11 +135,12 @@ private:
                 words += stretch_count(size, CLSDF_FAN_STRIDE) * block_words(faces);
             }
         }
-        // Kernels number words by 32 bits; a mesh has at most 2^30 faces, hence 6 * 2^30 words: see suits().
+        // Kernels number words by 32 bits; a fan has as many as corners, and a mesh has at most
+        // 3 * 2^30 corners.
         result.fan_words.resize(words);
     }
 
-    static std::size_t block_words(std::size_t faces) { return CLSDF_FAN_STRIDE * (1 + 2 * faces); }
+    static std::size_t block_words(std::size_t faces) { return CLSDF_FAN_STRIDE * faces; }
 
     void write(Part& part, std::size_t begin, std::size_t end, KernelTopology& result) const {
         for (std::size_t vertex = begin; vertex < end; ++vertex) {
@@ -108,13 +151,8 @@ private:
             std::uint32_t* const words =
                 &result.fan_words[item.offset + in_item / CLSDF_FAN_STRIDE * block_words(count)];
             std::uint32_t* const own = words + in_item % CLSDF_FAN_STRIDE;
-            own[0] = static_cast<std::uint32_t>(vertex);
             const std::uint32_t* const fan = &fans_[topology_.rings.start(vertex)];
-            for (std::size_t i = 0; i < count; ++i) {
-                const Corner corner = Corner::unpack(fan[i]);
-                own[CLSDF_FAN_STRIDE * (1 + i)] = topology_.faces.triangles[corner.face][next_of_three(corner.vertex)];
-                own[CLSDF_FAN_STRIDE * (1 + count + i)] = 3 * corner.face + corner.vertex;
-            }
+            for (std::size_t i = 0; i < count; ++i) own[CLSDF_FAN_STRIDE * i] = fan[i];
         }
     }
 
@@ -127,11 +165,11 @@ private:
 
 }  // namespace
 
-KernelTopology::KernelTopology(const MeshTopology& topology)
-    : opposite(3 * topology.order.size()), names(topology.order.size()) {
+KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topology.order.size()) {
     constexpr std::size_t stretch = 4096;
-    std::vector<std::vector<std::uint32_t>> awkward(stretch_count(names.size(), stretch));
-    for_each_stretch(names.size(), stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    const std::size_t count = topology.order.size();
+    std::vector<Numbers> awkward(stretch_count(count, stretch));
+    for_each_stretch(count, stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
         for (std::size_t face = begin; face < end; ++face) {
             const FaceEdges& edges = topology.edges.faces[face];
             std::uint8_t all = 0;
@@ -144,7 +182,6 @@ KernelTopology::KernelTopology(const MeshTopology& topology)
                 const Corner across = Corner::unpack(edges.across[k]);
                 opposite[3 * face + k] = topology.faces.triangles[across.face][previous_of_three(across.vertex)];
             }
-            names[face] = topology.order[face] | ((all & edge_non_manifold) != 0 ? CLSDF_NAME_NON_MANIFOLD : 0U);
             if ((all & ~edge_open) != 0) awkward[part].push_back(static_cast<std::uint32_t>(face));
         }
     });
@@ -152,9 +189,36 @@ KernelTopology::KernelTopology(const MeshTopology& topology)
     FanFiling(topology).run(*this);
 }
 
+LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<const std::uint8_t> face_answers,
+                                        std::span<const std::uint8_t> vertex_answers) const {
+    LeftToHost left;
+    left.faces = answered_faces(face_answers);
+    left.faces.insert(left.faces.end(), awkward_faces.begin(), awkward_faces.end());
+    sort_and_unite(left.faces);
+    std::atomic<std::size_t> saddles = 0;
+    left.vertices = collected(fan_items.size(), [&](std::size_t begin, std::size_t end, Numbers& found) {
+        std::size_t saddles_here = 0;
+        for (std::size_t number = begin; number < end; ++number) {
+            const FanItem& item = fan_items[number];
+            const std::uint8_t* const answers = &vertex_answers[number * CLSDF_FAN_ITEM];
+            for (std::uint32_t i = 0; i < item.count; ++i) {
+                saddles_here += answers[i] == CLSDF_VERTEX_IS_SADDLE ? 1U : 0U;
+                if ((answers[i] & CLSDF_VERTEX_IS_OPEN) == 0) continue;
+                const std::uint32_t block = i / CLSDF_FAN_STRIDE * CLSDF_FAN_STRIDE * item.faces;
+                const Corner corner = Corner::unpack(fan_words[item.offset + block + i % CLSDF_FAN_STRIDE]);
+                found.push_back(topology.faces.triangles[corner.face][corner.vertex]);
+            }
+        }
+        saddles += saddles_here;
+    });
+    left.vertices.insert(left.vertices.end(), awkward_vertices.begin(), awkward_vertices.end());
+    std::sort(left.vertices.begin(), left.vertices.end());
+    left.saddles_elsewhere = saddles;
+    return left;
+}
+
 std::size_t KernelTopology::bytes() const {
-    return (opposite.size() + names.size() + fan_words.size() + awkward_faces.size() + awkward_vertices.size() +
-            border_vertices.size()) *
+    return (opposite.size() + fan_words.size() + awkward_faces.size() + awkward_vertices.size()) *
                sizeof(std::uint32_t) +
            fan_items.size() * sizeof(FanItem);
 }

@@ -4,7 +4,7 @@
 
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
-#include "polyhedra/mesh_topology.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <cstdint>
 #include <memory>

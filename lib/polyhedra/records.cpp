@@ -1,7 +1,7 @@
 #include "polyhedra/records.hpp"
 
-#include "polyhedra/frame_batch.hpp"
-#include "polyhedra/one_rings.hpp"
+#include "core/parallel.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <algorithm>
 #include <array>
@@ -106,26 +106,19 @@ Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint3
 }
 
 void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,
-                       const TriangleFrame& frame, Polyhedron& record) {
+                       Polyhedron& record) {
+    const Triangle& corners = topology.faces.triangles[face];
+    const MeshFaces faces{frusta.positions, topology.faces.triangles, lattice};
     // Constructed in its place rather than copied there.
-    new (&record) Polyhedron(pack(frame, frusta.slopes[face], topology.order[face], frusta.positions,
-                                  topology.faces.triangles[face], lattice));
-    const auto& marks = topology.edges.faces[face].marks;
-    if (((marks[0] | marks[1] | marks[2]) & edge_non_manifold) != 0) record.flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
+    new (&record) Polyhedron(
+        pack(faces.frame(face), frusta.slopes[face], topology.order[face], frusta.positions, corners, lattice));
+    if (topology.edges.is_non_manifold(face)) record.flags |= CLSDF_POLYHEDRON_NON_MANIFOLD;
 }
 
 void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                        std::size_t first, std::span<Polyhedron> records) {
-    constexpr std::size_t together = 64;
-    std::array<TriangleFrame, together> frames;
-    const std::span<const Triangle> triangles(topology.faces.triangles);
-    for (std::size_t begin = 0; begin < records.size(); begin += together) {
-        const std::size_t count = std::min(together, records.size() - begin);
-        triangle_frames(frusta.positions, triangles.subspan(first + begin, count), lattice,
-                        std::span(frames).first(count));
-        for (std::size_t i = 0; i < count; ++i)
-            write_face_record(topology, frusta, lattice, first + begin + i, frames[i], records[begin + i]);
-    }
+                        std::span<Polyhedron> records) {
+    for_each_index(records.size(),
+                   [&](std::size_t face) { write_face_record(topology, frusta, lattice, face, records[face]); });
 }
 
 void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,

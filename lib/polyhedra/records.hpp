@@ -1,7 +1,7 @@
 #pragma once
 
+#include "polyhedra/frames.hpp"
 #include "polyhedra/frusta.hpp"
-#include "polyhedra/triangle_frame.hpp"
 #include "polyhedron.h"
 
 #include <cstddef>
@@ -19,13 +19,13 @@ inline constexpr std::size_t record_group = 16;
 Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,
                 std::span<const Vec3> positions, const Triangle& corners, const LatticeView& lattice);
 
-/// The record of a face whose frame in the lattice is known.
+/// The record of a face.
 void write_face_record(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice, std::size_t face,
-                       const TriangleFrame& frame, Polyhedron& record);
+                       Polyhedron& record);
 
-/// The records of faces that follow each other, from `first` on.
+/// The records of all faces, or of the first ones.
 void write_face_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,
-                        std::size_t first, std::span<Polyhedron> records);
+                        std::span<Polyhedron> records);
 
 /// The records of point sites that follow each other, from `first` on.
 void write_site_records(const MeshTopology& topology, const Frusta& frusta, const LatticeView& lattice,

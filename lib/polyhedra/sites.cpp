@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "layout.h"
-#include "polyhedra/vector.hpp"
+#include "polyhedra/frames.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,13 +1,11 @@
 #include "transform/device_faces.hpp"
 
 #include "core/parallel.hpp"
-#include "device/host_filling.hpp"
 #include "transform/programs.hpp"
 #include "transform/short_launches.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -20,72 +18,9 @@ static_assert(CLSDF_RECORD_GROUP == polyhedra::record_group);
 // Of a core, rounded up.
 constexpr double seconds_per_face = 1e-6;
 
-/// Copies values to the device, and does not wait.
-template <class Values>
-device::BufferPool::Lease upload(const DeviceSetUp& job, const Values& values, const char* purpose) {
-    using Value = std::remove_cvref_t<decltype(values[0])>;
-    device::HostFilling filling(job.context, job.pool, values.size() * sizeof(Value), purpose);
-    std::copy(values.begin(), values.end(), static_cast<Value*>(filling.memory()));
-    return filling.finish();
-}
-
-/// The records that the host writes: of faces that are nearly degenerate, and of point sites.
-class WrittenRecords {
-public:
-    WrittenRecords(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                   const polyhedra::LatticeView& lattice)
-        : topology_(topology), frusta_(frusta), lattice_(lattice) {}
-
-    /// Those of a range of faces, whose records are at `record` and behind. The last face of the mesh fills up its
-    /// group.
-    void add_faces(const polyhedra::RecordRange& range, std::size_t record) {
-        const std::vector<std::uint32_t>& slivers = frusta_.slivers;
-        const auto end = std::lower_bound(slivers.begin(), slivers.end(), range.end);
-        for (auto sliver = std::lower_bound(slivers.begin(), slivers.end(), range.begin); sliver != end; ++sliver)
-            add(*sliver, record + *sliver - range.begin);
-        if (slivers.empty() || slivers.back() + 1 != range.end) return;
-        for (std::size_t face = range.end; face % polyhedra::record_group != 0; ++face)
-            add(slivers.back(), record + face - range.begin);
-    }
-
-    void add_sites(const polyhedra::RecordRange& range, std::size_t record) {
-        const std::size_t size = range.end - range.begin, first = records_.size();
-        records_.resize(first + size);
-        write_site_records(topology_, frusta_, lattice_, range.begin, std::span(records_).subspan(first, size));
-        for (std::size_t i = 0; i < size; ++i) places_.push_back(static_cast<cl_uint>(record + i));
-    }
-
-    /// Enqueues their way to their places.
-    void place(const DeviceSetUp& job, const cl::Buffer& records) const {
-        if (places_.empty()) return;
-        const auto written = upload(job, records_, "records that the host writes");
-        const auto places = upload(job, places_, "their places");
-        cl::Kernel kernel(job.program, "place_records");
-        kernel.setArg(0, static_cast<cl_uint>(places_.size()));
-        kernel.setArg(1, *written);
-        kernel.setArg(2, *places);
-        kernel.setArg(3, records);
-        job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(places_.size())),
-                                                 cl::NDRange(common_group));
-    }
-
-private:
-    void add(std::uint32_t face, std::size_t record) {
-        records_.emplace_back();
-        write_face_records(topology_, frusta_, lattice_, face, {&records_.back(), 1});
-        places_.push_back(static_cast<cl_uint>(record));
-    }
-
-    const polyhedra::MeshTopology& topology_;
-    const polyhedra::Frusta& frusta_;
-    const polyhedra::LatticeView& lattice_;
-    std::vector<Polyhedron> records_;
-    std::vector<cl_uint> places_;
-};
-
 void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyhedra::LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
-    const auto group_numbers = upload(job, groups, "numbers of the faces");
+    const auto group_numbers = job.upload(groups, "numbers of the faces");
     cl::Kernel kernel(job.program, "face_records");
     enum Argument : cl_uint {
         in_lattice,
@@ -101,7 +36,7 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
         out
     };
     kernel.setArg(in_lattice, face_lattice(lattice));
-    kernel.setArg(count, static_cast<cl_uint>(faces.names->face_count));
+    kernel.setArg(count, static_cast<cl_uint>(faces.names->face_count()));
     kernel.setArg(item_records, static_cast<cl_uint>(job.item_faces()));
     kernel.setArg(of_groups, *group_numbers);
     kernel.setArg(triangles, *faces.names->triangles);
@@ -126,23 +61,61 @@ void DeviceSetUp::enqueue(const cl::Kernel& kernel, std::size_t faces) const {
     context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(group));
 }
 
-DeviceFaces::Names upload_names(const DeviceSetUp& job, const polyhedra::MeshTopology& topology) {
-    const std::size_t count = topology.order.size();
+DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology) {
+    const std::size_t count = topology->order.size();
     device::HostFilling filling(job.context, job.pool, count * sizeof(cl_uint), "numbers of the triangles");
     auto* const names = static_cast<cl_uint*>(filling.memory());
     for_each_index(count, [&](std::size_t face) {
-        const auto& marks = topology.edges.faces[face].marks;
-        const bool is_non_manifold = ((marks[0] | marks[1] | marks[2]) & polyhedra::edge_non_manifold) != 0;
-        names[face] = topology.order[face] | (is_non_manifold ? CLSDF_NAME_NON_MANIFOLD : 0U);
+        names[face] = topology->order[face] | (topology->edges.is_non_manifold(face) ? CLSDF_NAME_NON_MANIFOLD : 0U);
     });
-    return {upload(job, topology.faces.triangles, "triangles"), filling.finish(), count,
-            topology.faces.vertices.size()};
+    auto triangles = job.input(topology->faces.triangles, "triangles");
+    return {std::move(topology), std::move(triangles), filling.finish()};
 }
 
-DeviceFaces upload_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
+DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFaces::Names> names,
                          const polyhedra::Frusta& frusta) {
-    return {std::move(names), upload(job, frusta.positions, "vertices"),
-            upload(job, frusta.slopes, "slopes of the polyhedra")};
+    return {std::move(names), job.input(frusta.positions, "vertices"),
+            job.input(frusta.slopes, "slopes of the polyhedra")};
+}
+
+void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
+                 std::size_t item_words, const cl::Buffer& items) {
+    cl::Kernel kernel(job.program, "place_items");
+    kernel.setArg(0, static_cast<cl_uint>(count));
+    kernel.setArg(1, static_cast<cl_uint>(item_words));
+    kernel.setArg(2, written);
+    kernel.setArg(3, places);
+    kernel.setArg(4, items);
+    job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(count)),
+                                             cl::NDRange(common_group));
+}
+
+void WrittenRecords::add_faces(const polyhedra::RecordRange& range, std::size_t record) {
+    const auto add = [&](std::uint32_t face, std::size_t place) {
+        written_faces_.push_back(face);
+        face_places_.push_back(static_cast<cl_uint>(record + place - range.begin));
+    };
+    const auto end = std::lower_bound(faces_.begin(), faces_.end(), range.end);
+    for (auto face = std::lower_bound(faces_.begin(), faces_.end(), range.begin); face != end; ++face)
+        add(*face, *face);
+    if (faces_.empty() || faces_.back() + 1 != range.end) return;
+    for (std::size_t place = range.end; place % polyhedra::record_group != 0; ++place) add(faces_.back(), place);
+}
+
+void WrittenRecords::add_sites(const polyhedra::RecordRange& range, std::size_t record) {
+    const std::size_t size = range.end - range.begin, first = sites_.size();
+    sites_.resize(first + size);
+    write_site_records(topology_, frusta_, lattice_, range.begin, std::span(sites_).subspan(first, size));
+    for (std::size_t i = 0; i < size; ++i) site_places_.push_back(static_cast<cl_uint>(record + i));
+}
+
+void WrittenRecords::place(const DeviceSetUp& job, const cl::Buffer& records) const {
+    std::vector<Polyhedron> faces(written_faces_.size());
+    for_each_index(faces.size(), [&](std::size_t i) {
+        write_face_record(topology_, frusta_, lattice_, written_faces_[i], faces[i]);
+    });
+    place_items(job, faces, face_places_, records);
+    place_items(job, sites_, site_places_, records);
 }
 
 bool is_plain(const Mesh& mesh, const polyhedra::LatticeView& lattice) {
@@ -172,7 +145,7 @@ PreparedMesh records_on_device(const DeviceSetUp& job, const DeviceFaces& faces,
                                const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
                                std::span<const polyhedra::RecordRange> of_sites) {
     constexpr std::size_t group = polyhedra::record_group;
-    WrittenRecords written(topology, frusta, lattice);
+    WrittenRecords written(topology, frusta, lattice, frusta.slivers);
     std::vector<cl_uint> groups;
     for (const polyhedra::RecordRange& range : of_faces) {
         written.add_faces(range, groups.size() * group);

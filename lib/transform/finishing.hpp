@@ -7,7 +7,7 @@
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "outputs.h"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/frames.hpp"
 
 #include <cstdint>
 #include <memory>

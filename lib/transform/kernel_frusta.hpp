@@ -1,7 +1,8 @@
 #pragma once
 
 #include "device/buffer_pool.hpp"
-#include "polyhedra/complete_frusta.hpp"
+#include "polyhedra/frusta.hpp"
+#include "polyhedra/kernel_topology.hpp"
 #include "transform/device_faces.hpp"
 #include "transform/prepared_mesh.hpp"
 
@@ -11,37 +12,30 @@
 
 namespace clsdf::transform {
 
-/// A mesh's topology for the kernels of mesh_records.cl, on a processor, which reads the host's memory.
+/// A mesh's topology for the kernels that make frusta.
 struct FrustaSources {
-    std::shared_ptr<const polyhedra::MeshTopology> topology;
     polyhedra::KernelTopology of_kernels;
-    device::BufferPool::Lease triangles, opposite, names, fan_words, fan_items;
+    device::BufferPool::Lease opposite, fan_words, fan_items;
 
-    FrustaSources(device::Context& context, std::shared_ptr<const polyhedra::MeshTopology> topology_in);
+    FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology);
 
-    std::size_t bytes() const { return of_kernels.bytes(); }
+    std::size_t host_bytes() const { return of_kernels.bytes(); }
+    std::size_t device_bytes() const { return opposite.bytes() + fan_words.bytes() + fan_items.bytes(); }
 };
 
-/// Arrays that moves of the vertices leave to the next time.
-struct FrustaMemory {
-    polyhedra::CompletionMemory completion;
-    UninitializedVector<float> signs;
-    UninitializedVector<std::uint8_t> face_answers;
-    UninitializedVector<std::uint8_t> vertex_answers;
+/// Whether the topology has few enough faces for the kernels' numbers.
+bool suits_kernels(const polyhedra::MeshTopology& topology);
 
-    std::size_t bytes() const {
-        return completion.bytes() + signs.size() * sizeof(float) + face_answers.size() + vertex_answers.size();
-    }
+struct MadeFrusta {
+    polyhedra::Frusta frusta;  ///< whose arrays the faces share if device and host share their memory
+    DeviceFaces faces;
+    std::optional<PreparedMesh> records{};  ///< for the lattice, if there is one
 };
 
-/// Whether kernels make a mesh's frusta: not of few triangles, which the host has made before it has woken the device.
-bool suits_kernels(const polyhedra::MeshTopology& topology, std::size_t least_faces);
-
-/// The frusta, made by kernels and completed by the host; and their records for a lattice, unless it is null.
-/// `records` is set then. Returns nothing if too many faces are nearly degenerate: see complete_frusta().
-std::optional<polyhedra::Frusta> frusta_by_kernels(const DeviceSetUp& job,
-                                                   const std::shared_ptr<const FrustaSources>& sources,
-                                                   FrustaMemory& memory, const Mesh& mesh,
-                                                   const polyhedra::LatticeView* lattice, PreparedMesh* records);
+/// The frusta of a mesh with these faces: made by kernels, and completed by the host, exactly. One wait for the device.
+/// `lattice`: whose records are made, too; null for none.
+MadeFrusta frusta_by_kernels(const DeviceSetUp& job, const std::shared_ptr<const DeviceFaces::Names>& names,
+                             const std::shared_ptr<const FrustaSources>& sources, const Mesh& mesh,
+                             const polyhedra::LatticeView* lattice);
 
 }  // namespace clsdf::transform

@@ -1,6 +1,6 @@
 #include "transform/known_field.hpp"
 
-#include "polyhedra/vector.hpp"
+#include "polyhedra/frames.hpp"
 
 #include <fmt/format.h>
 

@@ -43,6 +43,11 @@ struct PreparedMesh {
     virtual std::size_t device_bytes() const { return polyhedra.bytes(); }
 };
 
+/// So many records of faces, and the repeated last one that fills the last group.
+constexpr std::size_t in_record_groups(std::size_t count) {
+    return (count + polyhedra::record_group - 1) / polyhedra::record_group * polyhedra::record_group;
+}
+
 /// Those of a lattice's records that matter to a grid, if they are few: their groups (polyhedra::record_group),
 /// ascending.
 struct RecordSelection {
@@ -50,31 +55,19 @@ struct RecordSelection {
     std::size_t group_count = 0;
 };
 
-/// Of all records, which all_records() or first_geometry() made.
+/// Of the records of all faces and sites.
 RecordSelection select_records(const device::Context& context, const polyhedra::MeshTopology& topology,
                                const polyhedra::NearRecords& near);
 
 /// Sets the numbers that belong to the whole mesh.
 void set_counts(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta, PreparedMesh& prepared);
 
-/// Frusta, and their records for a lattice: made in one pass over the mesh.
-struct FirstGeometry {
-    polyhedra::Frusta frusta;
-    PreparedMesh records;
-};
-FirstGeometry first_geometry(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                             const polyhedra::MeshTopology& topology, const Mesh& mesh,
-                             const polyhedra::LatticeView& lattice);
-
-/// The records of the whole mesh.
-PreparedMesh all_records(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                         const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                         const polyhedra::LatticeView& lattice);
-
-/// The records of what is near a box.
-PreparedMesh near_records(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
-                          const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near);
+/// The records of ranges of faces, each of which begins with a group (polyhedra::record_group), and of point sites, by
+/// the host: for any lattice.
+PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                             const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta,
+                             const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                             std::span<const polyhedra::RecordRange> of_sites);
 
 /// The triangles of the sample, of any lattice.
 using SurfaceSample = std::vector<std::array<Vec3, 3>>;

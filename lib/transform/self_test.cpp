@@ -84,7 +84,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device::context_of(device);
     const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(context, pool, known.mesh(), {test_case.method, SetUpBy::programs(context, programs, true)});
+    Stages stages(context, pool, known.mesh(), {test_case.method, {programs.mesh_records, programs.mesh_lanes()}});
     Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
     if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true);
     PlanState plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,

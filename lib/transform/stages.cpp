@@ -1,5 +1,6 @@
 #include "transform/stages.hpp"
 
+#include "core/keep.hpp"
 #include "polyhedra/sites.hpp"
 #include "transform/coarse_lists.hpp"
 #include "transform/field_method.hpp"
@@ -79,13 +80,6 @@ bool is_bounded(const Layout& layout) {
 std::size_t Stages::Lattice::bytes() const {
     return (records ? records->device_bytes() : 0) + (sweep_mesh ? sweep_mesh->device_bytes() : 0) +
            (points ? points->size() * sizeof(SurfacePoint) : 0);
-}
-
-SetUpBy SetUpBy::programs(const device::Context& context, const Programs& programs, bool tests) {
-    const bool is_processor = context.capabilities().is_processor;
-    SetUpBy set_up{programs.mesh_records, programs.mesh_lanes(), !is_processor};
-    if (tests) set_up.least_faces = 0;
-    return set_up;
 }
 
 Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options)
@@ -176,14 +170,25 @@ void Stages::check_inside(std::span<const Box> boxes, double half_width) const {
             throw beyond(*restriction_, fmt::format("box {} reaches from {}", i, text_of(boxes[i])));
 }
 
+Stages::~Stages() {
+    wait_for_readers();
+}
+
+void Stages::wait_for_readers() {
+    if (!frusta_ || !context_.capabilities().is_processor || context_.drain()) return;
+    keep_for_good(faces_);
+    keep_for_good(frusta_);
+}
+
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
+    wait_for_readers();
     mesh_.move(std::move(positions));
     has_moved_ = true;
     lattices_.clear();
-    frusta_.reset();
     index_.reset();
     faces_.reset();
+    frusta_.reset();
     sites_.reset();
     points_.reset();
     scanned_mesh_.reset();
@@ -196,23 +201,32 @@ const polyhedra::MeshTopology& Stages::topology() {
 }
 
 const polyhedra::Frusta& Stages::frusta() {
-    if (!frusta_ && !make_by_kernels(nullptr, nullptr))
-        frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+    if (!frusta_) make_frusta(nullptr);
     return *frusta_;
 }
 
-bool Stages::make_by_kernels(const polyhedra::LatticeView* lattice, PreparedMesh* records) {
-    if (options_.set_up.program() == nullptr || options_.set_up.keeps_faces || options_.method ||
-        !suits_kernels(topology(), options_.set_up.least_faces))
-        return false;
-    if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(context_, topology_);
-    auto frusta = frusta_by_kernels(set_up(), frusta_sources_, frusta_memory_, mesh_, lattice, records);
-    if (frusta) frusta_.emplace(std::move(*frusta));
-    if (!has_moved_) {
-        frusta_sources_.reset();
-        frusta_memory_ = {};
+bool Stages::has_kernels() {
+    return options_.set_up.program() != nullptr && suits_kernels(topology());
+}
+
+const std::shared_ptr<const DeviceFaces::Names>& Stages::names() {
+    topology();
+    if (!names_) names_ = std::make_shared<const DeviceFaces::Names>(device_names(set_up(), topology_));
+    return names_;
+}
+
+std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* lattice) {
+    if (!has_kernels()) {
+        frusta_.emplace(polyhedra::make_frusta(topology(), mesh_.vertices()));
+        return std::nullopt;
     }
-    return frusta_.has_value();
+    const DeviceSetUp job = set_up();
+    if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(job, topology());
+    MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_, lattice);
+    frusta_.emplace(std::move(made.frusta));
+    faces_ = std::make_shared<const DeviceFaces>(std::move(made.faces));
+    if (!has_moved_) frusta_sources_.reset();
+    return std::move(made.records);
 }
 
 const polyhedra::ClusterIndex& Stages::index() {
@@ -221,32 +235,24 @@ const polyhedra::ClusterIndex& Stages::index() {
 }
 
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
-    if (!options_.set_up.keeps_faces || options_.method || !is_plain(mesh_, lattice)) return nullptr;
-    const DeviceSetUp job = set_up();
-    if (!names_) names_ = std::make_shared<const DeviceFaces::Names>(upload_names(job, topology()));
-    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(upload_faces(job, names_, frusta()));
+    if (options_.method || !has_kernels() || !is_plain(mesh_, lattice)) return nullptr;
+    frusta();
+    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(transform::device_faces(set_up(), names(), *frusta_));
     return faces_;
 }
 
 PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
-    if (const auto faces = device_faces(lattice)) {
-        const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
-        return records_on_device(set_up(), *faces, topology(), frusta(), lattice, {&all, 1}, {&sites, 1});
-    }
-    PreparedMesh records;
-    if (!frusta_ && is_plain(mesh_, lattice) && make_by_kernels(&lattice, &records)) return records;
-    // A lattice that is not plain has the same frusta.
-    if (!frusta_ && !is_plain(mesh_, lattice)) make_by_kernels(nullptr, nullptr);
-    if (frusta_) return transform::all_records(context_, pool_, topology(), *frusta_, lattice);
-    FirstGeometry first = first_geometry(context_, pool_, topology(), mesh_, lattice);
-    frusta_.emplace(std::move(first.frusta));
-    return std::move(first.records);
+    if (!frusta_ && is_plain(mesh_, lattice))
+        if (std::optional<PreparedMesh> first = make_frusta(&lattice)) return std::move(*first);
+    const polyhedra::RecordRange all{0, topology().order.size()}, sites{0, frusta().sites.size()};
+    return records(lattice, {&all, 1}, {&sites, 1});
 }
 
-PreparedMesh Stages::near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near) {
+PreparedMesh Stages::records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                             std::span<const polyhedra::RecordRange> of_sites) {
     if (const auto faces = device_faces(lattice))
-        return records_on_device(set_up(), *faces, topology(), frusta(), lattice, near.faces, near.sites);
-    return transform::near_records(context_, pool_, topology(), frusta(), lattice, near);
+        return records_on_device(set_up(), *faces, topology(), frusta(), lattice, of_faces, of_sites);
+    return records_by_host(context_, pool_, topology(), frusta(), lattice, of_faces, of_sites);
 }
 
 Stages::Lattice& Stages::lattice(const Grid& grid) {
@@ -312,7 +318,7 @@ void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inpu
         if (!lone && is_shared(kept.records != nullptr, kept.faces_packed + near->face_count, 0.25)) {
             inputs.selection = select_records(context_, topology(), *near);
         } else {
-            inputs.records = std::make_shared<const PreparedMesh>(near_records(view, *near));
+            inputs.records = std::make_shared<const PreparedMesh>(records(view, near->faces, near->sites));
             if (!lone) kept.faces_packed += near->face_count;
         }
     }
@@ -414,10 +420,11 @@ std::size_t Stages::budget() const {
 void Stages::keep_within(std::size_t budget) {
     std::size_t bytes = sites_ ? sites_->bytes() : 0;
     if (bytes > budget) sites_.reset();
-    bytes += faces_ ? faces_->bytes() : 0;
+    bytes += (faces_ ? faces_->bytes() : 0) + (frusta_sources_ ? frusta_sources_->device_bytes() : 0);
     if (bytes > budget) {
         faces_.reset();
         names_.reset();
+        frusta_sources_.reset();
     }
     bytes += points_ ? points_->device_bytes() : 0;
     if (bytes > budget) points_.reset();
@@ -433,6 +440,7 @@ void Stages::keep_within(std::size_t budget) {
 
 std::size_t Stages::device_bytes() const {
     std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) +
+                        (frusta_sources_ ? frusta_sources_->device_bytes() : 0) +
                         (points_ ? points_->device_bytes() : 0) + (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0) +
                         (face_sides_ ? face_sides_->sides.bytes() : 0);
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
@@ -445,8 +453,7 @@ std::size_t Stages::record_bytes() const {
 
 std::size_t Stages::host_bytes() const {
     return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0) +
-           (points_ ? points_->host_bytes() : 0) + (frusta_sources_ ? frusta_sources_->bytes() : 0) +
-           frusta_memory_.bytes() +
+           (points_ ? points_->host_bytes() : 0) + (frusta_sources_ ? frusta_sources_->host_bytes() : 0) +
            (restriction_ ? restriction_->numbers.size() * sizeof(std::uint32_t) +
                                restriction_->sample.size() * sizeof(restriction_->sample[0])
                          : 0);

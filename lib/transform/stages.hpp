@@ -12,7 +12,7 @@
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/mesh_part.hpp"
-#include "polyhedra/mesh_topology.hpp"
+#include "polyhedra/topology.hpp"
 #include "transform/device_faces.hpp"
 #include "transform/finishing.hpp"
 #include "transform/kernel_frusta.hpp"
@@ -43,15 +43,10 @@ struct Inputs {
     bool is_inside_out = false;                   ///< the faces look inwards
 };
 
-/// What makes a mesh's polyhedra. The host by itself without a program.
+/// The kernels that make a mesh's polyhedra. The host makes them without a program.
 struct SetUpBy {
-    cl::Program program;       ///< of kernels/mesh_records.cl
-    std::size_t lanes = 1;     ///< that it is compiled for
-    bool keeps_faces = false;  ///< the device has memory of its own, and makes each lattice's records of faces there
-    std::size_t least_faces = 2048;  ///< fewer are left to the host, unless the device keeps them
-
-    /// As a device has it. `tests`: for any number of faces.
-    static SetUpBy programs(const device::Context& context, const Programs& programs, bool tests = false);
+    cl::Program program;    ///< of kernels/mesh_records.cl
+    std::size_t lanes = 1;  ///< that it is compiled for
 };
 
 /// What a transform is restricted to, and what it needs of the whole mesh.
@@ -69,7 +64,7 @@ struct Restriction {
 ///
 ///     MeshTopology   of the triangles                    kept
 ///     Frusta, index  + positions                         kept until the vertices move
-///     device's faces + positions                         the same, on a device with memory of its own
+///     device's faces + positions                         the same
 ///     sites          + positions                         the same, once other outputs than the distance are asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
@@ -91,6 +86,10 @@ public:
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh)
         : Stages(context, std::move(pool), std::move(mesh), Options()) {}
+
+    Stages(const Stages&) = delete;
+    Stages& operator=(const Stages&) = delete;
+    ~Stages();
 
     /// Of what samples and points of a box can need: see DistanceTransform::restrict_to().
     std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
@@ -159,13 +158,19 @@ private:
     };
 
     const polyhedra::ClusterIndex& index();
+    /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
+    void wait_for_readers();
     DeviceSetUp set_up() const { return {context_, pool_, options_.set_up.program, options_.set_up.lanes}; }
-    /// Sets the frusta, and their records for a lattice unless it is null, if kernels can make them.
-    bool make_by_kernels(const polyhedra::LatticeView* lattice, PreparedMesh* records);
+    /// Whether kernels make the frusta.
+    bool has_kernels();
+    const std::shared_ptr<const DeviceFaces::Names>& names();
+    /// Makes the frusta, and their records for a lattice if it is not null and kernels make them.
+    std::optional<PreparedMesh> make_frusta(const polyhedra::LatticeView* lattice);
     /// Null if the host makes the lattice's records, and the vertices of its sweep.
     std::shared_ptr<const DeviceFaces> device_faces(const polyhedra::LatticeView& lattice);
     PreparedMesh all_records(const polyhedra::LatticeView& lattice);
-    PreparedMesh near_records(const polyhedra::LatticeView& lattice, const polyhedra::NearRecords& near);
+    PreparedMesh records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
+                         std::span<const polyhedra::RecordRange> of_sites);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
     /// What a grid needs of the mesh, for its coarse bricks' lists or for its rows' crossings; nothing if that is more
@@ -186,8 +191,7 @@ private:
     std::optional<Restriction> restriction_;
     std::shared_ptr<const polyhedra::MeshTopology> topology_;
     bool has_moved_ = false;
-    std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on, as what follows
-    FrustaMemory frusta_memory_;
+    std::shared_ptr<const FrustaSources> frusta_sources_;  // kept from the first move on
     std::optional<polyhedra::Frusta> frusta_;
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceFaces::Names> names_;

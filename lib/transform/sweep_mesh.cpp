@@ -138,7 +138,7 @@ device::BufferPool::Lease sweep_vertices(const device::Context& context,
 /// The same, made on the device of what is there: the mesh is not far from sample (0, 0, 0).
 device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const SweepLattice& lattice,
                                              const DeviceFaces& faces) {
-    const std::size_t count = faces.names->vertex_count;
+    const std::size_t count = faces.names->vertex_count();
     auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
     cl::Kernel kernel(job.program, "sweep_vertices");
     enum Argument : cl_uint { in_lattice, scale_y, scale_z, begins, ends, positions, out };
@@ -194,7 +194,7 @@ SweepSelection select_triangles(const device::Context& context, const SweepMesh&
 }
 
 const cl::Buffer& SweepMesh::triangles() const {
-    return faces ? *faces->names->triangles : *own_triangles;
+    return faces ? *faces->triangles : *own_triangles;
 }
 
 SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
@@ -207,9 +207,9 @@ SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device
         result.bits_y = lattice.bits_y;
         result.bits_z = lattice.bits_z;
         result.first_x = lattice.first_x;
-        if (faces && faces->names->face_count == result.triangle_count && is_within_sweep(mesh, grid)) {
+        if (faces && faces->names->face_count() == result.triangle_count && is_within_sweep(mesh, grid)) {
             result.vertices = vertices_on_device(set_up, lattice, *faces);
-            result.faces = faces;
+            result.faces = faces->names;
         } else {
             result.own_triangles = sweep_triangles(context, pool, mesh);
             result.vertices = sweep_vertices(context, pool, lattice, mesh);

@@ -5,16 +5,14 @@
 
 #include "device/buffer_pool.hpp"
 #include "polyhedra/cluster_index.hpp"
-#include "polyhedra/mesh_topology.hpp"
+#include "polyhedra/topology.hpp"
+#include "transform/device_faces.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 
 namespace clsdf::transform {
-
-struct DeviceFaces;
-struct DeviceSetUp;
 
 /// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid. A
 /// processor reads the triangles where the mesh has them, which must outlive this.
@@ -26,8 +24,9 @@ struct SweepMesh {
     int bits_z = 0;
     std::int32_t first_x = 0;  ///< a multiple of CLSDF_BRICK; not 0 only if the mesh is far from sample (0, 0, 0)
 
-    std::shared_ptr<const DeviceFaces> faces{};  ///< whose triangles are swept; null: own_triangles
-    bool shares_triangles = false;               ///< own_triangles lie where the mesh has them
+    /// Whose triangles are swept, in the topology's order; null: own_triangles, in the caller's.
+    std::shared_ptr<const DeviceFaces::Names> faces{};
+    bool shares_triangles = false;  ///< own_triangles lie where the mesh has them
 
     const cl::Buffer& triangles() const;
     /// Bytes on the device that are its own.

@@ -42,7 +42,7 @@ DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions op
     if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
     stages = std::make_unique<transform::Stages>(
         device::context_of(device), pool, std::move(mesh),
-        transform::Stages::Options{options.method, transform::SetUpBy::programs(device::context_of(device), programs),
+        transform::Stages::Options{options.method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
                                    programs.body == KernelBody::by_vector, options.kept_bytes});
 }
 

@@ -48,6 +48,7 @@ clsdf_disguised(shapes test_transform_shapes)
 clsdf_disguised(streams test_transform_streams)
 clsdf_disguised(plans test_transform_plans)
 clsdf_disguised(request_plans test_transform_request_plans)
+clsdf_disguised(mesh_records test_transform_mesh_records)
 
 # and, with -C nightly (scripts/on-disguise), all that use a device.
 get_property(names GLOBAL PROPERTY CLSDF_TESTS)

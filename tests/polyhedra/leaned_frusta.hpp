@@ -18,12 +18,12 @@ struct LeanedFrusta {
 inline LeanedFrusta leaned_frusta(const Mesh& mesh, const polyhedra::LatticeView& lattice,
                                   const polyhedra::FrustaOptions& options = {}) {
     const polyhedra::MeshTopology topology(mesh);
-    const polyhedra::Frusta frusta = polyhedra::make_frusta(topology, mesh.vertices(), nullptr, options);
+    const polyhedra::Frusta frusta = polyhedra::make_frusta(topology, mesh.vertices(), options);
     const std::size_t faces = topology.order.size();
     LeanedFrusta result{UninitializedVector<Polyhedron>(faces + frusta.sites.size()), frusta.saddle_vertices,
                         frusta.sites.size(), frusta.boxes};
     const std::span<Polyhedron> records(result.polyhedra);
-    write_face_records(topology, frusta, lattice, 0, records.first(faces));
+    write_face_records(topology, frusta, lattice, records.first(faces));
     write_site_records(topology, frusta, lattice, 0, records.subspan(faces));
     return result;
 }

@@ -1,4 +1,4 @@
-#include "polyhedra/cone_search.hpp"
+#include "polyhedra/gaps.hpp"
 #include "support/random_meshes.hpp"
 
 #include <boost/test/unit_test.hpp>

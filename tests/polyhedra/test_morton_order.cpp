@@ -1,4 +1,4 @@
-#include "polyhedra/morton_order.hpp"
+#include "polyhedra/face_order.hpp"
 #include "support/random_meshes.hpp"
 
 #include <tbb/global_control.h>

@@ -1,6 +1,5 @@
-#include "polyhedra/mesh_topology.hpp"
-#include "polyhedra/morton_order.hpp"
-#include "polyhedra/one_rings.hpp"
+#include "polyhedra/face_order.hpp"
+#include "polyhedra/topology.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 

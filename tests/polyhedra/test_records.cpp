@@ -1,7 +1,6 @@
 #include "pointwise.hpp"
-#include "polyhedra/frame_batch.hpp"
-#include "polyhedra/morton_order.hpp"
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/face_order.hpp"
+#include "polyhedra/frames.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
@@ -109,57 +108,6 @@ BOOST_AUTO_TEST_CASE(the_frames_of_all_triangles_are_orthonormal) {
             if (height == 0) BOOST_TEST(frame.is_box);
         }
     }
-}
-
-void check_frames_made_together(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
-                                const LatticeView& lattice) {
-    std::vector<polyhedra::TriangleFrame> together(triangles.size());
-    polyhedra::triangle_frames(vertices, triangles, lattice, together);
-    std::size_t boxes = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        const auto& [a, b, c] = triangles[i];
-        const polyhedra::TriangleFrame one = triangle_frame({vertices[a], vertices[b], vertices[c]}, lattice);
-        const polyhedra::TriangleFrame& other = together[i];
-        boxes += one.is_box ? 1U : 0U;
-        BOOST_TEST_CONTEXT("triangle " << i << ", unit " << lattice.unit) {
-            BOOST_TEST((one.normal == other.normal && one.inwards == other.inwards && one.along == other.along));
-            BOOST_TEST((one.foot == other.foot && one.base == other.base && one.altitude == other.altitude));
-            BOOST_TEST((one.normal_along == other.normal_along && one.normal_across == other.normal_across));
-            BOOST_TEST((one.base_edge == other.base_edge && one.is_box == other.is_box));
-            BOOST_TEST(one.turn == other.turn);
-        }
-    }
-    BOOST_TEST(boxes > 1000U);
-}
-
-BOOST_AUTO_TEST_CASE(frames_made_together_are_those_made_one_by_one) {
-    Random random(9);
-    std::vector<Vec3> vertices;
-    std::vector<Triangle> triangles;
-    for (std::uint32_t i = 0; i < 20003; ++i) {
-        // From fat ones to needles, caps and segments, of all sizes, some with equal sides.
-        const double size = i % 5 == 0 ? std::pow(10, random.uniform(-60, 60)) : 1;
-        const double height = i % 3 == 0 ? std::pow(10, random.uniform(-12, 0)) : random.uniform(0, 1);
-        const Vec3 edge = random.direction();
-        const Vec3 a = i % 2 == 0 ? Vec3{0, 0, 0} : random.point(-20, 20);
-        const Vec3 b = i % 7 == 0 ? a : along(a, size, edge);
-        const Vec3 c = along(along(a, size * random.uniform(-1, 2), edge), size * height, random.direction());
-        vertices.insert(vertices.end(), {a, b, c});
-        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-    }
-    // Sides of equal length, in every order: the first of them is the base.
-    for (std::uint32_t i = 0; i < 16; ++i) {
-        const auto first = static_cast<std::uint32_t>(vertices.size());
-        const double height = i % 2 == 0 ? 2 : 0.5;
-        vertices.insert(vertices.end(), {Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, height, 0}});
-        triangles.push_back({first + i % 3, first + (i + 1) % 3, first + (i + 2) % 3});
-        vertices.insert(vertices.end(), {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}});
-        triangles.push_back({first + 3 + i % 3, first + 3 + (i + 1) % 3, first + 3 + (i + 2) % 3});
-    }
-    for (const double unit : {0.125, 0.3}) check_frames_made_together(vertices, triangles, {{0.3, -2, 7}, unit});
-    // The reciprocal of this unit is infinite.
-    for (Vec3& vertex : vertices) vertex = along({}, 1e-305, vertex);
-    check_frames_made_together(vertices, triangles, {{}, 1e-310});
 }
 
 BOOST_AUTO_TEST_CASE(the_origin_is_the_sample_next_to_the_foot) {

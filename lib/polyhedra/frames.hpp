@@ -2,8 +2,10 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "polyhedra/vector.hpp"
 #include "polyhedron.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <array>
 #include <cmath>
@@ -12,6 +14,23 @@
 #include <span>
 
 namespace clsdf::polyhedra {
+
+using Vector = Eigen::Vector3d;
+
+inline Vector to_vector(const Vec3& v) {
+    return {v[0], v[1], v[2]};
+}
+
+/// A product of two vectors, summed in this order always, as in kernels/face_frames.h.
+inline double dot(const Vector& a, const Vector& b) {
+    return a.x() * b.x() + a.y() * b.y() + a.z() * b.z();
+}
+
+/// A unit vector perpendicular to the unit vector `v`.
+inline Vector any_perpendicular(const Vector& v) {
+    const Vector axis = std::abs(v.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
+    return v.cross(axis).normalized();
+}
 
 /// A mesh seen from a lattice: positions in units, in the metric frame, relative to the lattice's sample (0, 0, 0). The
 /// unit is the caller's choice, of the order of the smallest spacing; a power of two scales without rounding.

@@ -1,6 +1,6 @@
-#include "polyhedra/triangle_frame.hpp"
+#include "polyhedra/frames.hpp"
 
-#include "polyhedra/one_rings.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,7 +93,7 @@ void set_equilateral_normals(TriangleFrame& frame) {
 
 }  // namespace
 
-// compute() in frame_batch.cpp does the same, operation by operation.
+// frames_of_faces() in kernels/face_frames.h does the same, operation by operation.
 TriangleFrame triangle_frame(const std::array<Vec3, 3>& corners, const LatticeView& lattice) {
     const InUnits in_units(lattice.unit);
     const TriangleEdges triangle(corners, in_units);

@@ -3,8 +3,6 @@
 #include <clsdf/mesh.hpp>
 
 #include "core/uninitialized_vector.hpp"
-#include "polyhedra/edges.hpp"
-#include "polyhedra/one_rings.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +10,16 @@
 #include <vector>
 
 namespace clsdf::polyhedra {
+
+/// The triangles' indices by the Morton code of their centroids in the mesh's box (1024 cells along its longest side,
+/// 256 for up to 131,072 triangles), equal codes by index. Neighbours in the list are neighbours in space, so the
+/// device's caches are used well.
+UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh);
+
+/// The largest number of faces whose corners can be packed.
+inline constexpr std::size_t most_faces = (std::size_t{1} << 30) - 1;
+/// The count; throws Error(unsupported) for more.
+std::size_t checked_face_count(std::size_t count);
 
 /// The faces of a mesh in another order. Its vertices are numbered as those faces first name them, without unused ones,
 /// so neighbours in one list are near each other in the others.
@@ -27,21 +35,5 @@ struct OrderedFaces {
 
 /// `order`: the mesh's index of each face. Throws Error(unsupported) for 2^30 faces or more.
 OrderedFaces ordered_faces(const Mesh& mesh, std::span<const std::uint32_t> order);
-
-/// The data that follow from a mesh's triangles. The order of the faces also depends on the first positions of the
-/// vertices; later positions do not change it.
-struct MeshTopology {
-    UninitializedVector<std::uint32_t> order;  ///< the mesh's index of each face, in Morton order
-    OrderedFaces faces;
-    OneRings rings;
-    PairedEdges edges;
-
-    /// Throws Error(unsupported) for 2^30 faces or more.
-    explicit MeshTopology(const Mesh& mesh);
-    /// In another order: the mesh's index of each face.
-    MeshTopology(const Mesh& mesh, UninitializedVector<std::uint32_t> order);
-
-    std::size_t bytes() const;
-};
 
 }  // namespace clsdf::polyhedra

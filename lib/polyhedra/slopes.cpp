@@ -1,0 +1,269 @@
+#include "polyhedra/slopes.hpp"
+
+#include "core/parallel.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numbers>
+#include <utility>
+
+#ifdef __FAST_MATH__
+#error "exact predicates need the arithmetic of IEEE 754: compile without -ffast-math"
+#endif
+
+namespace clsdf::polyhedra {
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+Kernel::Point_3 point(const Vec3& v) {
+    return {v[0], v[1], v[2]};
+}
+
+#ifdef __SIZEOF_INT128__
+
+__extension__ using Integer = __int128;
+using Integers = std::array<std::int64_t, 3>;
+
+/// Differences of coordinates, where a power of two makes all of them integers below 2^59: so it does those of a mesh's
+/// neighbouring vertices, except where a coordinate is near 0, whose last digit is far smaller then. That a difference
+/// is exact is told by adding and subtracting it again: its error would be a multiple of the last digit of the smaller
+/// number.
+class IntegerDifferences {
+public:
+    explicit IntegerDifferences(const OppositeVertex& vertex) {
+        const auto& [a, b, c] = vertex.plane;
+        add(a, b, 0);
+        add(a, c, 1);
+        add(a, vertex.point, 2);
+    }
+
+    std::optional<std::array<Integers, 3>> integers() const {
+        const double scale = std::ldexp(1.0, 58 - std::ilogb(std::max(largest_, 1e-200)));
+        std::array<Integers, 3> result{};
+        bool are_whole = are_exact_ && largest_ < 1e200;
+        for (std::size_t i = 0; i < 9 && are_whole; ++i) {
+            const double scaled = differences_[i] * scale;
+            result[i / 3][i % 3] = static_cast<std::int64_t>(scaled);
+            // What is far smaller than the largest difference may have become 0.
+            are_whole = static_cast<double>(result[i / 3][i % 3]) == scaled && (scaled != 0) == (differences_[i] != 0);
+        }
+        return are_whole ? std::optional(result) : std::nullopt;
+    }
+
+private:
+    void add(const Vec3& from, const Vec3& to, std::size_t i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double difference = to[axis] - from[axis];
+            const double of_from = to[axis] - difference;
+            are_exact_ = are_exact_ && of_from == from[axis] && difference + of_from == to[axis];
+            largest_ = std::max(largest_, std::abs(difference));
+            differences_[3 * i + axis] = difference;
+        }
+    }
+
+    std::array<double, 9> differences_{};
+    double largest_ = 0;
+    bool are_exact_ = true;
+};
+
+Integer minor(const Integers& a, const Integers& b, std::size_t i, std::size_t j) {
+    return static_cast<Integer>(a[i]) * b[j] - static_cast<Integer>(a[j]) * b[i];
+}
+
+int sign_of_determinant(const std::array<Integers, 3>& vectors) {
+    const auto& [a, b, c] = vectors;
+    const std::array<Integer, 3> minors{minor(a, b, 1, 2), minor(a, b, 2, 0), minor(a, b, 0, 1)};
+    // The determinant is upper * 2^64 + lower.
+    Integer upper = 0;
+    Integer lower = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        upper += (minors[i] >> 64) * c[i];
+        lower += static_cast<Integer>(static_cast<std::uint64_t>(minors[i])) * c[i];
+    }
+    upper += lower >> 64;
+    if (upper != 0) return upper > 0 ? 1 : -1;
+    return static_cast<std::uint64_t>(lower) != 0 ? 1 : 0;
+}
+
+#endif
+
+}  // namespace
+
+int side_of_plane(const OppositeVertex& vertex) {
+#ifdef __SIZEOF_INT128__
+    if (const auto vectors = IntegerDifferences(vertex).integers()) return sign_of_determinant(*vectors);
+#endif
+    const auto& [a, b, c] = vertex.plane;
+    return static_cast<int>(CGAL::orientation(point(a), point(b), point(c), point(vertex.point)));
+}
+
+void lean(const TriangleFrame& frame, FaceSlopes& slopes) {
+    const double cosine = frame.normal_across[CLSDF_HALF_RIGHT] * frame.normal_across[CLSDF_HALF_LEFT] -
+                          frame.normal_along[CLSDF_HALF_RIGHT] * frame.normal_along[CLSDF_HALF_LEFT];
+    if (!(cosine > 0)) return;
+    const std::size_t right = next_of_three(frame.base_edge);
+    const std::size_t left = previous_of_three(frame.base_edge);
+    for (std::array<float, 3>* side : {&slopes.above, &slopes.below}) {
+        float& at_right = (*side)[right];
+        float& at_left = (*side)[left];
+        const float from_right = widened(cosine * static_cast<double>(at_right));
+        const float from_left = widened(cosine * static_cast<double>(at_left));
+        at_right = std::max(at_right, from_left);
+        at_left = std::max(at_left, from_right);
+    }
+}
+
+namespace {
+
+constexpr EdgeSlope open_edge{CLSDF_OPEN_SLOPE, CLSDF_OPEN_SLOPE};
+
+void set_slope(MeasuredFace& measured, std::uint32_t edge, const EdgeSlope& slope) {
+    measured.slopes.above[edge] = slope.above;
+    measured.slopes.below[edge] = slope.below;
+}
+
+/// The tangent of half the angle by which the wedge between two faces exceeds a straight one, on the side where it
+/// does. The faces' unit inward directions at the edge.
+float wedge_slope(const Vector& first, const Vector& second) {
+    const Vector apart = first - second, together = first + second;
+    const double squared_apart = dot(apart, apart);
+    // Folded pairs must not divide by zero: programs may trap that.
+    const double slope = std::sqrt(dot(together, together)) / std::sqrt(squared_apart > 0 ? squared_apart : 1);
+    return std::min(CLSDF_OPEN_SLOPE, widened(slope));
+}
+
+/// Each face shares its wedges with the next faces in either direction around the edge. Faces folded onto each other
+/// have an empty wedge between them, whichever comes first.
+void set_around(std::span<const EdgeEntry> faces, std::span<const TriangleFrame> frames, std::span<EdgeSlope> slopes) {
+    struct Spoke {
+        double angle;
+        std::size_t face;
+    };
+    const Vector x = frames[0].inwards[faces[0].edge().vertex];
+    const Vector y = frames[0].normal;
+    std::vector<Spoke> spokes;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+        const Vector& inward = frames[i].inwards[faces[i].edge().vertex];
+        spokes.push_back({std::atan2(inward.dot(y), inward.dot(x)), i});
+    }
+    std::stable_sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) { return a.angle < b.angle; });
+
+    constexpr double turn = 2 * std::numbers::pi;
+    const auto slope_of_gap = [](double gap) {
+        if (gap <= std::numbers::pi) return 0.0F;
+        return gap < turn - fold_angle ? std::min(CLSDF_OPEN_SLOPE, widened(-1 / std::tan(gap / 2))) : CLSDF_OPEN_SLOPE;
+    };
+    for (std::size_t i = 0; i < spokes.size(); ++i) {
+        const double angle = spokes[i].angle;
+        const double next = i + 1 < spokes.size() ? spokes[i + 1].angle : spokes.front().angle + turn;
+        const double previous = i > 0 ? spokes[i - 1].angle : spokes.back().angle - turn;
+        const Vector turning = -std::sin(angle) * x + std::cos(angle) * y;
+        EdgeSlope& slope = slopes[spokes[i].face];
+        slope = {slope_of_gap(next - angle), slope_of_gap(angle - previous)};
+        if (frames[spokes[i].face].normal.dot(turning) < 0) std::swap(slope.above, slope.below);
+    }
+}
+
+bool comes_before(const Corner& a, const Corner& b) {
+    return a.packed() < b.packed();
+}
+
+}  // namespace
+
+FaceMeasures::FaceMeasures(const MeshFaces& faces, const OneRings& rings, const PairedEdges& edges)
+    : faces_(faces), edges_(edges.faces) {
+    measure_non_manifold(rings, edges.non_manifold_ends);
+    std::sort(non_manifold_.begin(), non_manifold_.end(),
+              [](const NonManifoldEdge& a, const NonManifoldEdge& b) { return comes_before(a.corner, b.corner); });
+}
+
+void FaceMeasures::measure_non_manifold(const OneRings& rings, std::span<const std::uint32_t> ends) {
+    std::mutex mutex;
+    for_each_range(ends.size(), [&](std::size_t begin, std::size_t end) {
+        std::vector<NonManifoldEdge> found;
+        std::vector<EdgeEntry> entries;
+        std::vector<TriangleFrame> frames;
+        std::vector<EdgeSlope> slopes;
+        for (std::size_t i = begin; i < end; ++i) {
+            edges_above(faces_.triangles, rings, ends[i], entries);
+            for_each_edge(entries, [&](std::span<const EdgeEntry> edge) {
+                if (!is_non_manifold(edge)) return;
+                frames.clear();
+                for (const EdgeEntry& entry : edge) frames.push_back(faces_.frame(entry.edge().face));
+                const bool at_box =
+                    std::any_of(frames.begin(), frames.end(), [](const TriangleFrame& frame) { return frame.is_box; });
+                slopes.resize(edge.size());
+                if (!at_box) set_around(edge, frames, slopes);
+                for (std::size_t face = 0; face < edge.size(); ++face)
+                    found.push_back({edge[face].edge(), at_box ? std::nullopt : std::optional(slopes[face])});
+            });
+        }
+        const std::lock_guard lock(mutex);
+        non_manifold_.insert(non_manifold_.end(), found.begin(), found.end());
+    });
+}
+
+const FaceMeasures::NonManifoldEdge& FaceMeasures::non_manifold(const Corner& edge) const {
+    return *std::lower_bound(
+        non_manifold_.begin(), non_manifold_.end(), edge,
+        [](const NonManifoldEdge& entry, const Corner& corner) { return comes_before(entry.corner, corner); });
+}
+
+MeasuredFace FaceMeasures::measure(std::uint32_t face) const {
+    MeasuredFace measured;
+    measured.frame = faces_.frame(face);
+    measured.marks = edges_[face].marks;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        if ((measured.marks[k] & (edge_open | edge_non_manifold | edge_at_box)) != 0)
+            set_alone({face, k}, measured);
+        else
+            set_pair({face, k}, measured);
+    }
+    return measured;
+}
+
+/// An edge without exactly one other face. A box takes the wedges of all its edges, so that faces beside it need none.
+void FaceMeasures::set_alone(const Corner& edge, MeasuredFace& measured) const {
+    EdgeSlope slope = open_edge;
+    std::uint8_t& marks = measured.marks[edge.vertex];
+    if ((marks & edge_non_manifold) != 0) {
+        const NonManifoldEdge& entry = non_manifold(edge);
+        if (!entry.slope) marks |= edge_at_box;
+        if (!measured.frame.is_box) slope = entry.slope.value_or(EdgeSlope{0, 0});
+    }
+    if (measured.frame.is_box) marks |= edge_at_box;
+    set_slope(measured, edge.vertex, slope);
+}
+
+void FaceMeasures::set_pair(const Corner& edge, MeasuredFace& measured) const {
+    const Corner other = Corner::unpack(edges_[edge.face].across[edge.vertex]);
+    const TriangleFrame& own = measured.frame;
+    const TriangleFrame across = faces_.frame(other.face);
+    const Vector &first = own.inwards[edge.vertex], &second = across.inwards[other.vertex];
+    const Vector apart = first - second;
+    const bool is_folded = folded(dot(apart, apart));
+    const double sine = dot(second, own.normal), turn = own.turn + across.turn;
+    int side = (sine > turn ? 1 : 0) - (sine < -turn ? 1 : 0);
+    if (side == 0 || is_folded) side = side_of_plane(OppositeVertex(faces_, edge.face, other));
+
+    std::uint8_t& marks = measured.marks[edge.vertex];
+    if ((marks & edge_unoriented) == 0 && side != 0) marks |= side < 0 ? edge_convex : edge_concave;
+    EdgeSlope slope{0, 0};
+    if (own.is_box || across.is_box) {
+        marks |= edge_at_box;
+        if (own.is_box) slope = open_edge;
+    } else if (is_folded) {
+        marks |= edge_open | edge_folded;
+        slope = open_edge;
+    } else {
+        (side < 0 ? slope.above : slope.below) = side != 0 ? wedge_slope(first, second) : 0;
+    }
+    set_slope(measured, edge.vertex, slope);
+}
+
+}  // namespace clsdf::polyhedra
