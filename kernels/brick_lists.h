@@ -18,7 +18,7 @@ INLINE uintL packed(uintL values, uint bits) {
     return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
 }
 #elif LANES == 8 && defined(__AVX2__) && HAS_BUILTIN(__builtin_ia32_permvarsi256)
-// Of each mask of eight bits, the numbers of those that are set, in order, a byte each. (pdep and pext would tell, but
+// For each mask of eight bits: the numbers of its set bits, ascending, a byte each. (pdep and pext would find them, but
 // are slow on many processors that have AVX2.)
 #define IS_SET(mask, bit) ((ulong)((mask) >> (bit)&1))
 #define RANK_1(mask) IS_SET(mask, 0)

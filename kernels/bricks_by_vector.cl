@@ -71,7 +71,7 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
     const uint count = min(queue->count, (uint)LANES);
     const double centre = 0.5 * (CLSDF_BRICK - 1);
 #ifndef LONG_BRICKS
-    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];  // lanes that nothing is made of
+    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];  // unused lanes
     LaneOffsets offsets;
     set_offsets(layout, polyhedra, queue->numbers, first, centre, &offsets);
     Displacements displacements;
@@ -124,7 +124,7 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
 #endif
 }
 
-// Of each of a coarse brick's 64 bricks.
+// One for each of a coarse brick's 64 bricks.
 typedef struct BrickCaps {
     float cap[64];     // an upper bound of the distance of its samples
     uint nearest[64];  // the polyhedron whose foot gave it

@@ -4,7 +4,7 @@
 // histogram of its own, so that no atomics are needed and the lists are in the order of the polyhedra, whatever the
 // number of work-items:
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
-// What touches what is found once, by counting, and kept for filling.
+// The first pass counts the overlaps and keeps them; the second fills the lists from them.
 
 #include "coarse_caps.h"
 #include "face_sources.h"

@@ -20,7 +20,7 @@ INLINE void load_corners(__global const uint* indices, __private const uint* fac
     }
 }
 
-// The opposite vertex of an edge, and whether there is none: then `other`, which any vertex will do for.
+// Loads the opposite vertices of edges. If there is none, sets *is_none and loads `other`, which may be any vertex.
 INLINE Vectors opposite_of(__global const double* positions, __private uint* vertices, __private const uint* other,
                            __private longL* is_none) {
 #define VERTEX_OF(lane) vertices[lane]
@@ -52,8 +52,8 @@ INLINE uintL names_of(__global const uint* names, __private const uint* faces) {
 #undef NAME_OF
 }
 
-// Slopes, signed slopes and answers (CLSDF_FACE_...) of faces[0, valid); leaned slopes for their records. Edges of the
-// face in `slopes` (above, then below) and `signs`.
+// Stores the slopes of faces[0, valid) (leaned; above, then below), signed slopes before the lean, and answers
+// (CLSDF_FACE_...), by edge of the face. Returns the leaned slopes by edge of the polyhedron.
 INLINE LaneSlopes find_slopes(FaceLattice lattice, double least_length, __private const FaceFrames* f,
                               __global const uint* opposite, __private const uint* faces, __private const uint* corners,
                               uint valid, __global const double* positions, __global float* slopes,

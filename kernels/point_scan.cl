@@ -2,9 +2,9 @@
 //
 // From superblocks to vectors, a group's list of polyhedra goes to its 16 children at once, a child a lane: a
 // polyhedron stays if it overlaps the child's box within the child's upper bound of the distance. The distances of a
-// vector's points to the triangles of its list are taken in float. All that are, within their error, the least are
-// decided in double, with the faces beside them; so a point's result is the pair (squared distance, triangle) that
-// points.cl finds.
+// vector's points to the triangles of its list are taken in float. Each triangle that may be the nearest, given the
+// error of floats, is evaluated again in double, and so are the faces that share its site. So a point's result is the
+// pair (squared distance, triangle) that points.cl finds.
 //
 // Compile-time options: LANES (lanes.h), 16 or 8.
 

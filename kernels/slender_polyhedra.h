@@ -1,10 +1,8 @@
 // Slender polyhedra: which of a coarse brick's list are, and what bounds them layer by layer.
 //
-// Where triangles are small, few samples of the sub-blocks that a polyhedron touches lie in it: of sphere6's, in a
-// narrow band at 256^3, one in five. Polyhedra with small sections are therefore intersected with the layers of samples
-// across one axis of the lattice, that along which the height over the face changes most, and the samples within are
-// listed one by one (slender_scan.h). (Measured: sphere6's and the bunny's bricks take a quarter and a fifth less time
-// with AVX2, both a quarter less with AVX-512.)
+// If triangles are small, a polyhedron contains few of the samples of the sub-blocks that it overlaps. So a polyhedron
+// with small sections is cut with layers of samples, and the samples within are listed one by one (slender_scan.h). The
+// layers lie across the axis of the lattice along which the height over the face changes most.
 //
 // Each side of the face, as far as it reaches within the coarse brick, is the frustum between two sections. In the
 // plane of the layers' axis and of another one, what bounds their six corners on one side is a line: it gives each
@@ -16,9 +14,8 @@
 #include "lane_polyhedra.h"
 #include "record_numbers.h"
 
-// Sections of a slender polyhedron have room for this many samples at most. Far from the surface, where polyhedra
-// overlap, the bricks' and sub-blocks' own caps save more than lists of samples do. (Measured: near it, 12 to 30 differ
-// by 3%; with 30 everywhere the bunny's whole field takes a third longer than without.)
+// Sections of a slender polyhedron have room for this many samples at most. Far from the surface polyhedra overlap, and
+// the bricks' and sub-blocks' own caps save more than lists of samples do.
 #define SLENDER_SAMPLES_NEAR 30.0f
 #define SLENDER_SAMPLES_FAR 6.0f
 
@@ -204,11 +201,11 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
             twice_area + (base * widths[CLSDF_EDGE_BASE] + t.length_right * widths[CLSDF_EDGE_RIGHT] +
                           t.length_left * widths[CLSDF_EDGE_LEFT]);
         present |= some;
-        // Nothing is slender whose triangle has no area: a point site.
+        // A polyhedron whose triangle has no area, a point site, is not slender.
         wide |=
             some & ~((section * section < twice_area * (2.0f * most_area)) & (section * base < twice_area * longest));
     }
-    // Of two faces upon each other the one with the lower index is named, so neither is slender: they round alike.
+    // If two faces coincide, the lower index is the result. Both must round alike, so neither may be slender.
     const int needed = (int)(CLSDF_POLYHEDRON_COMPACT | CLSDF_POLYHEDRON_NEAR);
     intL regular = (as_intL(t.words[WORD_FLAGS]) & (int)(needed | CLSDF_POLYHEDRON_NON_MANIFOLD)) == needed;
     *absent = lanes_to_bits(regular & ~present);
@@ -222,8 +219,8 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
     return lanes_to_bits(slender & near);
 }
 
-// The lines below and above six points (a, u), of which three are a section. Any step will do; tight is that of the
-// least, or greatest, from section to section. per_layer: one by how many layers they lie apart.
+// The lines below and above six points (a, u), three in each of two sections. Any step gives a valid bound; the one
+// between the middles of the sections is close to the tightest. per_layer: 1 / layers between the sections.
 INLINE void set_lines(const floatL* a, const floatL* u, floatL per_layer, Line* low, Line* high) {
     const floatL step = (sum_of_three(u + 3) - sum_of_three(u)) * (per_layer * (1.0f / 3.0f));
     floatL shift[6];

@@ -63,8 +63,8 @@ INLINE void load_fans(uint faces, __global const uint* words, __private const ui
     fans->middle = product(1.0 / (double)faces, middle);
 }
 
-// Conditions v . u >= 0 for all faces to reject u, each at its edge that leaves the vertex, or at the one that arrives,
-// above the faces or below them.
+// If face f rejects the direction u, v[f] . u >= 0. A call takes one edge of each face, the one that leaves the vertex
+// or the one that arrives, and one side, above or below.
 INLINE void set_conditions(__private const Fans* fans, uint faces, bool arriving, bool above, __private Vectors* v) {
     for (uint f = 0; f < faces; ++f) {
         const uint edge = arriving ? f + 1 : f;

@@ -205,10 +205,9 @@ INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     return bricks;
 }
 
-// Writes and clears the used bricks of a coarse brick, as far as they are in the part. Returns which it wrote: where
-// two bricks' rows are a line, both: else an empty one would be filled with half lines, beside half lines stored here,
-// and either store would read the line first. (Measured, on an Intel Xeon: sphere6 takes 5 to 6% less time in a band of
-// 10% at 256^3, 8 to 20% in one of 3 voxels at 512^3.)
+// Writes and clears the used bricks of a coarse brick, as far as they are in the part. Returns which it wrote. If
+// two bricks' rows share a line of the cache, it writes both. Otherwise this store and the fill would write half a line
+// each, and each would read the line first.
 static inline ulong write_used(Layout layout, int3 coarse, ulong used, ulong in_part, __global Minimum* minima,
                                Output output, __private ulong* counters) {
     const ulong lines = (used | used >> 1) & in_part & line_beginnings(layout, coarse, output);

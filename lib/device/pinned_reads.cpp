@@ -32,9 +32,11 @@ bool PinnedReads::make_pieces() {
         for (Piece& piece : pieces_) {
             if (piece.memory != nullptr) continue;
             piece.buffer = cl::Buffer(context_, CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, piece_bytes);
-            const cl_bool waits = &piece == &pieces_.back() ? CL_TRUE : CL_FALSE;
-            piece.memory = maps_.enqueueMapBuffer(piece.buffer, waits, CL_MAP_WRITE_INVALIDATE_REGION, 0, piece_bytes);
+            piece.mapped.resize(1);
+            piece.memory = maps_.enqueueMapBuffer(piece.buffer, CL_FALSE, CL_MAP_WRITE_INVALIDATE_REGION, 0,
+                                                  piece_bytes, nullptr, piece.mapped.data());
         }
+        maps_.flush();
     } catch (const cl::Error&) {
         return false;
     }
@@ -51,7 +53,7 @@ void PinnedReads::read(const cl::CommandQueue& queue, const cl::Buffer& from, st
     const auto length = [&](std::size_t n) { return std::min(piece_bytes, bytes - n * piece_bytes); };
     const auto start = [&](std::size_t n) {
         Piece& piece = pieces_[n % pieces_.size()];
-        queue.enqueueReadBuffer(from, CL_FALSE, n * piece_bytes, length(n), piece.memory, nullptr, &piece.read);
+        queue.enqueueReadBuffer(from, CL_FALSE, n * piece_bytes, length(n), piece.memory, &piece.mapped, &piece.read);
         queue.flush();
     };
     try {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <mutex>
+#include <vector>
 
 namespace clsdf::device {
 
@@ -29,6 +30,7 @@ private:
     struct Piece {
         cl::Buffer buffer;
         void* memory = nullptr;
+        std::vector<cl::Event> mapped;  ///< one: the memory may be written
         cl::Event read;
     };
 

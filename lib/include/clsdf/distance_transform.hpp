@@ -30,7 +30,7 @@ enum class KernelBody {
 
 class FieldMethod;
 
-/// How far the device's programs are, see TransformOptions::compiling.
+/// How far the device's programs are, see CallOptions::compiling.
 struct Compilation {
     std::size_t step = 0;     ///< from 1
     std::size_t steps = 0;    ///< about; >= step
@@ -44,9 +44,9 @@ struct TransformOptions {
     /// Another way to the distances, made by a library beside the core; null: ours.
     std::shared_ptr<const FieldMethod> method{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
-    /// What may be kept on the device between calls, in bytes: the polyhedra of the lattices, and the lists of the
-    /// grids, that were used last. By default the polyhedra of two lattices, 280 bytes a triangle each, or 256 MiB if
-    /// that is more. 0 keeps nothing.
+    /// What may be kept on the device between calls, in bytes: the polyhedra of the lattices and the lists of the grids
+    /// that were used last, and what points need. By default the polyhedra of two lattices, 280 bytes a triangle each,
+    /// or 256 MiB if that is more. 0 keeps nothing.
     std::optional<std::size_t> kept_bytes{};
 };
 
@@ -56,12 +56,12 @@ struct MethodCount {
     bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
 };
 
-/// What a computation was made of. Counts are exact; times are host wall-clock seconds.
+/// What a computation was made of. Times are the host's wall-clock seconds.
 struct TransformStatistics {
     std::size_t triangles = 0;
     std::size_t polyhedra = 0;        ///< of the triangles and point sites
     std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
-    std::size_t saddle_vertices = 0;  ///< vertices with convex and concave edges
+    std::size_t saddle_vertices = 0;  ///< with convex and concave edges; about: nearly flat edges may count as both
     std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
     std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
     std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
@@ -206,7 +206,7 @@ private:
 /// What a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses again.
 struct KeptMemory {
     std::size_t host_bytes = 0;    ///< what follows from the triangles and the positions: about 85 a triangle
-    std::size_t device_bytes = 0;  ///< polyhedra of lattices and lists of grids, within TransformOptions::kept_bytes
+    std::size_t device_bytes = 0;  ///< within TransformOptions::kept_bytes
 };
 
 /// The exact distance to a mesh, on any number of grids.
@@ -272,10 +272,10 @@ public:
     Field operator()(const Grid& grid, const Band& band, const Outputs& outputs = {},
                      const CallOptions& call = {}) const;
 
-    /// The same into the caller's memory, every output that has a target, all of the host or all of the device. After
-    /// an error what it holds is undefined. Memory of the device is written to by way of a plan(), and not cancelled
-    /// while samples are computed. Throws Error(invalid_argument) for memory that is missing or too small,
-    /// Error(unsupported) for elements of another type.
+    /// Writes the outputs that have a target; the distance must have one. Targets are all on the host or all on the
+    /// device. Device memory is written by a plan(), which cannot be cancelled while samples are computed. An error
+    /// leaves the targets undefined. Throws Error(invalid_argument) if a target is missing or its memory has another
+    /// size than the output, Error(unsupported) for elements of another type.
     void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {}) const;
 
     /// Many boxes in one call, in any order, of any lattices, bands and outputs: the patches of a refined mesh, with
@@ -283,7 +283,7 @@ public:
     /// outputs are computed together if that is cheaper, so that a sample which several of them share is computed once;
     /// what is computed at once is no more than compute_slabs() has in memory. No two targets may overlap. Nothing is
     /// computed if a request is refused; the message names its index. Throws what a call for each of them would throw.
-    /// In CallOptions, progress is that of all, and the statistics are sums, but for the memory, which is the most.
+    /// CallOptions::progress covers all requests. The statistics are sums; their figures of memory are maxima.
     void compute(std::span<const Request> requests, const CallOptions& call = {}) const;
 
     /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the
@@ -315,9 +315,8 @@ public:
                const CallOptions& call = {}) const;
 
     /// Sets the place of each box, in the mesh's units: which patches of a refined mesh hold samples of a band, and on
-    /// which side the others lie. A box is `near` if it is within half_width of the box around 16 triangles that are
-    /// neighbours, so also somewhat beyond half_width; the other answers are exact. Boxes are closed, and may be
-    /// points.
+    /// which side the others lie. A box is `near` if it is within half_width of the smallest box around a triangle, so
+    /// also somewhat beyond half_width of the surface. The other answers are exact. Boxes are closed, and may be points.
     ///
     /// An answer depends on the box, half_width and the mesh's positions alone. Works on the host, on all cores. Keeps
     /// what query() keeps. Throws Error(invalid_argument) that names the index of a box with a coordinate that is not

@@ -83,7 +83,7 @@ struct OutputTarget {
     std::size_t bytes = 0;  ///< that host memory holds
     Element element = Element::automatic;
     /// Bytes before the first sample, a multiple of the element's. For Plan::enqueue() a multiple of what buffers are
-    /// aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN); elsewhere others cost a copy of the field.
+    /// aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8); elsewhere others cost a copy of the field.
     std::size_t offset = 0;
     /// Bytes from a sample to the next one along x, y and z; zeros: packed.
     std::array<std::ptrdiff_t, 3> strides{};
@@ -121,7 +121,7 @@ template <typename Element>
 using TargetOf = OutputTarget;
 }
 
-/// The destinations of a computation's outputs; an output without one is not computed.
+/// The destinations of a computation's outputs. The distance needs one; another output without one is not computed.
 using OutputTargets = PerOutput<detail::TargetOf>;
 
 }  // namespace clsdf
