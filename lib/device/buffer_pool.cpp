@@ -1,10 +1,38 @@
 #include "device/buffer_pool.hpp"
 
+#include "core/large_memory.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <new>
 
 namespace clsdf::device {
+
+namespace {
+
+void CL_CALLBACK free_host_memory(cl_mem, void* memory) {
+    free_large_memory(memory);
+}
+
+/// A large buffer of a processor lies on huge pages: kernels read records all over it.
+cl::Buffer make_buffer(const Context& context, std::size_t bytes) {
+    if (!context.capabilities().is_processor || bytes < large_memory_bytes)
+        return cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes);
+    std::unique_ptr<void, decltype(&free_large_memory)> memory(nullptr, &free_large_memory);
+    try {
+        memory.reset(allocate_large_memory(bytes));
+    } catch (const std::bad_alloc&) {
+        throw cl::Error(CL_OUT_OF_HOST_MEMORY, "clCreateBuffer");
+    }
+    cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, memory.get());
+    buffer.setDestructorCallback(free_host_memory, memory.get());
+    memory.release();
+    return buffer;
+}
+
+}  // namespace
 
 // NOLINTNEXTLINE(bugprone-exception-escape): as its class
 BufferPool::Lease& BufferPool::Lease::operator=(Lease&& other) noexcept {
@@ -68,7 +96,7 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
                                 "a smaller part of the grid at a time, or a narrower band",
                                 purpose, wanted, leased_bytes_, device.memory));
     return guarded([&] {
-        Lease lease(shared_from_this(), cl::Buffer(context_->context(), CL_MEM_READ_WRITE, wanted), wanted);
+        Lease lease(shared_from_this(), make_buffer(*context_, wanted), wanted);
         leased_bytes_ += wanted;
         peak_ = std::max(peak_, leased_bytes_ + free_bytes());
         return lease;

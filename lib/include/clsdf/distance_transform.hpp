@@ -316,7 +316,8 @@ public:
 
     /// Sets the place of each box, in the mesh's units: which patches of a refined mesh hold samples of a band, and on
     /// which side the others lie. A box is `near` if it is within half_width of the smallest box around a triangle, so
-    /// also somewhat beyond half_width of the surface. The other answers are exact. Boxes are closed, and may be points.
+    /// also somewhat beyond half_width of the surface. The other answers are exact. Boxes are closed, and may be
+    /// points.
     ///
     /// An answer depends on the box, half_width and the mesh's positions alone. Works on the host, on all cores. Keeps
     /// what query() keeps. Throws Error(invalid_argument) that names the index of a box with a coordinate that is not
