@@ -2,6 +2,7 @@
 
 #include "papers/convex_polyhedron.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace clsdf::papers {

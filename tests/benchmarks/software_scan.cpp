@@ -4,6 +4,8 @@
 #include "support/test_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <algorithm>
+
 using namespace clsdf;
 using namespace clsdf::test;
 using bench::software_scan;

@@ -7,6 +7,8 @@
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
 
+#include <algorithm>
+
 using namespace clsdf;
 using namespace clsdf::test;
 

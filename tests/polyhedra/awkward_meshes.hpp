@@ -3,6 +3,7 @@
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>

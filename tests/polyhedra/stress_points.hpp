@@ -3,6 +3,8 @@
 #include "coverage.hpp"
 #include "support/random_meshes.hpp"
 
+#include <algorithm>
+
 /// Points where polyhedra are most likely to miss something: around vertices, edges and faces, in the normal cones of
 /// vertices, and on samples of the lattice.
 namespace clsdf::test {

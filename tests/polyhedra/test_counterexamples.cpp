@@ -4,6 +4,8 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
+
 /// docs/method.md, 'Counterexamples'.
 namespace clsdf::test {
 namespace {

@@ -1,6 +1,7 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -5,6 +5,7 @@
 
 #include <clsdf/papers.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>

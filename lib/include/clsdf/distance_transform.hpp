@@ -304,8 +304,8 @@ public:
     ///
     /// A target is host memory of the caller for points.size() values, packed or strides[0] bytes from point to point.
     /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
-    /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 520
-    /// bytes a triangle, the first one of many points 160 more (TransformOptions::kept_bytes). An error leaves the
+    /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 550
+    /// bytes a triangle, the first one of many points 240 more (TransformOptions::kept_bytes). An error leaves the
     /// targets undefined.
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
