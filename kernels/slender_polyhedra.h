@@ -112,8 +112,8 @@ INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const
     t->length_left = t->altitude / words[NUMBER_NORMAL_ALONG + 1];
 }
 
-// Where a sample is within the slack of the face, the lateral planes of either side bound it: as slopes are at most 1,
-// with thrice the slack those of one side do. Once more, and it is beyond what follows rounds.
+// Within the slack of the face the lateral planes of both sides count. Slopes are at most 1, so the planes of one side
+// suffice if they are moved by three slacks. The fourth covers the rounding of what follows.
 INLINE float margin_of(float slack) {
     return 4.0f * slack;
 }
