@@ -59,7 +59,7 @@ struct DeviceSetUp {
 };
 
 /// The faces of a mesh on the device. Records and the vertices of the sign's sweep are made of them there, for each
-/// lattice. Where device and host share their memory, the arrays are those of the topology and of the frusta.
+/// lattice. If device and host share their memory, the arrays are those of the topology and of the frusta.
 struct DeviceFaces {
     /// The data that moving vertices leave as they are.
     struct Names {
