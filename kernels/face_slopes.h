@@ -17,11 +17,6 @@
 // Squares: an opposite vertex that is nearer to its edge, beside its distance from the edge's start, is a sliver's.
 #define SLIVER_SQUARED 1.0e-8
 
-// By edge of the polyhedra.
-typedef struct SignedSlopes {
-    doubleL edge[3];  // > 0 convex, < 0 concave, 0 not sure, infinite: open, NaN: of a face that the host decides
-} SignedSlopes;
-
 // The slopes of one edge; `opposite` lies in the other face, and counts for nothing if the edge is open. Returns
 // whether the other face is no sliver.
 INLINE longL measure_edge(Vectors start, Vectors opposite, Vectors inward, Vectors normal, Vectors area, Vectors bound,

@@ -10,7 +10,6 @@
 #define CLSDF_GROUP_WIDTH 16
 #define CLSDF_POINTS_OF_BRICK 256
 #define CLSDF_POINTS_OF_BLOCK 4096
-#define CLSDF_POINTS_OF_SUPERBLOCK 65536
 
 // No face across an edge; or several, which are all among those of each of its ends.
 #define CLSDF_NONE_ACROSS 0xFFFFFFFFu

@@ -21,8 +21,9 @@
 typedef struct Fans {
     Vectors spokes[CLSDF_FAN_FACES + 1];  // unit vectors along the edges; the first once more behind the last
     Vectors normals[CLSDF_FAN_FACES];
-    doubleL signs[CLSDF_FAN_FACES + 1];  // of edges, as SignedSlopes
-    Vectors middle;                      // mean of the normals
+    // Of edges: > 0 convex, < 0 concave, 0 not sure, infinite: open, NaN: the host decides.
+    doubleL signs[CLSDF_FAN_FACES + 1];
+    Vectors middle;  // mean of the normals
 } Fans;
 
 // The fans of `places`: where the words of LANES vertices begin (FanItem).

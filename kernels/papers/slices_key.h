@@ -11,9 +11,6 @@
 #pragma OPENCL EXTENSION cl_khr_int64_extended_atomics : enable
 #endif
 
-// Of a sample that no piece holds: as a float it is no number, and in no band.
-#define NO_SQUARE 0xFFFFFFFFu
-
 #ifdef KEY_64
 #define KEY_PARAMETERS __global ulong* keys
 #define KEY_ARGUMENTS keys

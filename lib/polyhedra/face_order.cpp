@@ -119,8 +119,8 @@ CLSDF_SEVERAL_TARGETS void CentroidCodes::encode(const LaneVectors& sums, const 
 /// Sorts triangles by codes of three digits, equal ones as they come: by the first digit in blocks, each of which knows
 /// where its triangles of each digit go, then what has one first digit by the others. (Measured on two cores: pass by
 /// pass in blocks, from the last digit on, a mesh of 32,768 triangles takes half as long again: of a block few have one
-/// digit, and cores write to the same lines of memory. What all have one first digit, as beside a vertex far away, one
-/// core sorts.)
+/// digit, and cores write to the same lines of memory. If all have one first digit, as
+/// beside a vertex far away, one core sorts.)
 class CodeSort {
 public:
     CodeSort(std::size_t count, unsigned digit_bits)

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -125,6 +127,24 @@ inline bool same_bytes(const Field& one, const Field& other) {
         },
         one, other);
     return is_same;
+}
+
+/// Results of points, all outputs, in the arrays of a field.
+inline Field query(const DistanceTransform& transform, std::span<const Vec3> points,
+                   double within = std::numeric_limits<double>::infinity()) {
+    Field field;
+    OutputTargets targets;
+    visit_outputs(
+        [&](const char* name, auto& values, OutputTarget& target) {
+            const std::string output = name;
+            values.resize(points.size() * (output == "closest" || output == "gradient" ? 3
+                                           : output == "barycentric"                   ? 2
+                                                                                       : 1));
+            target = values;
+        },
+        field, targets);
+    transform.query(points, within, targets);
+    return field;
 }
 
 }  // namespace clsdf::test

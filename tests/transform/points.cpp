@@ -31,23 +31,6 @@ double voxel_of(const Mesh& mesh) {
     return mesh.box().longest_side() / 256;
 }
 
-/// Results of points, all outputs, in the arrays of a field.
-Field query(const DistanceTransform& transform, std::span<const Vec3> points, double within = no_limit) {
-    Field field;
-    OutputTargets targets;
-    visit_outputs(
-        [&](const char* name, auto& values, OutputTarget& target) {
-            const std::string output = name;
-            values.resize(points.size() * (output == "closest" || output == "gradient" ? 3
-                                           : output == "barycentric"                   ? 2
-                                                                                       : 1));
-            target = values;
-        },
-        field, targets);
-    transform.query(points, within, targets);
-    return field;
-}
-
 std::vector<Vec3> samples_of(const Grid& grid) {
     std::vector<Vec3> points;
     for (std::int64_t k = 0; k < grid.size[2]; ++k)

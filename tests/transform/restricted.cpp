@@ -80,22 +80,6 @@ std::vector<Mesh> meshes(KernelBody body) {
         random_slivers(random, 400)};
 }
 
-Field query(const DistanceTransform& transform, std::span<const Vec3> points, double within) {
-    Field field;
-    OutputTargets targets;
-    visit_outputs(
-        [&](const char* name, auto& values, OutputTarget& target) {
-            const std::string output = name;
-            values.resize(points.size() * (output == "closest" || output == "gradient" ? 3
-                                           : output == "barycentric"                   ? 2
-                                                                                       : 1));
-            target = values;
-        },
-        field, targets);
-    transform.query(points, within, targets);
-    return field;
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(grids_in_the_box_have_the_bytes_of_the_whole) {
