@@ -1,6 +1,6 @@
 #pragma once
 
-#include "field/outputs.hpp"
+#include "core/outputs.hpp"
 #include "io/raw_values.hpp"
 
 #include <clsdf/error.hpp>

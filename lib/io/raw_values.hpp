@@ -2,7 +2,7 @@
 
 #include "core/atomic_file.hpp"
 #include "core/descriptor.hpp"
-#include "field/outputs.hpp"
+#include "core/outputs.hpp"
 
 #include <bit>
 #include <cstddef>

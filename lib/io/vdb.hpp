@@ -1,6 +1,6 @@
 #pragma once
 
-#include "field/outputs.hpp"
+#include "core/outputs.hpp"
 
 // OpenVDB's types must stay visible: its library looks them up in registries, although clsdf hides its own symbols.
 #pragma GCC visibility push(default)

@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "papers/slice_scan.hpp"
-#include "transform/layout_of.hpp"
+#include "scan/layout_of.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@ namespace clsdf::papers {
 
 namespace {
 
-using transform::CommandChain;
+using scan::CommandChain;
 
 // Of the minima of the slices that are computed together, each of two numbers; a layer of bricks may exceed it.
 constexpr std::size_t chunk_bytes = std::size_t{64} << 20;
@@ -29,18 +29,17 @@ std::size_t rows_of_item(KernelBody body) {
     return body == KernelBody::by_vector ? CLSDF_BRICK * CLSDF_BRICK : 1;
 }
 
-transform::ProgramSource finish_source(const transform::ProgramSources& programs,
-                                       const transform::BrickVariant& variant) {
+scan::ProgramSource finish_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant) {
     return slices_source(programs, "slices_finish.cl", {variant, false});
 }
 
-cl::Program program_of(device::Context& context, const transform::ProgramSource& source,
+cl::Program program_of(device::Context& context, const scan::ProgramSource& source,
                        const device::BuildWatch& watch = {}) {
     return context.program(source.kernel_file, source.options, watch, source.files);
 }
 
 /// Layers of bricks by z that are computed together, then all their samples, some triangles at a time.
-class BruteForceScan final : public transform::FieldScan {
+class BruteForceScan final : public scan::FieldScan {
 public:
     explicit BruteForceScan(const transform::ScanInputs& inputs)
         : layout_(inputs.layout),
@@ -72,7 +71,7 @@ public:
         return static_cast<double>(launch) / static_cast<double>(launch_count());
     }
 
-    void enqueue_begin(CommandChain& chain, const transform::OutputBuffers& outputs) override {
+    void enqueue_begin(CommandChain& chain, const scan::OutputBuffers& outputs) override {
         cl_uint argument = finish_outputs;
         finish_kernel_.setArg(argument++, outputs.distance);
         if (variant_.nearest) finish_kernel_.setArg(argument++, outputs.triangle);
@@ -102,11 +101,10 @@ public:
             kernel_.setArg(brute_end_record,
                            static_cast<cl_uint>(std::min(first_record + records_at_once_, record_count_)));
             const std::size_t items = (end_brick - first_brick) * (CLSDF_BRICK * CLSDF_BRICK / rows_of_item_);
-            const std::size_t group = rows_of_item_ == 1 ? transform::common_group : 1;
+            const std::size_t group = rows_of_item_ == 1 ? scan::common_group : 1;
             chain.then([&](auto& queue, auto* wait, auto* event) {
-                queue.enqueueNDRangeKernel(kernel_, cl::NullRange,
-                                           cl::NDRange(transform::in_whole_groups(items, group)), cl::NDRange(group),
-                                           wait, event);
+                queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(scan::in_whole_groups(items, group)),
+                                           cl::NDRange(group), wait, event);
             });
         }
         if (of_chunk + 1 == launches_of_chunk()) finish(chain, first_slice, end_slice);
@@ -161,7 +159,7 @@ private:
     std::size_t chunk_layers() const { return static_cast<std::size_t>(chunk_layers_); }
     std::size_t launches_of_chunk() const { return brick_parts_ * record_parts_; }
 
-    void divide(const device::Context& context, const transform::Programs& programs) {
+    void divide(const device::Context& context, const scan::Programs& programs) {
         const device::Context::Capabilities& device = context.capabilities();
         const std::size_t bytes = std::min(chunk_bytes, device.largest_allocation);
         const std::size_t layer_bytes = 2 * sizeof(cl_uint) * CLSDF_BRICK * samples_of_slice();
@@ -194,7 +192,7 @@ private:
         finish_kernel_.setArg(finish_first_slice, first_slice);
         finish_kernel_.setArg(finish_end_slice, end_slice);
         constexpr std::size_t group = 64;
-        const cl::NDRange range(transform::in_whole_groups(static_cast<std::size_t>(layout_.size[0]), group),
+        const cl::NDRange range(scan::in_whole_groups(static_cast<std::size_t>(layout_.size[0]), group),
                                 static_cast<std::size_t>(layout_.size[1]),
                                 static_cast<std::size_t>(end_slice - first_slice));
         chain.then([&](auto& queue, auto* wait, auto* event) {
@@ -203,7 +201,7 @@ private:
     }
 
     Layout layout_;
-    transform::BrickVariant variant_;
+    scan::BrickVariant variant_;
     std::size_t record_count_;
     std::size_t rows_of_item_;
     std::int32_t chunk_layers_ = 1;  ///< of bricks, whose minima are in memory together
@@ -222,10 +220,10 @@ public:
         check_distance_and_triangle(outputs, "by brute force");
     }
 
-    std::shared_ptr<const transform::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
-                                                           const Layout&) const override {
-        auto prepared = std::make_shared<transform::PreparedMesh>();
-        const UninitializedVector<Polyhedron> records = face_records(stages, transform::lattice_of(grid));
+    std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+                                                      const Layout&) const override {
+        auto prepared = std::make_shared<scan::PreparedMesh>();
+        const UninitializedVector<Polyhedron> records = face_records(stages, scan::lattice_of(grid));
         prepared->triangle_count = stages.mesh().triangles().size();
         prepared->record_count = prepared->polyhedron_count = records.size();
         prepared->polyhedra =
@@ -233,20 +231,19 @@ public:
         return prepared;
     }
 
-    std::unique_ptr<transform::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
+    std::unique_ptr<scan::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
         return std::make_unique<BruteForceScan>(inputs);
     }
 
     std::shared_ptr<const FieldMethod> tested_as(const device::Context&, const Layout&,
-                                                 const transform::BrickVariant&) const override {
+                                                 const scan::BrickVariant&) const override {
         return make_brute_force();
     }
 
     std::string name() const override { return "brute force"; }
 
-    std::vector<cl::Program> build(device::Context& context, const transform::Programs& programs,
-                                   const transform::BrickVariant& variant,
-                                   const device::BuildWatch& watch) const override {
+    std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
+                                   const scan::BrickVariant& variant, const device::BuildWatch& watch) const override {
         return {program_of(context, brute_force_source(programs, variant), watch),
                 program_of(context, finish_source(programs, variant), watch)};
     }
@@ -256,12 +253,11 @@ public:
 
 }  // namespace
 
-transform::ProgramSource brute_force_source(const transform::ProgramSources& programs,
-                                            const transform::BrickVariant& variant) {
+scan::ProgramSource brute_force_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant) {
     const std::size_t lanes = std::min<std::size_t>(programs.lanes, CLSDF_BRICK);
     return {"brute_force.cl",
             fmt::format("{} -DITEM_ROWS={}{}", programs.common_options(lanes), rows_of_item(programs.body),
-                        transform::options_of(variant)),
+                        scan::options_of(variant)),
             kernels::files};
 }
 

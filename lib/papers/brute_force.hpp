@@ -11,7 +11,6 @@ namespace clsdf::papers {
 std::shared_ptr<const FieldMethod> make_brute_force();
 
 /// The program of the distances; slices_finish.cl makes the outputs of them.
-transform::ProgramSource brute_force_source(const transform::ProgramSources& programs,
-                                            const transform::BrickVariant& variant);
+scan::ProgramSource brute_force_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant);
 
 }  // namespace clsdf::papers

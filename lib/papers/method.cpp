@@ -6,7 +6,7 @@
 #include "papers/mauch.hpp"
 #include "papers/peikert_sigg.hpp"
 #include "papers/slice_scan.hpp"
-#include "transform/layout_of.hpp"
+#include "scan/layout_of.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ namespace clsdf {
 namespace {
 
 using namespace papers;
-using transform::PreparedMesh;
+using scan::PreparedMesh;
 
 /// No sample is farther from the mesh than from its box's farthest point.
 double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
@@ -34,10 +34,10 @@ double farthest_distance(const Mesh& mesh, const Grid& grid, double unit) {
 }
 
 /// A slice has no bounds of its own for the distance as bricks have, so that an infinite band ends where the grid does.
-transform::PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
+scan::PolyhedronWidths widths_for_slices(const Mesh& mesh, const Grid& grid, const Layout& layout) {
     if (std::isfinite(layout.outside_squared) && std::isfinite(layout.inside_squared))
-        return transform::polyhedron_widths(layout);
-    return transform::polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
+        return scan::polyhedron_widths(layout);
+    return scan::polyhedron_widths(farthest_distance(mesh, grid, static_cast<double>(layout.unit)));
 }
 
 /// Polyhedra of any kind, slice by slice.
@@ -50,8 +50,8 @@ public:
     std::shared_ptr<const PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
                                                 const Layout& layout) const override {
         const Mesh& mesh = stages.mesh();
-        const polyhedra::LatticeView lattice = transform::lattice_of(grid);
-        const transform::PolyhedronWidths widths = widths_for_slices(mesh, grid, layout);
+        const polyhedra::LatticeView lattice = scan::lattice_of(grid);
+        const scan::PolyhedronWidths widths = widths_for_slices(mesh, grid, layout);
         auto prepared = std::make_shared<PreparedPieces>();
         prepared->triangle_count = mesh.triangles().size();
         const auto upload_records = [&](std::span<const Polyhedron> records) {
@@ -84,12 +84,12 @@ public:
         return prepared;
     }
 
-    std::unique_ptr<transform::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
+    std::unique_ptr<scan::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
         return make_slice_scan(inputs, options_.slice_minimum);
     }
 
     std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
-                                                 const transform::BrickVariant& variant) const override {
+                                                 const scan::BrickVariant& variant) const override {
         const bool key_64 = takes_64_bits(context, layout, variant.nearest, options_.slice_minimum);
         return std::make_shared<SliceMethod>(PapersOptions{
             .scan = Scan::slices, .slice_minimum = key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes});
@@ -97,9 +97,8 @@ public:
 
     std::string name() const override { return has_one_pass() ? "slices KEY_64" : "slices"; }
 
-    std::vector<cl::Program> build(device::Context& context, const transform::Programs& programs,
-                                   const transform::BrickVariant& variant,
-                                   const device::BuildWatch& watch) const override {
+    std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
+                                   const scan::BrickVariant& variant, const device::BuildWatch& watch) const override {
         std::vector<cl::Program> result;
         for (const char* file : slice_files)
             result.push_back(slices_program(context, programs, file, {variant, has_one_pass()}, watch));

@@ -1,6 +1,6 @@
 #include "papers/slice_scan.hpp"
 
-#include "transform/prefix_sums.hpp"
+#include "scan/prefix_sums.hpp"
 
 #include <fmt/format.h>
 
@@ -14,9 +14,9 @@ namespace clsdf::papers {
 
 namespace {
 
-using transform::CommandChain;
-using transform::OutputBuffers;
-using transform::Programs;
+using scan::CommandChain;
+using scan::OutputBuffers;
+using scan::Programs;
 
 // Keys and lists of a chunk take no more than this each, but for a single slice.
 constexpr std::size_t chunk_bytes = std::size_t{32} << 20;
@@ -36,7 +36,7 @@ std::size_t samples_of_slice(const Layout& layout) {
     return static_cast<std::size_t>(layout.size[0]) * static_cast<std::size_t>(layout.size[1]);
 }
 
-class SliceScan final : public transform::FieldScan {
+class SliceScan final : public scan::FieldScan {
 public:
     SliceScan(const transform::ScanInputs& inputs, const PreparedPieces& mesh, SliceMinimum minimum)
         : layout_(inputs.layout),
@@ -176,8 +176,8 @@ private:
             queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
             first = next;
         }
-        transform::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
-                                   "intersections of a piece and a slice");
+        scan::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
+                              "intersections of a piece and a slice");
         sums.enqueue();
         sums.total();  // throws where the starts do not hold it
     }
@@ -314,8 +314,8 @@ SliceShape slice_shape(KernelBody body) {
     return body == KernelBody::by_vector ? SliceShape{1, 8} : SliceShape{64, 64};
 }
 
-transform::ProgramSource slices_source(const transform::ProgramSources& programs, const char* kernel_file,
-                                       const SliceVariant& variant) {
+scan::ProgramSource slices_source(const scan::ProgramSources& programs, const char* kernel_file,
+                                  const SliceVariant& variant) {
     // Rows of a piece are short: a vector is one brick's at most.
     const std::size_t lanes = std::min<std::size_t>(programs.lanes, CLSDF_BRICK);
     const SliceShape shape = slice_shape(programs.body);
@@ -325,9 +325,9 @@ transform::ProgramSource slices_source(const transform::ProgramSources& programs
             kernels::files};
 }
 
-cl::Program slices_program(device::Context& context, const transform::ProgramSources& programs, const char* kernel_file,
+cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const char* kernel_file,
                            const SliceVariant& variant, const device::BuildWatch& watch) {
-    const transform::ProgramSource source = slices_source(programs, kernel_file, variant);
+    const scan::ProgramSource source = slices_source(programs, kernel_file, variant);
     return context.program(source.kernel_file, source.options, watch, source.files);
 }
 
@@ -342,7 +342,7 @@ bool takes_64_bits(const device::Context& context, const Layout& layout, bool wi
            (has_atomics && samples_of_slice(layout) * sizeof(cl_ulong) <= context.capabilities().largest_allocation);
 }
 
-std::unique_ptr<transform::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum) {
+std::unique_ptr<scan::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum) {
     return std::make_unique<SliceScan>(inputs, static_cast<const PreparedPieces&>(inputs.mesh), minimum);
 }
 

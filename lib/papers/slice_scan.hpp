@@ -33,7 +33,7 @@ struct PieceSlices {
 };
 
 /// A mesh's records and the convex pieces of its polyhedra, on the device.
-struct PreparedPieces final : transform::PreparedMesh {
+struct PreparedPieces final : scan::PreparedMesh {
     device::BufferPool::Lease pieces;
     device::BufferPool::Lease planes;
     std::vector<PieceSlices> slices;  ///< of each piece
@@ -81,8 +81,8 @@ SliceSchedule schedule_slices(std::span<const PieceSlices> pieces, std::int32_t 
 
 /// What the kernels of the scan are compiled for.
 struct SliceVariant {
-    transform::BrickVariant brick;  ///< the same options as there
-    bool key_64 = false;            ///< distance and triangle in one 64-bit number
+    scan::BrickVariant brick;  ///< the same options as there
+    bool key_64 = false;       ///< distance and triangle in one 64-bit number
 };
 
 /// A group of `group` work-items takes `batch` intersections of a piece and a slice.
@@ -97,9 +97,9 @@ std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Leas
 
 /// The scan's programs, a kernel each.
 inline constexpr std::array slice_files{"slices_active.cl", "slices_scan.cl", "slices_finish.cl"};
-transform::ProgramSource slices_source(const transform::ProgramSources& programs, const char* kernel_file,
-                                       const SliceVariant& variant);
-cl::Program slices_program(device::Context& context, const transform::ProgramSources& programs, const char* kernel_file,
+scan::ProgramSource slices_source(const scan::ProgramSources& programs, const char* kernel_file,
+                                  const SliceVariant& variant);
+cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const char* kernel_file,
                            const SliceVariant& variant, const device::BuildWatch& watch = {});
 
 /// Whether distance and triangle are one 64-bit number; without triangles the distances alone are the key, and 32 bits
@@ -107,6 +107,6 @@ cl::Program slices_program(device::Context& context, const transform::ProgramSou
 bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked);
 
 /// The scan by slices of PreparedPieces. Throws what takes_64_bits() does.
-std::unique_ptr<transform::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum);
+std::unique_ptr<scan::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum);
 
 }  // namespace clsdf::papers

@@ -6,7 +6,7 @@
 #include "device/host_filling.hpp"
 #include "points/curve_order.hpp"
 #include "points/point_signs.hpp"
-#include "transform/output_targets.hpp"
+#include "scan/output_targets.hpp"
 
 #include <fmt/format.h>
 
@@ -53,7 +53,7 @@ enum FinishArgument : cl_uint {
     finish_within,
     finish_polyhedra,
     finish_distance,
-    finish_rest  // those of transform::Finishing
+    finish_rest  // those of scan::Finishing
 };
 
 /// A buffer for a value of each point.
@@ -78,9 +78,8 @@ private:
 /// The computation of some points, which lie on the device in the order of a curve.
 class Query {
 public:
-    Query(device::Context& context, const transform::Programs& programs,
-          const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs, std::span<const Vec3> points,
-          double within)
+    Query(device::Context& context, const scan::Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+          const PointInputs& inputs, std::span<const Vec3> points, double within)
         : context_(context),
           programs_(programs),
           pool_(*pool),
@@ -128,22 +127,21 @@ public:
     }
 
     /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
-    double finish(const transform::HostArrays& arrays) {
+    double finish(const scan::HostArrays& arrays) {
         PointBuffer<std::uint32_t> places(pool_, count(), "order of points");
         PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
         places.write(queue_, order_);
         PerOutput<MemoryOf> memory;
-        transform::OutputBuffers outputs;
+        scan::OutputBuffers outputs;
         for_each_output(
-            [&](const OutputRow& row, const transform::HostArray& array, transform::OutputMemory& of_output,
-                cl::Buffer& buffer) {
+            [&](const OutputRow& row, const scan::HostArray& array, scan::OutputMemory& of_output, cl::Buffer& buffer) {
                 if (!array.is_wanted) return;
                 of_output.place(context_, pool_, array.data, count() * row.sample_bytes(array.in_double));
                 buffer = of_output.buffer();
                 if (array.in_double) outputs.in_double |= row.bit;
             },
             arrays, memory, outputs);
-        const transform::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
+        const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
         kernel.setArg(finish_points, *device_points_);
         kernel.setArg(finish_places, *places);
@@ -158,8 +156,8 @@ public:
         finishing.set_arguments(kernel, finish_rest, outputs);
         const auto launch = [&](cl_uint by_sides) {
             kernel.setArg(finish_by_sides, by_sides);
-            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(count())),
-                                        cl::NDRange(transform::common_group));
+            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scan::in_whole_groups(count())),
+                                        cl::NDRange(scan::common_group));
         };
         signs_.assign(count(), std::uint8_t{CLSDF_POINT_UNDECIDED});
         if (inputs_.sides) {
@@ -176,13 +174,13 @@ public:
         }
         const double seconds = watch.seconds();
         for_each_output(
-            [&](const OutputRow&, const transform::HostArray& array, const transform::OutputMemory& of_output) {
+            [&](const OutputRow&, const scan::HostArray& array, const scan::OutputMemory& of_output) {
                 if (array.is_wanted) of_output.enqueue_handover(queue_);
             },
             arrays, memory);
         queue_.finish();
         for_each_output(
-            [&](const OutputRow&, const transform::HostArray& array, const transform::OutputMemory& of_output) {
+            [&](const OutputRow&, const scan::HostArray& array, const scan::OutputMemory& of_output) {
                 if (array.is_wanted) of_output.read(context_, queue_);
             },
             arrays, memory);
@@ -191,7 +189,7 @@ public:
 
 private:
     template <typename>
-    using MemoryOf = transform::OutputMemory;
+    using MemoryOf = scan::OutputMemory;
 
     std::size_t count() const { return callers_.size(); }
 
@@ -223,7 +221,7 @@ private:
 
     void enqueue(const cl::Kernel& kernel, std::size_t items) const {
         const std::size_t group = programs_.part_group();
-        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(transform::in_whole_groups(items, group)),
+        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scan::in_whole_groups(items, group)),
                                     cl::NDRange(group));
     }
 
@@ -249,7 +247,7 @@ private:
     }
 
     device::Context& context_;
-    const transform::Programs& programs_;
+    const scan::Programs& programs_;
     device::BufferPool& pool_;
     cl::CommandQueue queue_;
     cl::Program program_;
@@ -282,9 +280,9 @@ void check_points(const PointMesh& mesh, std::span<const Vec3> points) {
     }
 }
 
-PointTimes query_points(device::Context& context, const transform::Programs& programs,
+PointTimes query_points(device::Context& context, const scan::Programs& programs,
                         const std::shared_ptr<device::BufferPool>& pool, const PointInputs& inputs,
-                        std::span<const Vec3> points, double within, const transform::HostArrays& arrays,
+                        std::span<const Vec3> points, double within, const scan::HostArrays& arrays,
                         const std::function<void(double)>& between) {
     PointTimes times;
     if (points.empty()) return times;

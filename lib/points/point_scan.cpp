@@ -156,7 +156,7 @@ FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_
 
 ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
                               const std::shared_ptr<device::BufferPool>& pool, const PointMesh& point_mesh,
-                              const polyhedra::Frusta& frusta, const transform::PreparedMesh& polyhedra) {
+                              const polyhedra::Frusta& frusta, const scan::PreparedMesh& polyhedra) {
     ScannedMesh mesh;
     const polyhedra::MeshTopology& topology = *point_mesh.topology;
     const std::size_t faces = topology.order.size(), vertices = topology.rings.vertex_count();
@@ -183,8 +183,8 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
         pack.setArg(1, mesh.counts);
         pack.setArg(2, static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()));
         pack.setArg(3, *mesh.records);
-        context.queue().enqueueNDRangeKernel(pack, cl::NullRange, cl::NDRange(transform::in_whole_groups(records)),
-                                             cl::NDRange(transform::common_group));
+        context.queue().enqueueNDRangeKernel(pack, cl::NullRange, cl::NDRange(scan::in_whole_groups(records)),
+                                             cl::NDRange(scan::common_group));
         context.queue().finish();
     });
     device::HostFilling neighbours(context, pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
@@ -223,7 +223,7 @@ PointGroups group_points(std::span<const Vec3> points) {
     return {std::move(bricks.groups), std::move(blocks.groups), std::move(superblocks.groups)};
 }
 
-bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces) {
+bool is_scan_worthwhile(const scan::Programs& programs, std::size_t points, std::size_t faces) {
     return programs.body == KernelBody::by_vector && points >= std::max(faces, fewest_scanned);
 }
 

@@ -3,8 +3,8 @@
 #include "device/buffer_pool.hpp"
 #include "point_groups.h"
 #include "points/point_mesh.hpp"
-#include "transform/prepared_mesh.hpp"
-#include "transform/programs.hpp"
+#include "scan/prepared_mesh.hpp"
+#include "scan/programs.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -31,10 +31,10 @@ struct ScannedMesh {
 /// more. Throws Error(out_of_memory).
 ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& program,
                               const std::shared_ptr<device::BufferPool>& pool, const PointMesh& mesh,
-                              const polyhedra::Frusta& frusta, const transform::PreparedMesh& polyhedra);
+                              const polyhedra::Frusta& frusta, const scan::PreparedMesh& polyhedra);
 
 /// Whether points are scanned in groups rather than looked up one by one. The results are the same.
-bool is_scan_worthwhile(const transform::Programs& programs, std::size_t points, std::size_t faces);
+bool is_scan_worthwhile(const scan::Programs& programs, std::size_t points, std::size_t faces);
 
 /// Groups of points that follow each other (kernels/point_groups.h), from bricks up.
 struct PointGroups {
@@ -47,7 +47,7 @@ PointGroups group_points(std::span<const Vec3> in_units);
 /// Points for the scan.
 struct ScanJob {
     device::Context& context;
-    const transform::Programs& programs;
+    const scan::Programs& programs;
     device::BufferPool& pool;
     const PointMesh& mesh;
     const ScannedMesh& scanned;

@@ -6,5 +6,4 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/point_mesh.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_query.cpp
           ${CMAKE_CURRENT_LIST_DIR}/point_scan.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/point_signs.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/point_test.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/point_signs.cpp)

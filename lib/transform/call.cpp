@@ -2,7 +2,7 @@
 
 #include <clsdf/error.hpp>
 
-#include "transform/programs.hpp"
+#include "scan/programs.hpp"
 
 #include <algorithm>
 
@@ -48,7 +48,7 @@ void add_call(TransformStatistics& total, const TransformStatistics& call) {
 }
 
 device::BuildWatch Compiling::watch(std::size_t variant_steps) {
-    const std::size_t most = Programs::common_programs + variant_steps;
+    const std::size_t most = scan::Programs::common_programs + variant_steps;
     const auto step = [this, most](bool is_waiting) {
         throw_if_stopped(call_);
         const std::size_t steps = std::max(most, step_);

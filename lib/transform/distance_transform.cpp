@@ -5,9 +5,9 @@
 #include "core/parallel.hpp"
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
-#include "transform/layout_of.hpp"
-#include "transform/output_targets.hpp"
-#include "transform/slabs.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/output_targets.hpp"
+#include "scan/slabs.hpp"
 #include "transform/transform_state.hpp"
 
 #include <fmt/format.h>
@@ -17,8 +17,8 @@
 
 namespace clsdf {
 
-void DistanceTransform::State::compute(transform::PlanState& plan, const transform::SlabPipeline::Slot& slot,
-                                       double begin, double end, const CallOptions& call) const {
+void DistanceTransform::State::compute(transform::PlanState& plan, const scan::SlabPipeline::Slot& slot, double begin,
+                                       double end, const CallOptions& call) const {
     const Stopwatch watch;
     const device::Context& context = device::context_of(device);
     device::guarded([&] {
@@ -44,8 +44,8 @@ void DistanceTransform::State::compute(transform::PlanState& plan, const transfo
 }
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
-                                       const transform::HostArrays& arrays, bool in_place, std::vector<Grid> slabs,
-                                       std::span<const Grid> wanted, transform::SlabPipeline& pipeline,
+                                       const scan::HostArrays& arrays, bool in_place, std::vector<Grid> slabs,
+                                       std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
                                        const CallOptions& call) {
     TransformStatistics statistics;
     transform::Compiling compiling(call, options.log);
@@ -71,11 +71,11 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         const Grid slab = slabs.back();
         slabs.pop_back();
         const std::size_t count = slab.sample_count();
-        transform::SlabPipeline::Slot& slot = pipeline.next();
+        scan::SlabPipeline::Slot& slot = pipeline.next();
         try {
             const std::scoped_lock lock(mutex);
             if (in_place) {
-                transform::HostArrays part;
+                scan::HostArrays part;
                 for_each_output([&](const OutputRow& row, const auto& array,
                                     auto& of_slab) { of_slab = array.from_sample(row, done); },
                                 arrays, part);
@@ -87,7 +87,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
                 // A part of the grid needs a part of what the grid needs.
                 transform::Inputs inputs_of_slab = inputs_of_grid;
                 if (count < grid.sample_count())
-                    stages->select(slab, transform::layout_of(slab, band, sign), inputs_of_slab);
+                    stages->select(slab, scan::layout_of(slab, band, sign), inputs_of_slab);
                 plan = make_plan(std::move(inputs_of_slab), slab, band, outputs, wanted, call, compiling);
             }
             transform::throw_if_stopped(call);
@@ -97,9 +97,9 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             if (count < grid.sample_count()) plan.reset();
         } catch (const Error& error) {
             // How long a slab's lists are is known when they are made.
-            if (error.code() != ErrorCode::out_of_memory || !transform::is_divisible(slab)) throw;
+            if (error.code() != ErrorCode::out_of_memory || !scan::is_divisible(slab)) throw;
             const std::scoped_lock lock(mutex);
-            const auto [lower, upper] = transform::halves_of(slab);
+            const auto [lower, upper] = scan::halves_of(slab);
             slabs.push_back(upper);
             slabs.push_back(lower);
             // What is under way keeps its buffers.
@@ -198,24 +198,23 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
 }
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
-                                       const transform::HostTargets& targets, const CallOptions& call) {
+                                       const scan::HostTargets& targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);
     const bool in_place = targets.are_packed();
-    const auto store = [&](const Grid& part, const transform::HostArrays& values) { targets.store(part, values); };
-    const transform::SlabLimits limits =
-        in_place ? transform::limits_of(context.capabilities()) : transform::stream_limits_of(context.capabilities());
-    std::vector<Grid> slabs = transform::slabs_of(grid, limits);
-    transform::SlabPipeline pipeline(context, pool, in_place ? transform::ArraySink() : transform::ArraySink(store),
-                                     slabs.size() > 1);
+    const auto store = [&](const Grid& part, const scan::HostArrays& values) { targets.store(part, values); };
+    const scan::SlabLimits limits =
+        in_place ? scan::limits_of(context.capabilities()) : scan::stream_limits_of(context.capabilities());
+    std::vector<Grid> slabs = scan::slabs_of(grid, limits);
+    scan::SlabPipeline pipeline(context, pool, in_place ? scan::ArraySink() : scan::ArraySink(store), slabs.size() > 1);
     compute(grid, band, outputs, targets.arrays(), in_place, std::move(slabs), {}, pipeline, call);
 }
 
 void DistanceTransform::State::compute(const transform::Batch& batch, std::span<const Request> requests,
-                                       std::span<const transform::HostTargets> targets,
-                                       transform::SlabPipeline& pipeline, const CallOptions& call) {
+                                       std::span<const scan::HostTargets> targets, scan::SlabPipeline& pipeline,
+                                       const CallOptions& call) {
     const std::size_t any = batch.requests.front();
     const Request& request = requests[any];
-    const Outputs outputs = transform::outputs_of(request.targets);
+    const Outputs outputs = scan::outputs_of(request.targets);
     if (batch.requests.size() == 1) {
         compute(request.grid, request.band, outputs, targets[any], call);
         return;
@@ -224,8 +223,7 @@ void DistanceTransform::State::compute(const transform::Batch& batch, std::span<
     std::vector<Grid> wanted;
     for (const std::size_t n : batch.requests) wanted.push_back(requests[n].grid);
     compute(batch.block, request.band, outputs, targets[any].arrays(), false,
-            transform::slabs_of(batch.block, transform::stream_limits_of(context.capabilities())), wanted, pipeline,
-            call);
+            scan::slabs_of(batch.block, scan::stream_limits_of(context.capabilities())), wanted, pipeline, call);
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
@@ -236,7 +234,7 @@ void DistanceTransform::compute(const Grid& grid, const Band& band, const Output
         compute_on_device({&request, 1}, call);
         return;
     }
-    state().compute(grid, band, transform::outputs_of(targets), transform::HostTargets(targets, grid), call);
+    state().compute(grid, band, scan::outputs_of(targets), scan::HostTargets(targets, grid), call);
 }
 
 void DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
@@ -245,23 +243,23 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
         compute_on_device(requests, call);
         return;
     }
-    const std::vector<transform::HostTargets> targets = transform::targets_of(
+    const std::vector<scan::HostTargets> targets = transform::targets_of(
         requests, [&](const Request& request) { state.stages->check_inside(request.grid, request.band); });
-    std::vector<transform::HostArrays> arrays;
-    for (const transform::HostTargets& target : targets) arrays.push_back(target.arrays());
+    std::vector<scan::HostArrays> arrays;
+    for (const scan::HostTargets& target : targets) arrays.push_back(target.arrays());
     const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, state.mesh().box());
     double cost = 0, done = 0;
     for (const transform::Batch& batch : batches) cost += batch.cost;
     const device::Context& context = device::context_of(state.device);
     const transform::Batch* computed = nullptr;
-    const auto store = [&](const Grid& part, const transform::HostArrays& values) {
+    const auto store = [&](const Grid& part, const scan::HostArrays& values) {
         constexpr std::size_t stretch = 8;
         for_each_stretch(computed->requests.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) targets[computed->requests[n]].store(part, values);
         });
     };
     // On a processor the next slab would take the cores that store the one before.
-    transform::SlabPipeline pipeline(context, state.pool, store, !context.capabilities().is_processor);
+    scan::SlabPipeline pipeline(context, state.pool, store, !context.capabilities().is_processor);
     TransformStatistics total;
     for (const transform::Batch& batch : batches) {
         computed = &batch;
@@ -296,19 +294,19 @@ void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const 
     grid.sample_count();
     if (!sink) throw Error(ErrorCode::invalid_argument, "DistanceTransform::compute_slabs needs a sink; it is empty");
     const device::Context& context = device::context_of(state.device);
-    const auto hand_on = [&](const Grid& part, const transform::HostArrays& values) {
-        sink(part, transform::slab_of(values, part.sample_count()));
+    const auto hand_on = [&](const Grid& part, const scan::HostArrays& values) {
+        sink(part, scan::slab_of(values, part.sample_count()));
     };
-    transform::SlabPipeline pipeline(context, state.pool, hand_on, options.overlap);
-    state.compute(grid, band, outputs, transform::arrays_for(outputs), false,
-                  transform::slabs_of(grid, transform::stream_limits_of(context.capabilities())), {}, pipeline, call);
+    scan::SlabPipeline pipeline(context, state.pool, hand_on, options.overlap);
+    state.compute(grid, band, outputs, scan::arrays_for(outputs), false,
+                  scan::slabs_of(grid, scan::stream_limits_of(context.capabilities())), {}, pipeline, call);
 }
 
 std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     grid.validate();
     device::Context::Capabilities unlimited;
     unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
-    return transform::slabs_of(grid, transform::stream_limits_of(unlimited));
+    return scan::slabs_of(grid, scan::stream_limits_of(unlimited));
 }
 
 Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Outputs& outputs,

@@ -3,9 +3,9 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 
-#include "transform/field_scan.hpp"
-#include "transform/prepared_mesh.hpp"
-#include "transform/programs.hpp"
+#include "scan/field_scan.hpp"
+#include "scan/prepared_mesh.hpp"
+#include "scan/programs.hpp"
 #include "transform/stages.hpp"
 
 #include <memory>
@@ -39,23 +39,23 @@ public:
     virtual void check_outputs(const Outputs& outputs) const = 0;
 
     /// The mesh on the device for a grid, which is not kept for other grids.
-    virtual std::shared_ptr<const transform::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
-                                                                   const Layout& layout) const = 0;
+    virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
+                                                              const Layout& layout) const = 0;
 
-    virtual std::unique_ptr<transform::FieldScan> make_scan(const transform::ScanInputs& inputs) const = 0;
+    virtual std::unique_ptr<scan::FieldScan> make_scan(const transform::ScanInputs& inputs) const = 0;
 
     /// The method that the self-test computes its known field with: it runs the kernels that such a computation runs,
     /// and its fields are exact.
     virtual std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
-                                                         const transform::BrickVariant& variant) const = 0;
+                                                         const scan::BrickVariant& variant) const = 0;
 
     // Of a method that tested_as() returns:
 
     /// Names the kernels, for messages and for the records of what was tested.
     virtual std::string name() const = 0;
     /// The programs that are built beside those that every computation needs.
-    virtual std::vector<cl::Program> build(device::Context& context, const transform::Programs& programs,
-                                           const transform::BrickVariant& variant,
+    virtual std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
+                                           const scan::BrickVariant& variant,
                                            const device::BuildWatch& watch) const = 0;
     /// How many programs it builds and launches it tests, about.
     virtual std::size_t step_count() const = 0;

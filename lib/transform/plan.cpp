@@ -4,12 +4,12 @@
 #include "core/moved_from.hpp"
 #include "core/stopwatch.hpp"
 #include "device/has_ended.hpp"
-#include "transform/brick_scan.hpp"
+#include "scan/brick_scan.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/output_targets.hpp"
+#include "scan/programs.hpp"
+#include "scan/sign_sweep.hpp"
 #include "transform/field_method.hpp"
-#include "transform/layout_of.hpp"
-#include "transform/output_targets.hpp"
-#include "transform/programs.hpp"
-#include "transform/sign_sweep.hpp"
 
 #include <fmt/format.h>
 
@@ -146,8 +146,8 @@ const TransformStatistics& Plan::statistics() const {
 cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
     transform::PlanState& state = this->state();
     return device::guarded([&] {
-        const transform::OutputBuffers buffers =
-            transform::device_buffers(targets, state.grid, state.outputs, device::context_of(state.device));
+        const scan::OutputBuffers buffers =
+            scan::device_buffers(targets, state.grid, state.outputs, device::context_of(state.device));
         std::vector<cl::Event> events;
         for (cl_event event : wait_list) events.emplace_back(event, true);
         const cl::CommandQueue target =

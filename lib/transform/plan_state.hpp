@@ -2,8 +2,8 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "transform/field_scan.hpp"
-#include "transform/programs.hpp"
+#include "scan/field_scan.hpp"
+#include "scan/programs.hpp"
 #include "transform/stages.hpp"
 
 #include <functional>

@@ -2,7 +2,7 @@
 #include "core/stopwatch.hpp"
 #include "points/box_places.hpp"
 #include "points/point_query.hpp"
-#include "transform/output_targets.hpp"
+#include "scan/output_targets.hpp"
 #include "transform/transform_state.hpp"
 
 #include <clsdf/error.hpp>
@@ -37,14 +37,14 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
 }
 
 points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, double within, const Outputs& outputs,
-                                                   const transform::HostArrays& arrays,
+                                                   const scan::HostArrays& arrays,
                                                    const std::function<void(double)>& between) {
     const points::PointInputs inputs = point_inputs(outputs, part.size());
     return points::query_points(device::context_of(device), programs, pool, inputs, part, within, arrays, between);
 }
 
 void DistanceTransform::State::query(std::span<const Vec3> all, double within, const Outputs& outputs,
-                                     const transform::HostTargets& targets, const CallOptions& call) {
+                                     const scan::HostTargets& targets, const CallOptions& call) {
     TransformStatistics statistics;
     statistics.triangles = mesh().triangles().size();
     transform::Compiling compiling(call, options.log);
@@ -53,10 +53,10 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         transform::throw_if_stopped(call);
         stages->check_inside(all, within);
         const Stopwatch compile_watch;
-        const device::BuildWatch builds = compiling.watch(points::point_test_steps);
-        compiling.first_use = points::ensure_points_tested(device, programs, false, builds);
+        const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
+        compiling.first_use = transform::ensure_points_tested(device, programs, false, builds);
         if (points::is_scan_worthwhile(programs, all.size(), mesh().triangles().size()) &&
-            points::ensure_points_tested(device, programs, true, builds))
+            transform::ensure_points_tested(device, programs, true, builds))
             compiling.first_use = true;
         compiling.seconds = compile_watch.seconds();
         pool->restart_peak();
@@ -67,13 +67,13 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         // Nothing is computed if a point is refused.
         points::check_points(*inputs.mesh, all);
     }
-    transform::OwnArrays own;
+    scan::OwnArrays own;
     for (std::size_t begin = 0; begin < all.size(); begin += points::most_points) {
         const std::span<const Vec3> part = all.subspan(begin, std::min(points::most_points, all.size() - begin));
-        transform::HostArrays arrays;
+        scan::HostArrays arrays;
         if (targets.are_packed())
-            for_each_output([&](const OutputRow& row, const transform::HostArray& array,
-                                transform::HostArray& of_part) { of_part = array.from_sample(row, begin); },
+            for_each_output([&](const OutputRow& row, const scan::HostArray& array,
+                                scan::HostArray& of_part) { of_part = array.from_sample(row, begin); },
                             targets.arrays(), arrays);
         else
             arrays = own.for_samples(targets.arrays(), part.size());
@@ -111,8 +111,7 @@ void DistanceTransform::query(std::span<const Vec3> points, double within, const
                     fmt::format("points are looked up within {}, which is beyond the floats that distances are given "
                                 "in; infinity is no limit",
                                 within));
-    state.query(points, within, transform::outputs_of(targets),
-                transform::HostTargets::of_points(targets, points.size()), call);
+    state.query(points, within, scan::outputs_of(targets), scan::HostTargets::of_points(targets, points.size()), call);
 }
 
 void DistanceTransform::classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const {

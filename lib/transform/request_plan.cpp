@@ -5,12 +5,12 @@
 #include "core/stopwatch.hpp"
 #include "device/has_ended.hpp"
 #include "device/host_filling.hpp"
+#include "scan/commands.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/programs.hpp"
+#include "scan/slabs.hpp"
 #include "stored_box.h"
-#include "transform/command_chain.hpp"
-#include "transform/layout_of.hpp"
-#include "transform/programs.hpp"
 #include "transform/self_test.hpp"
-#include "transform/slabs.hpp"
 #include "transform/transform_state.hpp"
 
 #include <fmt/format.h>
@@ -258,18 +258,18 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
 void DistanceTransform::State::plan(transform::RequestPlanState& made, const CallOptions& call) {
     const std::span<const Request> requests = made.requests;
     const device::Context& context = device::context_of(device);
-    const std::vector<transform::DeviceTargets> targets = transform::device_targets_of(
+    const std::vector<scan::DeviceTargets> targets = transform::device_targets_of(
         requests, context, [this](const Request& request) { stages->check_inside(request.grid, request.band); });
-    std::vector<transform::HostArrays> arrays;
-    for (const transform::DeviceTargets& target : targets) arrays.push_back(target.arrays());
+    std::vector<scan::HostArrays> arrays;
+    for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays());
     const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, mesh().box());
 
     std::vector<transform::RequestPlanState::Block> blocks;
     for (const transform::Batch& batch : batches) {
         const bool in_place = batch.requests.size() == 1 && targets[batch.requests.front()].in_place().has_value();
-        const auto limits = in_place ? transform::limits_of(context.capabilities())
-                                     : transform::stream_limits_of(context.capabilities());
-        const std::vector<Grid> slabs = transform::slabs_of(batch.block, limits);
+        const auto limits =
+            in_place ? scan::limits_of(context.capabilities()) : scan::stream_limits_of(context.capabilities());
+        const std::vector<Grid> slabs = scan::slabs_of(batch.block, limits);
         for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
     }
 
@@ -285,7 +285,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, const Cal
     const transform::Batch* batch = nullptr;
     for (const transform::RequestPlanState::Block& block : blocks) {
         const Request& any = requests[block.batch->requests.front()];
-        const Outputs outputs = transform::outputs_of(any.targets);
+        const Outputs outputs = scan::outputs_of(any.targets);
         if (block.batch != batch) {
             batch = block.batch;
             compile(batch->block, any.band, outputs, call.count, compiling);
@@ -298,7 +298,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, const Cal
             for (const std::size_t n : batch->requests) wanted.push_back(requests[n].grid);
         transform::Inputs inputs_of_block = inputs_of_batch;
         if (!(block.grid == batch->block))
-            stages->select(block.grid, transform::layout_of(block.grid, any.band, sign), inputs_of_block);
+            stages->select(block.grid, scan::layout_of(block.grid, any.band, sign), inputs_of_block);
         auto of_block =
             make_plan(std::move(inputs_of_block), block.grid, any.band, outputs, wanted, call, compiling, made.pool);
         transform::add_slab(made.statistics, of_block->statistics);

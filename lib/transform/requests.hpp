@@ -2,7 +2,7 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "transform/output_targets.hpp"
+#include "scan/output_targets.hpp"
 
 #include <cstddef>
 #include <functional>
@@ -10,6 +10,8 @@
 #include <vector>
 
 namespace clsdf::transform {
+
+using namespace scan;
 
 /// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
 struct Batch {

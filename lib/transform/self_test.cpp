@@ -1,7 +1,8 @@
 #include "transform/self_test.hpp"
 
+#include "points/point_query.hpp"
+#include "scan/layout_of.hpp"
 #include "transform/known_field.hpp"
-#include "transform/layout_of.hpp"
 #include "transform/plan_state.hpp"
 
 #include <fmt/format.h>
@@ -44,6 +45,36 @@ std::string key_of(const device::Context& context, const std::string& name, cons
 
 std::vector<cl::Program> common_programs(const Programs& programs) {
     return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill, programs.mesh_records};
+}
+
+/// The known field's grid has the same samples at points, whose distances have no limit.
+std::optional<std::string> run_point_test(const Device& device, const Programs& programs, bool are_scanned) {
+    KnownFieldKind kind;
+    kind.wide = true;
+    const KnownField known(kind);
+    device::Context& context = device::context_of(device);
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    Stages stages(context, pool, known.mesh());
+    const Grid& grid = known.grid();
+    std::vector<Vec3> samples;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) samples.push_back(grid.position(i, j, k));
+    std::vector<float> distance(samples.size());
+    std::vector<std::uint32_t> triangle(samples.size());
+    HostArrays arrays;
+    arrays.distance = {true, false, reinterpret_cast<std::byte*>(distance.data())};
+    arrays.triangle = {true, false, reinterpret_cast<std::byte*>(triangle.data())};
+    points::PointInputs inputs;
+    inputs.mesh = stages.points();
+    inputs.sign = SignRule::nonzero;
+    if (are_scanned) {
+        inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
+        inputs.sides = stages.face_sides(inputs.sign, true);
+    }
+    inputs.sites = stages.sites(are_scanned);
+    points::query_points(context, programs, pool, inputs, samples, known.band().outside, arrays, {});
+    return known.difference(distance, triangle);
 }
 
 }  // namespace
@@ -152,6 +183,18 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
     });
     if (test_case.is_large) context.set_tested(test_case.with_small_triangles().name());
     return is_run;
+}
+
+bool ensure_points_tested(const Device& device, const Programs& programs, bool are_scanned,
+                          const device::BuildWatch& watch) {
+    device::Context& context = device::context_of(device);
+    const char* const body = programs.body == KernelBody::by_group ? "by_group" : "by_vector";
+    TestSubject subject{fmt::format("{} {}points", body, are_scanned ? "many " : ""), {}};
+    device::guarded([&] {
+        subject.programs.push_back(programs.points(context, watch));
+        if (are_scanned) subject.programs.push_back(programs.point_scan(context, watch));
+    });
+    return test_once(device, subject, watch, [&] { return run_point_test(device, programs, are_scanned); });
 }
 
 }  // namespace clsdf::transform

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "scan/programs.hpp"
 #include "transform/field_method.hpp"
-#include "transform/programs.hpp"
 
 #include <functional>
 #include <memory>
@@ -54,5 +54,14 @@ bool test_once(const Device& device, const TestSubject& subject, const device::B
 /// What the device computes wrong, in a sentence; nothing if all is right.
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
                                          const device::BuildWatch& watch = {});
+
+/// Builds the programs of queries of points and, the first time on this device and driver version, computes a small
+/// known field at its samples and compares. Returns whether it was tested here. Throws Error(device_failure) that says
+/// what differs.
+bool ensure_points_tested(const Device& device, const Programs& programs, bool are_scanned,
+                          const device::BuildWatch& watch = {});
+
+/// How often `begins` of a watch is called by ensure_points_tested() for programs that have not been tested, about.
+inline constexpr std::size_t point_test_steps = 3;
 
 }  // namespace clsdf::transform

@@ -2,9 +2,9 @@
 
 #include "core/keep.hpp"
 #include "polyhedra/sites.hpp"
-#include "transform/coarse_lists.hpp"
+#include "scan/coarse_lists.hpp"
+#include "scan/layout_of.hpp"
 #include "transform/field_method.hpp"
-#include "transform/layout_of.hpp"
 
 #include <fmt/format.h>
 
@@ -237,7 +237,7 @@ const polyhedra::ClusterIndex& Stages::index() {
 std::shared_ptr<const DeviceFaces> Stages::device_faces(const polyhedra::LatticeView& lattice) {
     if (options_.method || !has_kernels() || !is_plain(mesh_, lattice)) return nullptr;
     frusta();
-    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(transform::device_faces(set_up(), names(), *frusta_));
+    if (!faces_) faces_ = std::make_shared<const DeviceFaces>(scan::device_faces(set_up(), names(), *frusta_));
     return faces_;
 }
 

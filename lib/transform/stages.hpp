@@ -13,12 +13,12 @@
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/mesh_part.hpp"
 #include "polyhedra/topology.hpp"
-#include "transform/device_faces.hpp"
-#include "transform/finishing.hpp"
-#include "transform/kernel_frusta.hpp"
-#include "transform/prepared_mesh.hpp"
-#include "transform/programs.hpp"
-#include "transform/sweep_mesh.hpp"
+#include "scan/device_faces.hpp"
+#include "scan/finishing.hpp"
+#include "scan/kernel_frusta.hpp"
+#include "scan/prepared_mesh.hpp"
+#include "scan/programs.hpp"
+#include "scan/sweep_mesh.hpp"
 
 #include <list>
 #include <memory>
@@ -31,6 +31,9 @@ class FieldMethod;
 }
 
 namespace clsdf::transform {
+
+// Everything here is made by the scan, or for it.
+using namespace scan;
 
 /// What the computation of a grid reads.
 struct Inputs {

@@ -3,10 +3,10 @@
 #include "core/keep.hpp"
 #include "core/stopwatch.hpp"
 #include "points/box_places.hpp"
-#include "transform/coarse_lists.hpp"
+#include "scan/coarse_lists.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/sweep_mesh.hpp"
 #include "transform/field_method.hpp"
-#include "transform/layout_of.hpp"
-#include "transform/sweep_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -84,15 +84,14 @@ DistanceTransform::State::~State() {
         keep_for_good(stages);  // whose mesh the device reads where the host has it
 }
 
-transform::Programs DistanceTransform::State::build_programs(const CallOptions& call) {
+scan::Programs DistanceTransform::State::build_programs(const CallOptions& call) {
     transform::throw_if_stopped(call);
     const Stopwatch watch;
     transform::TestCase any;
     any.method = options.method;
     transform::Compiling compiling(call, options.log);
-    transform::Programs result = device::guarded([&] {
-        return transform::Programs(device::context_of(device), options.body,
-                                   compiling.watch(transform::step_count(any)));
+    scan::Programs result = device::guarded([&] {
+        return scan::Programs(device::context_of(device), options.body, compiling.watch(transform::step_count(any)));
     });
     compile_seconds = watch.seconds();
     return result;
@@ -124,16 +123,16 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
 
 transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band, const Outputs& outputs,
                                                            bool count) const {
-    const Layout layout = transform::layout_of(grid, band, sign);
+    const Layout layout = scan::layout_of(grid, band, sign);
     transform::TestCase test_case;
     test_case.body = programs.body;
-    test_case.variant = {outputs != Outputs{}, count, transform::has_long_bricks(grid)};
+    test_case.variant = {outputs != Outputs{}, count, scan::has_long_bricks(grid)};
     test_case.is_signed = sign != SignRule::none;
     if (options.method)
         test_case.method = device::guarded(
             [&] { return options.method->tested_as(device::context_of(device), layout, test_case.variant); });
     else
-        test_case.is_wide = !transform::has_uniform_caps(layout);
+        test_case.is_wide = !scan::has_uniform_caps(layout);
     return test_case;
 }
 
@@ -155,7 +154,7 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
     large.is_large = true;
     // It runs all that the other one runs.
     if (device::context_of(device).is_tested(large.name())) return false;
-    return test(test_case.is_signed && transform::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
+    return test(test_case.is_signed && scan::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
 }
 
 transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs,
@@ -166,7 +165,7 @@ transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band&
 
 transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, const Outputs& outputs,
                                                         bool lone) {
-    transform::Inputs inputs = stages->inputs(grid, transform::layout_of(grid, band, sign), sign, lone);
+    transform::Inputs inputs = stages->inputs(grid, scan::layout_of(grid, band, sign), sign, lone);
     if (outputs == Outputs{} || options.method) return inputs;
     inputs.sites = stages->sites(outputs.gradient);
     inputs.is_inside_out = topology.balanced && inputs.sites->encloses_negative_volume;

@@ -4,13 +4,13 @@
 #include <clsdf/error.hpp>
 
 #include "points/point_query.hpp"
+#include "scan/programs.hpp"
+#include "scan/slab_pipeline.hpp"
 #include "transform/call.hpp"
 #include "transform/plan_state.hpp"
-#include "transform/programs.hpp"
 #include "transform/request_plan.hpp"
 #include "transform/requests.hpp"
 #include "transform/self_test.hpp"
-#include "transform/slab_pipeline.hpp"
 #include "transform/stages.hpp"
 #include "transform/vertices.hpp"
 
@@ -80,25 +80,24 @@ struct DistanceTransform::State {
     void report(const transform::Compiling& compiling, TransformStatistics& statistics);
 
     /// Into packed arrays or, if some have strides, by way of slabs.
-    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostTargets& targets,
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const scan::HostTargets& targets,
                  const CallOptions& call);
 
     /// The block of a batch, slab by slab, to the pipeline's sink; of one request, to its targets.
     void compute(const transform::Batch& batch, std::span<const Request> requests,
-                 std::span<const transform::HostTargets> targets, transform::SlabPipeline& pipeline,
-                 const CallOptions& call);
+                 std::span<const scan::HostTargets> targets, scan::SlabPipeline& pipeline, const CallOptions& call);
 
     /// Slab by slab, into the arrays or, if not in place, to the sink. wanted: see PlanOptions.
-    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const transform::HostArrays& arrays,
-                 bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted,
-                 transform::SlabPipeline& pipeline, const CallOptions& call);
+    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const scan::HostArrays& arrays,
+                 bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
+                 const CallOptions& call);
 
     /// Makes the blocks of a plan that has none. (request_plan.cpp)
     void plan(transform::RequestPlanState& made, const CallOptions& call);
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();
-    void query(std::span<const Vec3> all, double within, const Outputs& outputs, const transform::HostTargets& targets,
+    void query(std::span<const Vec3> all, double within, const Outputs& outputs, const scan::HostTargets& targets,
                const CallOptions& call);
 
     // What was spent on programs and no computation has reported yet.
@@ -109,7 +108,7 @@ struct DistanceTransform::State {
     Topology topology;
     SignRule sign = SignRule::none;
     transform::Vertices vertices;
-    transform::Programs programs;
+    scan::Programs programs;
     std::shared_ptr<device::BufferPool> pool;
 
     std::mutex mutex;  // for what follows, and for the work on the device
@@ -123,7 +122,7 @@ private:
     State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
           std::unique_ptr<transform::Stages> own_stages);
 
-    transform::Programs build_programs(const CallOptions& call);
+    scan::Programs build_programs(const CallOptions& call);
     /// Of the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
     transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
@@ -134,10 +133,10 @@ private:
     points::PointInputs point_inputs(const Outputs& outputs, std::size_t count);
     /// Some of the points of a query into packed arrays.
     points::PointTimes query(std::span<const Vec3> part, double within, const Outputs& outputs,
-                             const transform::HostArrays& arrays, const std::function<void(double)>& between);
+                             const scan::HostArrays& arrays, const std::function<void(double)>& between);
 
     /// The samples of one slab. Its progress runs from `begin` to `end`.
-    void compute(transform::PlanState& plan, const transform::SlabPipeline::Slot& slot, double begin, double end,
+    void compute(transform::PlanState& plan, const scan::SlabPipeline::Slot& slot, double begin, double end,
                  const CallOptions& call) const;
 };
 

@@ -1,7 +1,7 @@
 #include "papers/mauch.hpp"
 #include "papers/exact.hpp"
+#include "scan/layout_of.hpp"
 #include "support/hostile_meshes.hpp"
-#include "transform/layout_of.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -14,8 +14,8 @@ namespace {
 papers::MauchPieces pieces_of(const Mesh& mesh, double half_width) {
     const Grid grid = grid_around(mesh, 20, 2 + half_width);
     const Band band = Band::symmetric(half_width * grid.voxel());
-    const Layout layout = transform::layout_of(grid, band, SignRule::none);
-    return papers::mauch_pieces(mesh, transform::lattice_of(grid), half_width, layout);
+    const Layout layout = scan::layout_of(grid, band, SignRule::none);
+    return papers::mauch_pieces(mesh, scan::lattice_of(grid), half_width, layout);
 }
 
 /// Two faces at one edge, the second turned out of the first one's plane.

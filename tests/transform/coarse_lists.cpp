@@ -1,11 +1,11 @@
-#include "transform/coarse_lists.hpp"
+#include "scan/coarse_lists.hpp"
 
 #include "coarse.h"
+#include "scan/layout_of.hpp"
+#include "scan/programs.hpp"
 #include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
-#include "transform/layout_of.hpp"
-#include "transform/programs.hpp"
 #include "transform/stages.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -58,20 +58,19 @@ std::size_t place_of_cap(const Layout& layout, const Index3& brick) {
 
 Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
     device::Context& context = device::context_of(device);
-    const transform::Programs programs(context, body);
+    const scan::Programs programs(context, body);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Coarse found{transform::layout_of(grid, band, SignRule::nonzero), {}, {}, {}};
+    Coarse found{scan::layout_of(grid, band, SignRule::nonzero), {}, {}, {}};
     const Layout& layout = found.layout;
     transform::Stages stages(context, pool, mesh);
     const transform::Inputs inputs = stages.inputs(grid, layout, SignRule::none);
-    const transform::PreparedMesh& prepared = *inputs.records;
+    const scan::PreparedMesh& prepared = *inputs.records;
     found.polyhedra = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);
-    const transform::CoarseLists coarse =
-        transform::make_coarse_lists(context, programs, pool, layout, prepared, inputs.selection, inputs.points,
-                                     transform::ShortLaunches(context, {}));
+    const scan::CoarseLists coarse = scan::make_coarse_lists(
+        context, programs, pool, layout, prepared, inputs.selection, inputs.points, scan::ShortLaunches(context, {}));
     found.passes = coarse.passes;
     found.peak = pool->peak();
-    const std::size_t bricks = transform::coarse_brick_count(layout);
+    const std::size_t bricks = scan::coarse_brick_count(layout);
     const auto starts = read<cl_uint>(context, *coarse.starts, bricks * coarse.parts + 1);
     const auto entries = read<cl_uint>(context, *coarse.entries, coarse.pairs);
     const auto caps = read<float>(context, *coarse.caps, coarse.caps.bytes() / sizeof(float));

@@ -1,11 +1,11 @@
 #include "coarse.h"
 #include "core/parallel.hpp"
 #include "polyhedra/awkward_meshes.hpp"
+#include "scan/kernel_frusta.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/programs.hpp"
 #include "support/random_meshes.hpp"
 #include "sweep.h"
-#include "transform/kernel_frusta.hpp"
-#include "transform/layout_of.hpp"
-#include "transform/programs.hpp"
 #include "transform/stages.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -46,10 +46,10 @@ struct Made {
 
 Made made_by(transform::Stages& stages, const device::Context& context, const Grid& grid, const Band& band) {
     const transform::Inputs inputs =
-        stages.inputs(grid, transform::layout_of(grid, band, SignRule::parity), SignRule::parity);
+        stages.inputs(grid, scan::layout_of(grid, band, SignRule::parity), SignRule::parity);
     Made made;
     made.records = read<Polyhedron>(context, *inputs.records->polyhedra, inputs.records->record_count);
-    const transform::SweepMesh& sweep = *inputs.sweep_mesh;
+    const scan::SweepMesh& sweep = *inputs.sweep_mesh;
     made.on_device = sweep.faces != nullptr;
     const auto triangles = read<Triangle>(context, sweep.triangles(), sweep.triangle_count);
     const auto vertices = read<SweepVertex>(context, *sweep.vertices, sweep.vertices.bytes() / sizeof(SweepVertex));
@@ -65,8 +65,8 @@ std::string bytes_of(const Polyhedron& record) {
 std::vector<Polyhedron> host_records(transform::Stages& stages, const Grid& grid) {
     const polyhedra::MeshTopology& topology = stages.topology();
     const polyhedra::Frusta& frusta = stages.frusta();
-    const polyhedra::LatticeView lattice = transform::lattice_of(grid);
-    const std::size_t faces = topology.order.size(), first_site = transform::in_record_groups(faces);
+    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
+    const std::size_t faces = topology.order.size(), first_site = scan::in_record_groups(faces);
     std::vector<Polyhedron> records(first_site + frusta.sites.size());
     const std::span<Polyhedron> all(records);
     write_face_records(topology, frusta, lattice, all.first(faces));
@@ -98,7 +98,7 @@ void check_same_sweep(const Made& device, const Made& host) {
 BOOST_AUTO_TEST_CASE(kernels_make_the_records_that_the_host_writes) {
     const Device device = Device::preferred();
     device::Context& context = device::context_of(device);
-    const transform::Programs programs(context, KernelBody::automatic);
+    const scan::Programs programs(context, KernelBody::automatic);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     std::size_t on_device = 0, slivers = 0;
     for (unsigned seed = 1; seed <= 60; ++seed) {
@@ -150,17 +150,17 @@ bool are_same(const UninitializedVector<Value>& a, const std::vector<Value>& b) 
 BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
     const Device device = Device::preferred();
     device::Context& context = device::context_of(device);
-    const transform::Programs programs(context, KernelBody::automatic);
+    const scan::Programs programs(context, KernelBody::automatic);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     BothFrusta both{std::make_shared<const polyhedra::MeshTopology>(mesh), {}, {}};
     both.host = polyhedra::make_frusta(*both.topology, mesh.vertices());
-    const transform::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
-    const auto names = std::make_shared<const transform::DeviceFaces::Names>(device_names(job, both.topology));
-    const auto sources = std::make_shared<const transform::FrustaSources>(job, *both.topology);
-    const polyhedra::LatticeView lattice = transform::lattice_of(grid);
+    const scan::DeviceSetUp job{context, pool, programs.mesh_records, programs.mesh_lanes()};
+    const auto names = std::make_shared<const scan::DeviceFaces::Names>(device_names(job, both.topology));
+    const auto sources = std::make_shared<const scan::FrustaSources>(job, *both.topology);
+    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
     // Without records, too: the same. The device has the slopes that the host has.
-    const transform::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
-    transform::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
+    const scan::MadeFrusta again = frusta_by_kernels(job, names, sources, mesh, nullptr);
+    scan::MadeFrusta made = frusta_by_kernels(job, names, sources, mesh, &lattice);
     const auto slopes = read<polyhedra::FaceSlopes>(context, *made.faces.slopes, both.topology->order.size());
     BOOST_TEST(are_same(made.frusta.slopes, slopes));
     BOOST_TEST(are_same(again.frusta.slopes, slopes));

@@ -73,7 +73,7 @@ struct Changed {
 
 std::string message_of_test(const Device& device, const TestCase& test_case) {
     try {
-        const transform::Programs programs(device::context_of(device), test_case.body);
+        const scan::Programs programs(device::context_of(device), test_case.body);
         transform::ensure_tested(device, programs, test_case);
     } catch (const Error& error) {
         BOOST_TEST((error.code() == ErrorCode::device_failure));
@@ -142,7 +142,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
           wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
           large(bricks(vector_body, false, false)), large(bricks(group_body, true, true)),
           without_sign(bricks(vector_body, false, false))}) {
-        const transform::Programs programs(device::context_of(test_device()), test_case.body);
+        const scan::Programs programs(device::context_of(test_device()), test_case.body);
         const auto difference = transform::run_self_test(test_device(), programs, test_case);
         BOOST_TEST(!difference.has_value(), test_case.name() << ": " << difference.value_or(""));
     }
@@ -285,7 +285,7 @@ BOOST_AUTO_TEST_CASE(is_run_for_large_triangles_also_where_a_sweep_finds_them_fi
     DistanceTransform transform(device, mesh);
     transform(Grid::around(mesh, 64, band), band);
     TestCase test_case = bricks(KernelBody::automatic, false, false);
-    test_case.body = transform::Programs(device::context_of(device), KernelBody::automatic).body;
+    test_case.body = scan::Programs(device::context_of(device), KernelBody::automatic).body;
     BOOST_TEST(device::context_of(device).is_tested(test_case.name()));
     BOOST_TEST(device::context_of(device).is_tested(large(test_case).name()));
 }

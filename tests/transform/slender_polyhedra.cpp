@@ -1,8 +1,8 @@
 #include "device/context.hpp"
 #include "device/kernel_text.hpp"
 #include "polyhedra/records.hpp"
+#include "scan/layout_of.hpp"
 #include "support/random_meshes.hpp"
-#include "transform/layout_of.hpp"
 
 #include <clsdf/device.hpp>
 
@@ -171,8 +171,8 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
         grid.first[axis] = c.coarse[axis] * CLSDF_COARSE;
         grid.size[axis] = CLSDF_COARSE;
     }
-    const Layout layout = transform::layout_of(grid, Band::symmetric(c.half_width), SignRule::automatic);
-    const polyhedra::LatticeView lattice = transform::lattice_of(grid);
+    const Layout layout = scan::layout_of(grid, Band::symmetric(c.half_width), SignRule::automatic);
+    const polyhedra::LatticeView lattice = scan::lattice_of(grid);
     Vec3 first{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         first[axis] = static_cast<double>(grid.first[axis]) * lattice.spacing_in_units[axis];

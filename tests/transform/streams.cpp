@@ -4,7 +4,7 @@
 
 #include "core/stopwatch.hpp"
 #include "device/context.hpp"
-#include "transform/slabs.hpp"
+#include "scan/slabs.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -239,7 +239,7 @@ device::Context::Capabilities processor(std::size_t largest_allocation) {
 
 std::vector<std::int64_t> stream_of(const Grid& grid, std::size_t largest_allocation = std::size_t{1} << 40) {
     std::vector<std::int64_t> slices;
-    for (const Grid& slab : transform::slabs_of(grid, transform::stream_limits_of(processor(largest_allocation))))
+    for (const Grid& slab : scan::slabs_of(grid, scan::stream_limits_of(processor(largest_allocation))))
         slices.push_back(slab.size[2]);
     return slices;
 }
@@ -274,9 +274,9 @@ BOOST_AUTO_TEST_CASE(are_divided_at_boundaries_until_they_are_one_layer_of_brick
             Grid grid = cube_of(9, first);
             grid.size[2] = size;
             const bool one_layer = (first + 800) / 8 == (first + size - 1 + 800) / 8;
-            BOOST_REQUIRE(transform::is_divisible(grid) == !one_layer);
+            BOOST_REQUIRE(scan::is_divisible(grid) == !one_layer);
             if (one_layer) continue;
-            const auto [lower, upper] = transform::halves_of(grid);
+            const auto [lower, upper] = scan::halves_of(grid);
             BOOST_TEST(lower.size[2] + upper.size[2] == size);
             BOOST_TEST(lower.first[2] == first);
             BOOST_TEST(upper.first[2] == first + lower.size[2]);
@@ -286,7 +286,7 @@ BOOST_AUTO_TEST_CASE(are_divided_at_boundaries_until_they_are_one_layer_of_brick
         }
     Grid grid = cube_of(9);
     grid.size[2] = 128;
-    BOOST_TEST(transform::halves_of(grid).first.size[2] == 64);
+    BOOST_TEST(scan::halves_of(grid).first.size[2] == 64);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -1,1 +1,0 @@
-target_sources(clsdf PRIVATE ${CMAKE_CURRENT_LIST_DIR}/outputs.cpp)

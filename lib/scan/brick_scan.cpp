@@ -1,0 +1,178 @@
+#include "scan/brick_scan.hpp"
+
+#include "core/per_output.hpp"
+#include "device/host_filling.hpp"
+#include "scan/brick_kernel.hpp"
+#include "scan/coarse_lists.hpp"
+#include "scan/layout_of.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace clsdf::scan {
+
+namespace {
+
+constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
+
+// On a processor. PoCL compiles a kernel anew for each size of a group: one size for nearly all grids, and another one
+// where so many slices would take too long.
+constexpr std::size_t slices_of_a_group = 32;
+
+/// The first marks of a part's bricks: 0 for those that overlap wanted blocks of the lattice.
+std::vector<cl_uchar> marks_of(const Layout& layout, std::span<const Grid> wanted) {
+    std::vector<cl_uchar> marks(brick_count(layout), CLSDF_UNWANTED_BRICK);
+    for (const Grid& block : wanted) {
+        const Layout of_block = bricks_of(block);
+        std::array<std::int32_t, 3> begin{}, end{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::int32_t first = of_block.brick_first[axis] - layout.brick_first[axis];
+            begin[axis] = std::max(first, 0);
+            end[axis] = std::min(first + of_block.bricks[axis], layout.bricks[axis]);
+        }
+        for (std::int32_t z = begin[2]; z < end[2]; ++z)
+            for (std::int32_t y = begin[1]; y < end[1]; ++y) {
+                const auto row = marks.begin() + (std::ptrdiff_t{z} * layout.bricks[1] + y) * layout.bricks[0];
+                if (begin[0] < end[0]) std::fill(row + begin[0], row + end[0], cl_uchar{0});
+            }
+    }
+    return marks;
+}
+
+class BrickScan final : public FieldScan {
+public:
+    BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+              const Layout& layout, const PreparedMesh& mesh, const RecordSelection& selection,
+              const std::shared_ptr<const SurfacePoints>& points, const cl::Buffer& sign_bits,
+              const Finishing* finishing, const BrickVariant& variant, std::span<const Grid> wanted,
+              const ShortLaunches& launches)
+        : layout_(layout),
+          // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
+          fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
+          fill_group_slices_(programs.body == KernelBody::by_group ? 1 : slices_of_a_group),
+          lists_(make_coarse_lists(context, programs, pool, layout, mesh, selection, points, launches)),
+          computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
+        if (!wanted.empty()) first_marks_ = device::copied(context, marks_of(layout, wanted));
+        const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_, finishing};
+        const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
+        bricks_ = make(context, programs, pool, inputs, variant);
+        fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
+        fill_kernel_.setArg(fill_layout, layout);
+        fill_kernel_.setArg(fill_computed, *computed_);
+        fill_kernel_.setArg(fill_sign_bits, sign_bits);
+        leave_kernel_ = cl::Kernel(programs.fill, "leave_empty_bricks");
+        leave_kernel_.setArg(leave_layout, layout);
+        leave_kernel_.setArg(leave_computed, *computed_);
+        const double slice = static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]);
+        const std::size_t most_slices = launches.most(seconds_per_filled_sample * slice);
+        if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
+        slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
+        // A GPU's driver chooses.
+        if (programs.body != KernelBody::by_group) fill_group_ = cl::NDRange(1, 1, fill_group_slices_);
+    }
+
+    std::size_t launch_count() const override { return bricks_->launch_count(); }
+    double fraction_before(std::size_t launch) const override { return bricks_->fraction_before(launch); }
+
+    void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) override {
+        if (first_marks_() == nullptr)
+            chain.then_fill(*computed_, brick_count(layout_));
+        else
+            chain.then([&](auto& queue, auto* wait, auto* event) {
+                queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, brick_count(layout_), wait, event);
+            });
+        bricks_->enqueue_reset(chain, outputs);
+        fill_kernel_.setArg(fill_distance, outputs.distance);
+        outputs_ = outputs;
+    }
+
+    void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
+
+    void enqueue_end(CommandChain& chain) override {
+        enqueue_slices(chain, fill_kernel_, fill_first_slice, slices_per_fill_);
+        for_each_extra(
+            [&](const OutputRow& row, const cl::Buffer& buffer) {
+                if (buffer() == nullptr) return;
+                leave_kernel_.setArg(leave_output, buffer);
+                const std::size_t bytes = row.sample_bytes((outputs_.in_double & row.bit) != 0);
+                leave_kernel_.setArg(leave_sample_bytes, static_cast<cl_int>(bytes));
+                enqueue_slices(chain, leave_kernel_, leave_first_slice,
+                               in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
+            },
+            outputs_);
+        outputs_ = {};
+    }
+
+    void describe(TransformStatistics& statistics) const override {
+        statistics.coarse_pairs = lists_.pairs;
+        statistics.coarse_bricks = lists_.order.size();
+        if (first_marks_() != nullptr) statistics.device_bytes += computed_.bytes();
+        statistics.device_bytes += bricks_->device_bytes() + lists_.caps.bytes() + lists_.starts.bytes() +
+                                   lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
+    }
+
+    void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {
+        const std::vector<std::size_t> counters = bricks_->read_counters(queue);
+        if (counters.empty()) return;
+        statistics.brick_pairs = counters[CLSDF_COUNT_BRICK_PAIRS];
+        statistics.lanes_evaluated = counters[CLSDF_COUNT_LANES];
+        statistics.samples_covered = counters[CLSDF_COUNT_COVERED];
+        statistics.band_samples = counters[CLSDF_COUNT_BAND];
+    }
+
+private:
+    enum FillArgument : cl_uint { fill_layout, fill_computed, fill_sign_bits, fill_distance, fill_first_slice };
+    enum LeaveArgument : cl_uint { leave_layout, leave_computed, leave_output, leave_sample_bytes, leave_first_slice };
+
+    /// All slices of the empty bricks, `most` a launch.
+    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint first_slice_argument, std::size_t most) const {
+        const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]),
+                   slices = static_cast<std::size_t>(layout_.size[2]);
+        for (std::size_t slice = 0; slice < slices; slice += most) {
+            kernel.setArg(first_slice_argument, static_cast<cl_int>(slice));
+            const cl::NDRange range(fill_pieces_, brick_rows, std::min(most, whole_groups(slices - slice)));
+            chain.then([&](auto& target, auto* wait, auto* event) {
+                target.enqueueNDRangeKernel(kernel, cl::NullRange, range, fill_group_, wait, event);
+            });
+        }
+    }
+
+    /// Whole groups of no more slices, but one at least.
+    std::size_t in_groups(std::size_t slices) const {
+        return std::max<std::size_t>(slices / fill_group_slices_, 1) * fill_group_slices_;
+    }
+
+    /// What a launch has work-items for; the kernel leaves out those beyond the last slice.
+    std::size_t whole_groups(std::size_t slices) const {
+        return (slices + fill_group_slices_ - 1) / fill_group_slices_ * fill_group_slices_;
+    }
+
+    Layout layout_;
+    std::size_t fill_pieces_;
+    std::size_t fill_group_slices_;
+    cl::NDRange fill_group_ = cl::NullRange;
+    CoarseLists lists_;
+    device::BufferPool::Lease computed_;
+    cl::Buffer first_marks_;  ///< of the bricks; null: all 0
+    std::unique_ptr<BrickKernel> bricks_;
+    cl::Kernel fill_kernel_;
+    cl::Kernel leave_kernel_;
+    OutputBuffers outputs_;  ///< of the computation that is being enqueued
+    std::size_t slices_per_fill_;
+};
+
+}  // namespace
+
+std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
+                                           const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                                           const PreparedMesh& mesh, const RecordSelection& selection,
+                                           const std::shared_ptr<const SurfacePoints>& points,
+                                           const cl::Buffer& sign_bits, const Finishing* finishing,
+                                           const BrickVariant& variant, std::span<const Grid> wanted,
+                                           const ShortLaunches& launches) {
+    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, selection, points, sign_bits, finishing,
+                                       variant, wanted, launches);
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,310 @@
+#include "scan/coarse_lists.hpp"
+
+#include "coarse.h"
+#include "core/keep.hpp"
+#include "scan/commands.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/prefix_sums.hpp"
+#include "scan/programs.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+#include <numeric>
+
+namespace clsdf::scan {
+
+namespace {
+
+// Measured on a core, and rounded up.
+constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
+constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
+constexpr double seconds_per_touch = 5e-8;
+
+std::size_t coarse_group_count(const Layout& layout) {
+    std::size_t count = 1;
+    for (int axis = 0; axis < 3; ++axis) count *= static_cast<std::size_t>(coarse_groups(layout, axis));
+    return count;
+}
+
+/// Touches of a cluster of polyhedra and a coarse brick that there is room for at first, for each polyhedron on average
+/// (measured, and rounded up). Where there are more, they are found twice.
+std::size_t expected_touches(const Layout& layout, std::size_t lanes) {
+    const std::size_t narrow = lanes == 8 ? 3 : 2;
+    return has_uniform_caps(layout) ? narrow : narrow * 5 / 2;
+}
+
+/// Of a cluster's tests against groups of coarse bricks, triangles being small as a rule.
+double seconds_of_a_cluster(const Layout& layout) {
+    double groups = 1;
+    for (const std::int32_t bricks : layout.coarse_bricks)
+        groups *= std::min(bricks / 4.0 + 1, 2.0 * static_cast<double>(layout.half_width) / (4.0 * CLSDF_COARSE) + 1.5);
+    return groups * seconds_per_cluster;
+}
+
+enum CapsArgument : cl_uint { caps_layout, caps_count, caps_points, caps_caps, caps_first };
+
+device::BufferPool::Lease find_caps(const ListJob& job, const SurfacePoints* surface_points) {
+    const std::size_t groups = coarse_group_count(job.layout), bricks = groups * CLSDF_COARSE_GROUP;
+    auto caps = job.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
+    if (surface_points == nullptr) {
+        job.queue().enqueueFillBuffer(*caps, job.layout.half_width, 0, bricks * sizeof(float));
+        return caps;
+    }
+    const std::size_t count = surface_points->size();
+    const auto points = job.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
+    job.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), surface_points->data());
+
+    cl::Kernel kernel(job.programs.coarse_lists, "coarse_caps");
+    kernel.setArg(caps_layout, job.layout);
+    kernel.setArg(caps_count, static_cast<cl_uint>(count));
+    kernel.setArg(caps_points, *points);
+    kernel.setArg(caps_caps, *caps);
+    const double seconds = seconds_per_point * static_cast<double>(count);
+    // PoCL compiles a kernel anew for each size of a group: one size for all grids.
+    const cl::NDRange alone = job.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
+    job.launches.over(groups * CLSDF_COARSE_COLUMNS / job.programs.lanes, seconds,
+                      [&](std::size_t begin, std::size_t end) {
+                          kernel.setArg(caps_first, static_cast<cl_uint>(begin));
+                          job.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
+                      });
+    return caps;
+}
+
+/// The launches that make the lists of the vector body.
+class ListsByVector {
+public:
+    explicit ListsByVector(const ListJob& job)
+        : job_(job),
+          bricks_(coarse_brick_count(job.layout)),
+          parts_(job.programs.parallel_parts(job.context, bricks_)),
+          counters_(bricks_ * parts_),
+          histograms_(job.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
+          touch_counts_(job.pool->lease(parts_ * sizeof(cl_uint), touches_purpose)),
+          touch_starts_(job.pool->lease((parts_ + 1) * sizeof(cl_uint), touches_purpose)),
+          touches_found_(parts_),
+          starts_(counters_ + 1) {}
+
+    ListsByVector(const ListsByVector&) = delete;
+    ListsByVector& operator=(const ListsByVector&) = delete;
+    ~ListsByVector() {
+        // After an error: what is under way reads and writes what lies here.
+        if (room_starts_.empty() || job_.context.drain()) return;
+        for (std::vector<cl_uint>* used : {&room_starts_, &touches_found_, &starts_}) keep_for_good(*used);
+    }
+
+    /// Where each brick's list begins, and behind the last one, the end of all.
+    std::vector<cl_uint> make(CoarseLists& lists) {
+        lists.parts = parts_;
+        lists.starts = job_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        lists.passes = find_touches(*lists.caps, *lists.starts);
+        lists.pairs = starts_.back();
+        lists.entries = job_.pool->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        write_entries(*lists.starts, *lists.entries);
+        std::vector<cl_uint> list_starts(bricks_ + 1);
+        for (std::size_t brick = 0; brick <= bricks_; ++brick) list_starts[brick] = starts_[brick * parts_];
+        return list_starts;
+    }
+
+private:
+    static constexpr const char* touches_purpose = "touches of the coarse lists";
+    static constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
+
+    enum CountArgument : cl_uint {
+        count_layout,
+        count_count,
+        count_clusters,
+        count_polyhedra,
+        count_has_groups,
+        count_groups,
+        count_caps,
+        count_uniform_caps,
+        count_touch_starts,
+        count_touches,
+        count_touch_counts,
+        count_histograms,
+        count_counts,
+        count_step,
+        count_steps
+    };
+    enum FillArgument : cl_uint {
+        fill_layout,
+        fill_touch_starts,
+        fill_touches,
+        fill_touch_counts,
+        fill_starts,
+        fill_histograms,
+        fill_entries,
+        fill_step,
+        fill_steps
+    };
+
+    /// Counts the entries, where those of each coarse brick and part start, and keeps what touches what; returns how
+    /// many passes that took.
+    std::size_t find_touches(const cl::Buffer& caps, const cl::Buffer& starts) {
+        const auto counts = job_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
+        const bool has_groups = job_.selection.groups() != nullptr;
+        const std::size_t records =
+            has_groups ? job_.selection.group_count * polyhedra::record_group : job_.records.record_count;
+        const std::size_t clusters = (records + job_.programs.lanes - 1) / job_.programs.lanes;
+        cl::Kernel kernel(job_.programs.coarse_lists, "coarse_count");
+        kernel.setArg(count_layout, job_.layout);
+        kernel.setArg(count_count, static_cast<cl_uint>(job_.records.record_count));
+        kernel.setArg(count_clusters, static_cast<cl_uint>(clusters));
+        kernel.setArg(count_polyhedra, *job_.records.polyhedra);
+        kernel.setArg(count_has_groups, cl_int{has_groups ? 1 : 0});
+        kernel.setArg(count_groups, has_groups ? job_.selection.groups : *job_.records.polyhedra);
+        kernel.setArg(count_caps, caps);
+        kernel.setArg(count_uniform_caps, cl_int{has_uniform_caps(job_.layout) ? 1 : 0});
+        kernel.setArg(count_touch_counts, *touch_counts_);
+        kernel.setArg(count_histograms, *histograms_);
+        kernel.setArg(count_counts, *counts);
+        const double seconds = seconds_of_a_cluster(job_.layout) * static_cast<double>(clusters);
+        const std::size_t expected = std::min(expected_touches(job_.layout, job_.programs.lanes) * records,
+                                              job_.context.capabilities().largest_allocation / sizeof(Touch) / 2);
+        // The first room is a guess. Where there is no memory for it, touches are only counted at first.
+        std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
+        if (auto guess = job_.pool->lease_if_it_fits(bytes_of(room), touches_purpose))
+            touches_ = std::move(*guess);
+        else
+            make_room(room = std::vector<cl_uint>(parts_));
+        std::size_t passes = 1;
+        for (;; ++passes) {
+            place_parts(room);
+            kernel.setArg(count_touch_starts, *touch_starts_);
+            kernel.setArg(count_touches, *touches_);
+            launch(kernel, count_step, count_steps, seconds);
+            // All that the host waits for at once: to wake it takes as long as a small kernel.
+            PrefixSums sums(job_.context, job_.programs, job_.pool, *counts, starts, counters_,
+                            "pairs of a triangle and a coarse brick");
+            std::vector<cl::Event> read(2);
+            {
+                CommandGate gate(job_.context);
+                sums.enqueue();
+                job_.queue().enqueueReadBuffer(*touch_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
+                                               touches_found_.data(), nullptr, &read[0]);
+                job_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(),
+                                               nullptr, &read[1]);
+                gate.open();
+            }
+            cl::Event::waitForEvents(read);
+            if (std::equal(touches_found_.begin(), touches_found_.end(), room.begin(), std::less_equal<>())) {
+                sums.total();  // throws where the starts do not hold it
+                break;
+            }
+            make_room(room = touches_found_);
+        }
+        room_starts_.clear();
+        touch_count_ = std::accumulate(touches_found_.begin(), touches_found_.end(), std::size_t{0});
+        return passes;
+    }
+
+    static std::size_t bytes_of(const std::vector<cl_uint>& touches_of_parts) {
+        return sizeof(Touch) * std::accumulate(touches_of_parts.begin(), touches_of_parts.end(), std::size_t{0});
+    }
+
+    /// For so many touches of each part.
+    void make_room(const std::vector<cl_uint>& touches_of_parts) {
+        touches_ = {};  // the smaller one goes back first
+        touches_ = job_.pool->lease(bytes_of(touches_of_parts), touches_purpose);
+    }
+
+    /// Where the room for each part's touches begins. Not waited for: what they make room for is.
+    void place_parts(const std::vector<cl_uint>& touches_of_parts) {
+        room_starts_.assign(parts_ + 1, 0);
+        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), room_starts_.begin() + 1);
+        job_.queue().enqueueWriteBuffer(*touch_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
+                                        room_starts_.data());
+    }
+
+    void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
+        cl::Kernel kernel(job_.programs.coarse_lists, "coarse_fill");
+        kernel.setArg(fill_layout, job_.layout);
+        kernel.setArg(fill_touch_starts, *touch_starts_);
+        kernel.setArg(fill_touches, *touches_);
+        kernel.setArg(fill_touch_counts, *touch_counts_);
+        kernel.setArg(fill_starts, starts);
+        kernel.setArg(fill_histograms, *histograms_);
+        kernel.setArg(fill_entries, entries);
+        launch(kernel, fill_step, fill_steps, seconds_per_touch * static_cast<double>(touch_count_));
+    }
+
+    /// All parts, in steps, that take a core so many seconds together.
+    void launch(cl::Kernel& kernel, cl_uint step_argument, cl_uint steps_argument, double core_seconds) const {
+        const std::size_t steps = job_.launches.steps(core_seconds);
+        kernel.setArg(steps_argument, static_cast<cl_uint>(steps));
+        job_.launches.one_by_one(steps, [&](std::size_t step) {
+            kernel.setArg(step_argument, static_cast<cl_uint>(step));
+            job_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(parts_),
+                                              cl::NDRange(job_.programs.part_group()));
+        });
+    }
+
+    const ListJob& job_;
+    std::size_t bricks_;
+    std::size_t parts_;
+    std::size_t counters_;  ///< one a brick and part
+    device::BufferPool::Lease histograms_;
+    device::BufferPool::Lease touch_counts_;
+    device::BufferPool::Lease touch_starts_;  ///< where the room for each part's touches begins
+    std::vector<cl_uint> room_starts_;        ///< the same here
+    std::vector<cl_uint> touches_found_;      ///< of each part
+    std::vector<cl_uint> starts_;             ///< of the lists, here
+    device::BufferPool::Lease touches_;
+    std::size_t touch_count_ = 0;
+};
+
+/// The long lists first, so that cores end together; among those of like length neighbours follow each other, because
+/// they share polyhedra.
+void order_by_length(CoarseLists& lists, const std::vector<cl_uint>& starts) {
+    const auto length = [&](cl_uint brick) { return starts[std::size_t{brick} + 1] - starts[brick]; };
+    for (cl_uint brick = 0; brick + 1 < starts.size(); ++brick)
+        if (length(brick) > 0) lists.order.push_back(brick);
+    std::stable_sort(lists.order.begin(), lists.order.end(),
+                     [&](cl_uint a, cl_uint b) { return std::bit_width(length(a)) > std::bit_width(length(b)); });
+    lists.lengths.reserve(lists.order.size());
+    for (const cl_uint brick : lists.order) lists.lengths.push_back(length(brick));
+}
+
+/// Keeps the points that the device reads where the host has them if the driver cannot tell that it has ended.
+class PointsInUse {
+public:
+    PointsInUse(const device::Context& context, std::shared_ptr<const SurfacePoints> points)
+        : context_(context), points_(std::move(points)) {}
+    PointsInUse(const PointsInUse&) = delete;
+    PointsInUse& operator=(const PointsInUse&) = delete;
+    ~PointsInUse() {
+        if (points_ && !context_.drain()) keep_for_good(points_);
+    }
+    void release() { points_.reset(); }
+
+private:
+    const device::Context& context_;
+    std::shared_ptr<const SurfacePoints> points_;
+};
+
+}  // namespace
+
+bool has_uniform_caps(const Layout& layout) {
+    return layout.half_width <= 2 * layout.coarse_radius;
+}
+
+CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
+                              const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                              const PreparedMesh& records, const RecordSelection& selection,
+                              const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches) {
+    return device::guarded([&] {
+        const ListJob job{context, programs, pool, layout, records, selection, launches};
+        PointsInUse in_use(context, points);
+        CoarseLists lists;
+        lists.caps = find_caps(job, points.get());
+        order_by_length(lists, programs.body == KernelBody::by_group
+                                   ? make_lists_by_group(job, seconds_of_a_cluster(layout), lists)
+                                   : ListsByVector(job).make(lists));
+        context.queue().flush();
+        in_use.release();  // lists that are known follow the bounds
+        return lists;
+    });
+}
+
+}  // namespace clsdf::scan

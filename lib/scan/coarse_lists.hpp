@@ -1,0 +1,57 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "layout.h"
+#include "scan/prepared_mesh.hpp"
+#include "scan/short_launches.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace clsdf::scan {
+
+struct Programs;
+
+/// Which polyhedra touch which coarse bricks, on the device.
+struct CoarseLists {
+    device::BufferPool::Lease caps;     ///< float a coarse brick, by groups of 4 x 4 x 4 of the lattice: bound of its
+                                        ///< samples' distance
+    device::BufferPool::Lease starts;   ///< `parts` values a coarse brick: where its entries begin
+    device::BufferPool::Lease entries;  ///< numbers of polyhedra, ascending in each brick
+    std::size_t parts = 1;
+    std::size_t pairs = 0;
+    std::size_t passes = 0;  ///< over the polyhedra, to find them: two where there was no room for them at first
+
+    /// Coarse bricks with a list, the longest first, and the lists' lengths.
+    std::vector<cl_uint> order;
+    std::vector<cl_uint> lengths;
+};
+
+/// The inputs of the lists, for either body. It refers to the caller's objects, which must outlive it.
+struct ListJob {
+    device::Context& context;
+    const Programs& programs;
+    const std::shared_ptr<device::BufferPool>& pool;
+    const Layout& layout;
+    const PreparedMesh& records;
+    const RecordSelection& selection;
+    const ShortLaunches& launches;
+
+    const cl::CommandQueue& queue() const { return context.queue(); }
+};
+
+/// The lists of the group body, whose bounds are known. Returns where each brick's list begins, and behind the last one
+/// the end of all. `seconds`: of a core, for a polyhedron.
+std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, CoarseLists& lists);
+
+/// Whether all coarse bricks are bounded by the half width alone: in a narrow band hardly any bound of their own is
+/// below it.
+bool has_uniform_caps(const Layout& layout);
+
+/// `points`, `selection`: as in Inputs.
+CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
+                              const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
+                              const PreparedMesh& records, const RecordSelection& selection,
+                              const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches);
+
+}  // namespace clsdf::scan

@@ -1,0 +1,164 @@
+#include "coarse.h"
+#include "core/keep.hpp"
+#include "scan/coarse_lists.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/prefix_sums.hpp"
+#include "scan/programs.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace clsdf::scan {
+
+namespace {
+
+// Of a core, rounded up.
+constexpr double seconds_per_pair = 5e-8;
+constexpr double seconds_per_comparison = 2e-9;
+
+/// Pairs that there is room for at first, those left over included, for each polyhedron on average. If there are
+/// more, they are found twice.
+std::size_t expected_pairs(const Layout& layout) {
+    constexpr std::size_t narrow = 14;
+    return has_uniform_caps(layout) ? narrow : narrow * 5 / 2;
+}
+
+/// The launches that make the lists of the group body. Polyhedra that follow each other form segments; a list is made
+/// of its entries of each segment.
+class ListsByGroup {
+public:
+    ListsByGroup(const ListJob& job, double seconds)
+        : job_(job),
+          seconds_(seconds),
+          bricks_(coarse_brick_count(job.layout)),
+          per_segment_(polyhedra_of_a_segment(job.records.record_count, bricks_)),
+          segments_(job.records.record_count / per_segment_ + 1),
+          counts_(job.pool->lease(bricks_ * segments_ * sizeof(cl_uint), "counts of the coarse lists")),
+          taken_(job.pool->lease(sizeof(cl_uint), pairs_purpose)),
+          device_starts_(job.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
+          pair_kernel_(job.programs.coarse_lists, "coarse_pairs"),
+          found_(bricks_ + 2) {}
+
+    ListsByGroup(const ListsByGroup&) = delete;
+    ListsByGroup& operator=(const ListsByGroup&) = delete;
+    ~ListsByGroup() {
+        // After an error: what is under way writes here.
+        if (is_under_way_ && !job_.context.drain()) keep_for_good(found_);
+    }
+
+    /// Where each brick's list begins, and behind the last one, the end of all.
+    std::vector<cl_uint> make(CoarseLists& lists) {
+        lists.parts = segments_;
+        lists.starts = job_.pool->lease((bricks_ * segments_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        const std::size_t most = std::min<std::size_t>(
+            job_.context.capabilities().largest_allocation / sizeof(CoarsePair), std::numeric_limits<cl_uint>::max());
+        // The first room is a guess. If there is no memory for it, pairs are only counted at first.
+        std::size_t capacity = std::min(expected_pairs(job_.layout) * job_.records.record_count, most);
+        if (auto guess = job_.pool->lease_if_it_fits(capacity * sizeof(CoarsePair), pairs_purpose))
+            pairs_ = std::move(*guess);
+        else
+            pairs_ = job_.pool->lease(capacity = 0, pairs_purpose);
+        for (lists.passes = 1;; ++lists.passes) {
+            find_pairs(lists, capacity);
+            if (found_.back() <= capacity) break;
+            capacity = found_.back();
+            pairs_ = {};  // the smaller one goes back first
+            pairs_ = job_.pool->lease(capacity * sizeof(CoarsePair), pairs_purpose);
+        }
+        write_entries(lists, found_.back());
+        found_.pop_back();
+        return std::move(found_);
+    }
+
+private:
+    static constexpr const char* pairs_purpose = "pairs of the coarse lists";
+
+    /// Few, because each pair of a segment is compared with the segment's others of the same brick; but more if there
+    /// would be too many counters.
+    static std::size_t polyhedra_of_a_segment(std::size_t polyhedra, std::size_t bricks) {
+        constexpr std::size_t fewest = 256, most_counters = std::size_t{1} << 22;
+        const std::size_t most_segments = std::max<std::size_t>(most_counters / bricks, 1);
+        return std::max(fewest, (polyhedra + most_segments - 1) / most_segments);
+    }
+
+    /// Finds the pairs, and waits for their number and the lists' starts.
+    void find_pairs(CoarseLists& lists, std::size_t capacity) {
+        is_under_way_ = true;
+        const cl::CommandQueue& queue = job_.queue();
+        const std::size_t counters = bricks_ * segments_;
+        queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
+        queue.enqueueFillBuffer(*taken_, cl_uint{0}, 0, sizeof(cl_uint));
+        set_arguments(pair_kernel_, 0, job_.layout, cl_uint{0}, cl_uint{0}, *job_.records.polyhedra, *lists.caps,
+                      cl_int{has_uniform_caps(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
+                      static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
+        launch(pair_kernel_, 1, job_.records.record_count, seconds_);
+        PrefixSums sums(job_.context, job_.programs, job_.pool, *counts_, *lists.starts, counters,
+                        "pairs of a triangle and a coarse brick");
+        sums.enqueue();
+        cl::Kernel gather(job_.programs.coarse_lists, "coarse_list_starts");
+        set_arguments(gather, 0, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_), *lists.starts,
+                      *device_starts_);
+        queue.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(in_whole_groups(bricks_ + 1)),
+                                   cl::NDRange(common_group));
+        queue.enqueueReadBuffer(*device_starts_, CL_FALSE, 0, (bricks_ + 1) * sizeof(cl_uint), found_.data());
+        cl::Event read;
+        queue.enqueueReadBuffer(*taken_, CL_FALSE, 0, sizeof(cl_uint), &found_.back(), nullptr, &read);
+        read.wait();
+        is_under_way_ = false;
+        // The counter of pairs has 32 bits and wraps; the scan's total shows it.
+        lists.pairs = sums.total();
+        if (lists.pairs > found_.back())
+            throw Error(ErrorCode::out_of_memory,
+                        "lists of pairs of a triangle and a coarse brick are more than 2^32; compute a smaller part of "
+                        "the grid at a time, or a narrower band");
+    }
+
+    void write_entries(CoarseLists& lists, std::size_t taken) {
+        const auto scattered = job_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
+        lists.entries = job_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
+        cl::Kernel scatter(job_.programs.coarse_lists, "coarse_scatter"),
+            sort(job_.programs.coarse_lists, "coarse_sort");
+        for (cl::Kernel* kernel : {&scatter, &sort})
+            set_arguments(*kernel, 2, *pairs_, static_cast<cl_uint>(per_segment_), static_cast<cl_uint>(segments_),
+                          *lists.starts, *scattered);
+        sort.setArg(7, *lists.entries);
+        launch(scatter, 0, taken, seconds_per_pair);
+        launch(sort, 0, taken, seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_));
+    }
+
+    /// kernel(..., begin, end, ...) for [0, items), one a work-item.
+    void launch(cl::Kernel& kernel, cl_uint begin_argument, std::size_t items, double seconds) const {
+        job_.launches.over(items, seconds, [&](std::size_t begin, std::size_t end) {
+            kernel.setArg(begin_argument, static_cast<cl_uint>(begin));
+            kernel.setArg(begin_argument + 1, static_cast<cl_uint>(end));
+            job_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
+                                              cl::NDRange(common_group));
+        });
+    }
+
+    template <class... Arguments>
+    static void set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arguments) {
+        (kernel.setArg(first++, arguments), ...);
+    }
+
+    const ListJob& job_;
+    double seconds_;  ///< of a polyhedron, on a core
+    std::size_t bricks_;
+    std::size_t per_segment_;  ///< polyhedra
+    std::size_t segments_;
+    device::BufferPool::Lease counts_;  ///< one a brick and segment
+    device::BufferPool::Lease taken_;   ///< of the pairs' room
+    device::BufferPool::Lease device_starts_;
+    cl::Kernel pair_kernel_;
+    device::BufferPool::Lease pairs_;
+    std::vector<cl_uint> found_;  ///< where the lists begin and end, and of the pairs' room what was taken
+    bool is_under_way_ = false;
+};
+
+}  // namespace
+
+std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, CoarseLists& lists) {
+    return ListsByGroup(job, seconds).make(lists);
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "device/context.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace clsdf::scan {
+
+/// Commands of which each waits for the one before: the caller's queue may be out of order.
+class CommandChain {
+public:
+    CommandChain(cl::CommandQueue queue, std::vector<cl::Event> wait_list)
+        : queue_(std::move(queue)), previous_(std::move(wait_list)) {}
+
+    /// enqueue_command(queue, wait list or null, event)
+    template <class Enqueue>
+    void then(Enqueue&& enqueue_command) {
+        cl::Event event;
+        enqueue_command(queue_, previous_.empty() ? nullptr : &previous_, &event);
+        previous_.assign(1, event);
+        has_begun_ = true;
+    }
+
+    void then_fill(const cl::Buffer& buffer, std::size_t bytes) {
+        if (bytes == 0) return;
+        then([&](auto& queue, auto* wait, auto* event) {
+            queue.enqueueFillBuffer(buffer, cl_uchar{0}, 0, bytes, wait, event);
+        });
+    }
+
+    /// Blocks until all commands so far have ended.
+    void wait() const {
+        if (!previous_.empty()) cl::Event::waitForEvents(previous_);
+    }
+
+    /// Whether there is a command, so that there is a last one.
+    bool has_begun() const { return has_begun_; }
+    const cl::Event& last() const { return previous_.front(); }
+    const cl::CommandQueue& queue() const { return queue_; }
+
+private:
+    cl::CommandQueue queue_;
+    std::vector<cl::Event> previous_;
+    bool has_begun_ = false;
+};
+
+/// On a processor, commands that are enqueued until it is opened start together then. Nothing but enqueuing may be
+/// done meanwhile: what waited for the queue would wait for ever. (PoCL's threads start with the first command, and
+/// take the core that would enqueue the others. Measured on two cores: up to 60 us for each of them.)
+class CommandGate {
+public:
+    explicit CommandGate(const device::Context& context) : context_(context) {
+        if (!context.capabilities().is_processor) return;
+        gate_.emplace(context.context());
+        const std::vector<cl::Event> gate{*gate_};
+        context.queue().enqueueBarrierWithWaitList(&gate);
+    }
+    CommandGate(const CommandGate&) = delete;
+    CommandGate& operator=(const CommandGate&) = delete;
+    ~CommandGate() {
+        try {
+            open();
+        } catch (const cl::Error&) {
+            // On the way out after another error.
+        }
+    }
+
+    /// The commands start. Throws cl::Error.
+    void open() {
+        if (!gate_) return;
+        const cl::UserEvent gate = *std::exchange(gate_, std::nullopt);
+        const cl_int code = clSetUserEventStatus(gate(), CL_COMPLETE);
+        if (code == CL_SUCCESS) return;
+        // Again, or all that waits for the queue would wait for ever.
+        if (clSetUserEventStatus(gate(), CL_COMPLETE) != CL_SUCCESS) context_.give_up();
+        throw cl::Error(code, "clSetUserEventStatus");
+    }
+
+private:
+    const device::Context& context_;
+    std::optional<cl::UserEvent> gate_;
+};
+
+}  // namespace clsdf::scan

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "scan/commands.hpp"
+#include "scan/finishing.hpp"
+
+namespace clsdf::scan {
+
+/// Computes every sample of a plan's part, in launches of bounded length: by bricks, or as another method does.
+class FieldScan {
+public:
+    virtual ~FieldScan() = default;
+
+    virtual std::size_t launch_count() const = 0;
+    /// The share of the work that lies before a launch.
+    virtual double fraction_before(std::size_t launch) const = 0;
+
+    /// What precedes the first launch, with the outputs of this call.
+    virtual void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) = 0;
+    virtual void enqueue_launch(CommandChain& chain, std::size_t launch) = 0;
+    /// What follows the last launch.
+    virtual void enqueue_end(CommandChain& chain) = 0;
+
+    /// What the set-up found, and the device memory it holds.
+    virtual void describe(TransformStatistics& statistics) const = 0;
+    /// The counters of the last computation, where it was asked for; blocks.
+    virtual void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const = 0;
+};
+
+}  // namespace clsdf::scan

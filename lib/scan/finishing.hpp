@@ -1,0 +1,61 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
+
+#include "device/buffer_pool.hpp"
+#include "layout.h"
+#include "outputs.h"
+#include "polyhedra/frames.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace clsdf::scan {
+
+namespace detail {
+template <typename>
+using BufferOf = cl::Buffer;
+}
+
+/// Where the outputs of a computation go on the device; null if one is not asked for.
+struct OutputBuffers : PerOutput<detail::BufferOf> {
+    std::uint32_t in_double = 0;  ///< bits of OutputRow: the elements are doubles
+};
+
+/// The names of a mesh's sites on the device, and their pseudonormals if the gradient is asked for
+/// (polyhedra/sites.hpp).
+struct DeviceSites {
+    device::BufferPool::Lease triangles;
+    device::BufferPool::Lease normals;
+    bool encloses_negative_volume = false;  ///< known with the normals
+    std::size_t renumbered = 0;             ///< triangles of a part of a mesh, whose numbers in the whole follow
+
+    std::size_t bytes() const { return triangles.bytes() + normals.bytes(); }
+};
+
+/// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
+DeviceSites upload_sites(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
+                         bool with_normals, std::span<const std::uint32_t> numbers = {});
+
+/// What the brick kernels are given to finish the samples of a grid with (kernels/finish.h).
+class Finishing {
+public:
+    /// is_inside_out: the mesh is, and the field has a sign.
+    Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
+
+    /// Of points in units of a lattice.
+    Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
+
+    /// The arguments of the macro FINISHING_PARAMETERS.
+    static constexpr cl_uint argument_count = 3 + CLSDF_OUTPUT_COUNT;
+    void set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const;
+
+private:
+    Finish finish_{};
+    std::shared_ptr<const DeviceSites> sites_;
+};
+
+}  // namespace clsdf::scan

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/topology.hpp>
+
+#include "layout.h"
+#include "polyhedra/records.hpp"
+
+#include <cstddef>
+
+namespace clsdf::scan {
+
+/// Where the bricks of a part of a lattice lie, and the band in units, as the kernels want them. Nothing but first,
+/// size and the ranges of bricks depends on the part. Throws Error(invalid_argument) where a number is out of the
+/// kernels' range.
+Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
+
+/// Of such a layout where the samples, bricks and coarse bricks lie alone.
+Layout bricks_of(const Grid& grid);
+
+/// How polyhedra see the lattice.
+polyhedra::LatticeView lattice_of(const Grid& grid);
+
+/// The half width, in units, that the polyhedra are made for, and their slack. Frusta for an infinite band hold for
+/// every finite cap, because the slack of a test grows with its cap.
+struct PolyhedronWidths {
+    double half_width;
+    double slack;
+};
+PolyhedronWidths polyhedron_widths(const Layout& layout);
+PolyhedronWidths polyhedron_widths(double half_width);
+
+/// Whether the spacing is so unequal that float offsets within a brick are too coarse for the accuracy.
+bool has_long_bricks(const Grid& grid);
+
+std::size_t brick_count(const Layout& layout);
+std::size_t coarse_brick_count(const Layout& layout);
+/// Device memory that the sign takes for each slice of a grid.
+std::size_t sign_bytes_of_slice(const Grid& grid);
+/// Rows of sign bits: every row of samples of the part's bricks.
+std::size_t sign_row_count(const Layout& layout);
+
+}  // namespace clsdf::scan

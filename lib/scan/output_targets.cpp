@@ -1,0 +1,330 @@
+#include "scan/output_targets.hpp"
+
+#include "core/parallel.hpp"
+#include "core/per_output.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace clsdf::scan {
+
+namespace {
+
+using Element = OutputTarget::Element;
+
+const char* name_of(Element element) {
+    switch (element) {
+        case Element::float32:
+            return "float";
+        case Element::float64:
+            return "double";
+        case Element::uint32:
+            return "uint32";
+        case Element::uint8:
+            return "uint8";
+        default:
+            return "another type";
+    }
+}
+
+/// Those of PerOutput.
+template <typename Value>
+constexpr Element natural_element() {
+    return std::is_same_v<Value, float>           ? Element::float32
+           : std::is_same_v<Value, double>        ? Element::float64
+           : std::is_same_v<Value, std::uint32_t> ? Element::uint32
+                                                  : Element::uint8;
+}
+
+template <typename Value>
+struct ElementOf {
+    Element element = natural_element<Value>();
+};
+
+Error misuse(const std::string& what) {
+    return {ErrorCode::invalid_argument, what};
+}
+
+/// Sets the element of a target, and throws if there is no way to such elements.
+void resolve_element(const OutputRow& row, Element natural, OutputTarget& target) {
+    if (target.element == Element::automatic) target.element = natural;
+    const bool is_offset = natural == Element::float64 && target.element == Element::float32;
+    if (target.element == natural || is_offset) return;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("the output {} cannot be written as {}; give it memory for elements of type {}{}", row.name,
+                            name_of(target.element), name_of(natural),
+                            natural == Element::float64 ? ", or float for offsets from the sample" : ""));
+}
+
+std::ptrdiff_t width_of(Element element) {
+    return element == Element::float64 ? 8 : element == Element::uint8 ? 1 : 4;
+}
+
+bool is_in_double(const OutputTarget& target) {
+    return target.element == Element::float64;
+}
+
+/// Bytes of the samples, which lie side by side.
+std::size_t packed_bytes(const OutputRow& row, const OutputTarget& target, const Grid& grid) {
+    return grid.sample_count() * row.sample_bytes(is_in_double(target));
+}
+
+std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const Grid& grid) {
+    return {sample_bytes, sample_bytes * grid.size[0], sample_bytes * grid.size[0] * grid.size[1]};
+}
+
+/// Sets the strides that are left open; whether the target is packed.
+bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& target) {
+    const std::ptrdiff_t width = width_of(target.element);
+    const bool has_strides = std::any_of(target.strides.begin(), target.strides.end(), [](auto s) { return s != 0; });
+    const auto packed = packed_strides(static_cast<std::ptrdiff_t>(row.sample_bytes(is_in_double(target))), grid);
+    if (!has_strides) target.strides = packed;
+    if (target.component_stride == 0) target.component_stride = width;
+    return target.strides == packed && (row.components == 1 || target.component_stride == width);
+}
+
+/// Throws if a target's samples do not lie within `bytes` bytes, or not where its elements can.
+void check_reach(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
+    const std::ptrdiff_t width = width_of(target.element);
+    // In double, which no sum of such products overflows.
+    double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
+    const auto extend = [&](std::ptrdiff_t stride, double steps) {
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * steps;
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
+    extend(target.component_stride, static_cast<double>(row.components - 1));
+    if (lowest < 0 || highest > static_cast<double>(bytes))
+        throw misuse(
+            fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
+                        "strides, and its memory holds {}",
+                        row.name, lowest, highest, bytes));
+    const auto is_whole = [&](std::ptrdiff_t length) { return length % width == 0; };
+    if (!is_whole(static_cast<std::ptrdiff_t>(target.offset)) || !is_whole(target.component_stride) ||
+        !std::all_of(target.strides.begin(), target.strides.end(), is_whole))
+        throw misuse(
+            fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
+                        "elements' {} bytes",
+                        row.name, width));
+}
+
+void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner, const OutputTarget& target,
+                       bool is_packed) {
+    if (target.device != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the target of the output {} is memory of the device, and this call writes to the "
+                                "host's; give all targets memory of the host, or all memory of the device",
+                                row.name));
+    const std::ptrdiff_t width = width_of(target.element);
+    if (is_packed && target.offset == 0) {
+        if (target.bytes == packed_bytes(row, target, grid)) return;
+        throw misuse(fmt::format("{}, and the array given for the output {} holds {} values of {}",
+                                 fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
+                                 target.bytes / static_cast<std::size_t>(width),
+                                 static_cast<std::size_t>(grid.sample_count()) * row.components));
+    }
+    check_reach(row, grid, target, target.bytes);
+}
+
+void require_distance(const OutputTargets& targets) {
+    if (!targets.distance.is_given())
+        throw misuse("the distance has no target; give it memory, whatever else is asked for");
+}
+
+}  // namespace
+
+Outputs outputs_of(const OutputTargets& targets) {
+    Outputs outputs;
+    for_each_extra([](const OutputRow&, const OutputTarget& target, bool& wanted) { wanted = target.is_given(); },
+                   targets, outputs);
+    return outputs;
+}
+
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid)
+    : HostTargets(targets, grid, "the grid has {} samples") {}
+
+HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner)
+    : targets_(targets), grid_(grid) {
+    require_distance(targets);
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array) {
+            if (!target.is_given()) return;
+            resolve_element(row, natural.element, target);
+            const bool is_packed = resolve_strides(row, grid, target);
+            check_host_memory(row, grid, owner, target, is_packed);
+            are_packed_ = are_packed_ && is_packed;
+            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
+        },
+        targets_, elements, arrays_);
+}
+
+HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t count) {
+    Grid row;
+    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    return {targets, row, "there are {} points"};
+}
+
+void HostTargets::store(const Grid& slab, const HostArrays& values) const {
+    // The samples that both have, by their numbers on the lattice.
+    Index3 begin{}, count{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        begin[axis] = std::max(slab.first[axis], grid_.first[axis]);
+        count[axis] = std::min(slab.first[axis] + slab.size[axis], grid_.first[axis] + grid_.size[axis]) - begin[axis];
+        if (count[axis] <= 0) return;
+    }
+    const auto width = static_cast<std::size_t>(count[0]), rows_of_slice = static_cast<std::size_t>(count[1]);
+    for_each_output(
+        [&](const OutputRow& row, const OutputTarget& target, const HostArray& array) {
+            if (!target.is_given()) return;
+            const auto element = static_cast<std::size_t>(width_of(target.element));
+            const std::size_t sample = element * row.components;
+            const bool is_row_packed = target.strides[0] == static_cast<std::ptrdiff_t>(sample) &&
+                                       (row.components == 1 || target.component_stride == width_of(target.element));
+            std::byte* const first = static_cast<std::byte*>(target.host) + target.offset;
+            for_each_index(rows_of_slice * static_cast<std::size_t>(count[2]), [&](std::size_t number) {
+                const Index3 at{begin[0], begin[1] + static_cast<std::int64_t>(number % rows_of_slice),
+                                begin[2] + static_cast<std::int64_t>(number / rows_of_slice)};
+                const std::byte* from = array.data + sample * slab.offset(at[0] - slab.first[0], at[1] - slab.first[1],
+                                                                          at[2] - slab.first[2]);
+                std::byte* to = first;
+                for (std::size_t axis = 0; axis < 3; ++axis)
+                    to += static_cast<std::ptrdiff_t>(at[axis] - grid_.first[axis]) * target.strides[axis];
+                if (is_row_packed) {
+                    std::memcpy(to, from, width * sample);
+                    return;
+                }
+                for (std::size_t x = 0; x < width; ++x, to += target.strides[0])
+                    for (std::size_t c = 0; c < row.components; ++c, from += element)
+                        std::memcpy(to + static_cast<std::ptrdiff_t>(c) * target.component_stride, from, element);
+            });
+        },
+        targets_, values);
+}
+
+void HostTargets::store_row(std::size_t first, std::size_t count, const HostArrays& values) const {
+    Grid row;
+    row.first = {static_cast<std::int64_t>(first), 0, 0};
+    row.size = {static_cast<std::int64_t>(count), 1, 1};
+    store(row, values);
+}
+
+namespace {
+
+/// The buffer from `offset` on.
+cl::Buffer buffer_from(const OutputRow& row, const cl::Buffer& buffer, std::size_t offset, std::size_t bytes,
+                       const device::Context& context) {
+    if (offset == 0) return buffer;
+    const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+    if (offset % alignment != 0)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("the target of the output {} begins at byte {} of its buffer; the device can only begin "
+                        "at multiples of {}; make a plan of requests, which copies",
+                        row.name, offset, alignment));
+    cl::Buffer parent = buffer;
+    if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
+        offset += buffer.getInfo<CL_MEM_OFFSET>();
+        parent = cl::Buffer(whole(), true);
+    }
+    const cl_buffer_region region{offset, bytes};
+    return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
+}
+
+/// Memory of the caller's that is too small, or of another context, would be written past, or fail later and less
+/// clearly.
+void check_context(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
+    if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
+        throw misuse(fmt::format("the target of the output {} belongs to another OpenCL context than the plan's device",
+                                 row.name));
+}
+
+void check_device_memory(const OutputRow& row, const OutputTarget& target, const cl::Memory& memory, std::size_t needed,
+                         const device::Context& context) {
+    check_context(row, memory, context);
+    const std::size_t bytes = memory.getInfo<CL_MEM_SIZE>();
+    if (bytes < target.offset || bytes - target.offset < needed)
+        throw misuse(
+            fmt::format("the target of the output {} holds {} bytes from byte {} on, and the grid's samples "
+                        "need {}",
+                        row.name, bytes - std::min(bytes, target.offset), target.offset, needed));
+}
+
+}  // namespace
+
+DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context)
+    : targets_(targets) {
+    require_distance(targets);
+    OutputBuffers buffers;
+    bool is_in_place = true;
+    const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array, cl::Buffer& buffer) {
+            if (!target.is_given()) return;
+            if (target.device == nullptr)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} is memory of the host, and this call writes to "
+                                        "the device's; give all targets memory of the device, or all memory of the "
+                                        "host",
+                                        row.name));
+            resolve_element(row, natural.element, target);
+            const bool is_packed = resolve_strides(row, grid, target);
+            const cl::Buffer memory(target.device, true);
+            check_context(row, memory, context);
+            check_reach(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
+            array = {true, is_in_double(target), nullptr};
+            if (is_in_double(target)) buffers.in_double |= row.bit;
+            is_in_place = is_in_place && is_packed && target.offset % alignment == 0;
+            if (is_in_place) buffer = buffer_from(row, memory, target.offset, packed_bytes(row, target, grid), context);
+        },
+        targets_, elements, arrays_, buffers);
+    if (is_in_place) in_place_ = buffers;
+}
+
+OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
+                             const device::Context& context) {
+    require_distance(targets);
+    for_each_extra(
+        [](const OutputRow& row, const OutputTarget& target, bool is_expected) {
+            if (target.is_given() == is_expected) return;
+            throw misuse(is_expected ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
+                                                   "memory, or plan without",
+                                                   row.name)
+                                     : fmt::format("{0} has a target, and the plan was made without; plan with "
+                                                   "Outputs{{.{0} = true}}",
+                                                   row.name));
+        },
+        targets, expected);
+    OutputBuffers buffers;
+    OutputTargets resolved = targets;
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, cl::Buffer& buffer) {
+            if (!target.is_given()) return;
+            if (target.device == nullptr)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} is memory of the host, and a plan writes to the "
+                                        "device's; use DistanceTransform::compute",
+                                        row.name));
+            resolve_element(row, natural.element, target);
+            if (!resolve_strides(row, grid, target))
+                throw Error(
+                    ErrorCode::unsupported,
+                    fmt::format("the target of the output {} has strides, which a plan of one grid cannot write "
+                                "to; make a plan of requests, or give it a packed buffer",
+                                row.name));
+            const cl::Buffer memory(target.device, true);
+            const std::size_t bytes = packed_bytes(row, target, grid);
+            check_device_memory(row, target, memory, bytes, context);
+            buffer = buffer_from(row, memory, target.offset, bytes, context);
+            if (is_in_double(target)) buffers.in_double |= row.bit;
+        },
+        resolved, elements, buffers);
+    return buffers;
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/outputs.hpp>
+
+#include "scan/finishing.hpp"
+#include "scan/slab_pipeline.hpp"
+
+#include <optional>
+
+namespace clsdf::scan {
+
+/// The outputs that have a target.
+Outputs outputs_of(const OutputTargets& targets);
+
+/// The caller's host memory for a grid. Throws Error(invalid_argument) if the distance has none, or if memory is too
+/// small, and Error(unsupported) for what cannot be written to yet.
+class HostTargets {
+public:
+    HostTargets(const OutputTargets& targets, const Grid& grid);
+
+    /// The same for points, which are stored as the samples of a grid of one row.
+    static HostTargets of_points(const OutputTargets& targets, std::size_t count);
+
+    /// Whether the samples of every output are packed, so that they can be computed in place.
+    bool are_packed() const { return are_packed_; }
+    /// The packed arrays; of others only that they are asked for, and their elements.
+    const HostArrays& arrays() const { return arrays_; }
+
+    /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are
+    /// many. The slab is of the same lattice.
+    void store(const Grid& slab, const HostArrays& values) const;
+    /// The same for some points, from number `first` on.
+    void store_row(std::size_t first, std::size_t count, const HostArrays& values) const;
+
+private:
+    /// owner: what has the samples and how many, for messages, with a place for the number.
+    HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner);
+
+    OutputTargets targets_;  ///< with all strides set
+    Grid grid_;
+    HostArrays arrays_;
+    bool are_packed_ = true;
+};
+
+/// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
+class DeviceTargets {
+public:
+    DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context);
+
+    /// With all elements and strides set.
+    const OutputTargets& targets() const { return targets_; }
+    /// Which outputs are asked for, and their elements, without memory.
+    const HostArrays& arrays() const { return arrays_; }
+    /// The targets, if the device can write a packed field there in place.
+    const std::optional<OutputBuffers>& in_place() const { return in_place_; }
+
+private:
+    OutputTargets targets_;
+    HostArrays arrays_;
+    std::optional<OutputBuffers> in_place_;
+};
+
+/// The caller's packed device memory for a grid; throws as HostTargets does. expected: those that a plan computes.
+OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
+                             const device::Context& context);
+
+}  // namespace clsdf::scan

@@ -1,0 +1,105 @@
+#include "scan/prefix_sums.hpp"
+
+#include "core/keep.hpp"
+#include "device/has_ended.hpp"
+#include "scan/programs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace clsdf::scan {
+
+namespace {
+
+enum SumsArgument : cl_uint { sums_count, sums_values, sums_sums };
+enum OffsetsArgument : cl_uint { offsets_parts, offsets_sums };
+/// Of the launch that writes the starts, also of few values, whose only sum is the total.
+enum WriteArgument : cl_uint { write_count, write_values, write_sums, write_starts };
+
+/// On a processor so few values are summed by one launch, because three take longer to start. (The self-test's field
+/// has sums of more values, too.)
+constexpr std::size_t few_values = 512;
+
+/// A part is a work-item's on a processor: some hundred values, and few enough parts for one work-item to scan their
+/// sums. On a GPU it is a work-group's.
+std::size_t parts_of(std::size_t count, bool by_group) {
+    constexpr std::size_t most_parts = 4096, values_of_a_group = 1024;
+    if (by_group) return std::clamp<std::size_t>(count / values_of_a_group, 1, most_parts);
+    return std::clamp<std::size_t>(count / 256 / common_group, 1, most_parts / common_group) * common_group;
+}
+
+}  // namespace
+
+PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
+                       const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& values,
+                       const cl::Buffer& starts, std::size_t count, const char* what)
+    : what_(what),
+      context_(context),
+      queue_(context.queue()),
+      is_few_(programs.body != KernelBody::by_group && count <= few_values),
+      parts_(is_few_ ? 0 : parts_of(count, programs.body == KernelBody::by_group)),
+      one_part_(programs.body == KernelBody::by_group ? common_group : 1),
+      all_parts_(programs.body == KernelBody::by_group ? parts_ * common_group : parts_),
+      total_(std::make_unique<cl_ulong>(0)) {
+    if (count >= std::numeric_limits<cl_uint>::max())
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
+    device::guarded([&] {
+        sums_ = pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
+        const auto values_count = static_cast<cl_uint>(count);
+        if (is_few_) {
+            write_kernel_ = cl::Kernel(programs.scan, "scan_few");
+            write_kernel_.setArg(write_count, values_count);
+            write_kernel_.setArg(write_values, values);
+            write_kernel_.setArg(write_sums, *sums_);
+            write_kernel_.setArg(write_starts, starts);
+            return;
+        }
+        sum_kernel_ = cl::Kernel(programs.scan, "scan_sums");
+        sum_kernel_.setArg(sums_count, values_count);
+        sum_kernel_.setArg(sums_values, values);
+        sum_kernel_.setArg(sums_sums, *sums_);
+        offset_kernel_ = cl::Kernel(programs.scan, "scan_offsets");
+        offset_kernel_.setArg(offsets_parts, static_cast<cl_uint>(parts_));
+        offset_kernel_.setArg(offsets_sums, *sums_);
+        write_kernel_ = cl::Kernel(programs.scan, "scan_write");
+        write_kernel_.setArg(write_count, values_count);
+        write_kernel_.setArg(write_values, values);
+        write_kernel_.setArg(write_sums, *sums_);
+        write_kernel_.setArg(write_starts, starts);
+    });
+}
+
+void PrefixSums::enqueue() {
+    device::guarded([&] {
+        const cl::NDRange group(common_group);
+        if (is_few_) {
+            queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
+        } else {
+            queue_.enqueueNDRangeKernel(sum_kernel_, cl::NullRange, all_parts_, group);
+            queue_.enqueueNDRangeKernel(offset_kernel_, cl::NullRange, one_part_, one_part_);
+            queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, all_parts_, group);
+        }
+        queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof *total_, total_.get(), nullptr,
+                                 &total_read_);
+    });
+}
+
+PrefixSums::~PrefixSums() {
+    if (!is_known_ && !device::has_ended(total_read_) && !context_.drain()) keep_for_good(total_);
+}
+
+std::size_t PrefixSums::total() {
+    device::guarded([&] { device::wait_for(total_read_); });
+    is_known_ = true;
+    if (*total_ > std::numeric_limits<cl_uint>::max())
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("{} {} are more than 2^32; compute a smaller part of the grid at a time, or a narrower "
+                                "band",
+                                *total_, what_));
+    return static_cast<std::size_t>(*total_);
+}
+
+}  // namespace clsdf::scan

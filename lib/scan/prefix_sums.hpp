@@ -1,0 +1,47 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+
+#include <cstddef>
+#include <memory>
+
+namespace clsdf::scan {
+
+struct Programs;
+
+/// Exclusive prefix sums of `count` 32-bit values into starts[0, count), and their total into starts[count].
+class PrefixSums {
+public:
+    /// Throws Error(out_of_memory), naming `what`, where the values are too many to be counted in 32 bits.
+    PrefixSums(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+               const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what);
+
+    PrefixSums(const PrefixSums&) = delete;
+    PrefixSums& operator=(const PrefixSums&) = delete;
+    ~PrefixSums();
+
+    /// Does not wait: what else the host must know can be asked for before it waits for all.
+    void enqueue();
+
+    /// Of all values; waits for it. Throws Error(out_of_memory), naming `what`, where it exceeds 32 bits, and so what
+    /// starts hold is not the sums.
+    std::size_t total();
+
+private:
+    const char* what_;
+    const device::Context& context_;
+    cl::CommandQueue queue_;
+    bool is_few_;
+    std::size_t parts_;      ///< 0 if the values are few
+    cl::NDRange one_part_;   ///< work-items of a launch that scans the parts' sums
+    cl::NDRange all_parts_;  ///< of the others
+    device::BufferPool::Lease sums_;
+    cl::Kernel sum_kernel_;
+    cl::Kernel offset_kernel_;
+    cl::Kernel write_kernel_;
+    std::unique_ptr<cl_ulong> total_;
+    cl::Event total_read_;
+    bool is_known_ = false;
+};
+
+}  // namespace clsdf::scan

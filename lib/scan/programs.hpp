@@ -1,0 +1,110 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "device/context.hpp"
+#include "device/kernel_text.hpp"
+
+#include <string>
+#include <vector>
+
+namespace clsdf::scan {
+
+/// What a brick kernel is compiled for.
+struct BrickVariant {
+    bool nearest = false;      ///< keeps the nearest polyhedron: other outputs than the distance are asked for
+    bool count = false;        ///< counts its work
+    bool long_bricks = false;  ///< spacing so unequal that distances take double
+};
+
+/// All that there are.
+std::vector<BrickVariant> every_variant();
+/// The options that a variant adds.
+std::string options_of(const BrickVariant& variant);
+
+/// A program before it is compiled.
+struct ProgramSource {
+    const char* kernel_file;
+    std::string options;          ///< of clBuildProgram
+    device::KernelFiles files{};  ///< of another library, beside the core's
+};
+
+/// The kernel files and options of one body on devices with the same capabilities.
+struct ProgramSources {
+    KernelBody body;             ///< never automatic
+    std::size_t lanes = 1;       ///< of a work-item's vectors
+    std::size_t group_size = 0;  ///< of the body by_group
+
+    /// Throws Error(unsupported) if the device's work-groups are too small for the body.
+    ProgramSources(const device::Context::Capabilities& capabilities, KernelBody asked);
+
+    ProgramSource scan_source() const {
+        return {body == KernelBody::by_group ? "scan_by_group.cl" : "scan.cl", common_options(lanes)};
+    }
+    ProgramSource coarse_lists_source() const {
+        return {body == KernelBody::by_group ? "coarse_lists_by_group.cl" : "coarse_lists.cl", common_options(lanes)};
+    }
+    ProgramSource sign_sweep_source() const { return {"sign_sweep.cl", common_options(lanes)}; }
+    ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
+    ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
+    /// Of its vectors, which are of doubles.
+    std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
+    ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
+    /// Of many points, by vectors.
+    ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
+    /// Of boxes that go to targets with strides.
+    ProgramSource store_source() const { return {"store_boxes.cl", common_options(1)}; }
+    ProgramSource bricks_source(const BrickVariant& variant) const;
+    /// Every program that a transform may ask for, each once.
+    std::vector<ProgramSource> every_source() const;
+
+    /// The options of every program, for vectors of so many lanes.
+    std::string common_options(std::size_t of_lanes) const;
+
+private:
+    bool scattered_access_;
+    bool is_processor_;
+    std::string device_options_;
+};
+
+/// Work-items of a group where a kernel does not ask for another number. One for all grids, because PoCL compiles a
+/// kernel anew for each.
+constexpr std::size_t common_group = 64;
+
+/// So many work-items, and what fills the last group.
+constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
+    return (items + group - 1) / group * group;
+}
+
+/// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
+/// are not shared between threads.
+struct Programs : ProgramSources {
+    cl::Program scan;
+    cl::Program coarse_lists;
+    cl::Program sign_sweep;
+    cl::Program fill;
+    cl::Program mesh_records;
+
+    /// Programs that every computation needs.
+    static constexpr std::size_t common_programs = 5;
+
+    Programs(device::Context& context, KernelBody asked, const device::BuildWatch& watch = {});
+
+    cl::Program bricks(device::Context& context, const BrickVariant& variant,
+                       const device::BuildWatch& watch = {}) const;
+
+    /// Of boxes that go to targets with strides.
+    cl::Program store(device::Context& context, const device::BuildWatch& watch = {}) const;
+
+    /// Of points anywhere.
+    cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
+    /// Of many points anywhere, by vectors.
+    cl::Program point_scan(device::Context& context, const device::BuildWatch& watch = {}) const;
+
+    /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.
+    std::size_t parallel_parts(const device::Context& context, std::size_t histogram) const;
+    /// The size of their groups.
+    std::size_t part_group() const { return body == KernelBody::by_group ? common_group : 1; }
+};
+
+}  // namespace clsdf::scan

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "device/context.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+
+namespace clsdf::scan {
+
+/// Divides the work of a stage into launches of about a tenth of a second: no launch may last longer than a fifth, and
+/// between two a computation can be stopped.
+class ShortLaunches {
+public:
+    /// `between`, which may be empty, is called before each launch of a stage, when the stage's one before has ended;
+    /// what it throws ends the stage.
+    ShortLaunches(const device::Context& context, std::function<void()> between)
+        : queue_(context.queue()),
+          between_(std::move(between)),
+          core_seconds_(context.capabilities().launch_seconds * cores_of(context.capabilities())) {}
+
+    /// How many items fit a launch, of which each takes a core of a processor so many seconds.
+    std::size_t most(double core_seconds) const {
+        return std::max<std::size_t>(1, static_cast<std::size_t>(core_seconds_ / core_seconds));
+    }
+
+    /// How many launches there must be for work that takes a core of a processor so many seconds.
+    std::size_t steps(double core_seconds) const { return static_cast<std::size_t>(core_seconds / core_seconds_) + 1; }
+
+    /// enqueue(number) for as many launches.
+    template <class Enqueue>
+    void one_by_one(std::size_t count, Enqueue&& enqueue) const {
+        for (std::size_t number = 0; number < count; ++number) {
+            if (between_) {
+                if (number > 0) queue_.finish();
+                between_();
+            }
+            enqueue(number);
+        }
+    }
+
+    /// enqueue(begin, end) for ranges that are [0, items) together.
+    template <class Enqueue>
+    void over(std::size_t items, double core_seconds, Enqueue&& enqueue) const {
+        const std::size_t step = most(core_seconds);
+        one_by_one((items + step - 1) / step,
+                   [&](std::size_t number) { enqueue(number * step, std::min((number + 1) * step, items)); });
+    }
+
+private:
+    /// A device that is no processor is taken for eight cores at least.
+    static double cores_of(const device::Context::Capabilities& device) {
+        return device.is_processor ? device.compute_units : std::max(8U, device.compute_units);
+    }
+
+    cl::CommandQueue queue_;
+    std::function<void()> between_;
+    double core_seconds_;  ///< of a launch, on all cores together
+};
+
+}  // namespace clsdf::scan

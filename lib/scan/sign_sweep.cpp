@@ -1,0 +1,100 @@
+#include "scan/sign_sweep.hpp"
+
+#include "scan/layout_of.hpp"
+#include "scan/programs.hpp"
+
+namespace clsdf::scan {
+
+namespace {
+
+// Measured on a core, and rounded up.
+constexpr double seconds_per_record = 2e-8;
+constexpr double seconds_per_word = 5e-9;  // of sign bits
+
+// Rows that lie together, most of which meet no surface, of one work-item on a processor.
+constexpr std::size_t rows_of_a_core = 64;
+
+enum ScatterArgument : cl_uint { scatter_begin, scatter_end, scatter_records, scatter_starts, scatter_keys };
+enum RowsArgument : cl_uint {
+    rows_layout,
+    rows_begin,
+    rows_end,
+    rows_per_item,
+    rows_parity,
+    rows_starts,
+    rows_keys,
+    rows_sign_bits
+};
+
+/// The keys of the crossings, row by row.
+device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& programs,
+                                      const std::shared_ptr<device::BufferPool>& pool, const Crossings& crossings,
+                                      const ShortLaunches& launches) {
+    auto keys = pool->lease(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
+    cl::Kernel scatter(programs.sign_sweep, "sign_scatter");
+    scatter.setArg(scatter_records, *crossings.records);
+    scatter.setArg(scatter_starts, *crossings.starts);
+    scatter.setArg(scatter_keys, *keys);
+    launches.over(crossings.record_count, seconds_per_record, [&](std::size_t begin, std::size_t end) {
+        scatter.setArg(scatter_begin, static_cast<cl_uint>(begin));
+        scatter.setArg(scatter_end, static_cast<cl_uint>(end));
+        context.queue().enqueueNDRangeKernel(scatter, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
+                                             cl::NDRange(common_group));
+    });
+    return keys;
+}
+
+}  // namespace
+
+SignSweep::SignSweep(device::Context& context, const Programs& programs,
+                     const std::shared_ptr<device::BufferPool>& pool, const Layout& layout, const SweepMesh* mesh,
+                     const SweepSelection& selection, SignRule rule, const ShortLaunches& launches)
+    : context_(context), programs_(programs), pool_(pool), layout_(layout), rule_(rule), launches_(launches) {
+    device::guarded([&] {
+        const std::size_t bytes =
+            sign_row_count(layout) * static_cast<std::size_t>(layout.sign_words) * sizeof(cl_uint);
+        result_.bits = pool->lease(bytes, "sign bits");
+        const bool is_empty =
+            mesh == nullptr || mesh->triangle_count == 0 || (selection.triangles() != nullptr && selection.count == 0);
+        if (is_empty)
+            context.queue().enqueueFillBuffer(*result_.bits, cl_uint{0}, 0, bytes);
+        else
+            search_ = std::make_unique<CrossingSearch>(context, programs, pool, layout, *mesh, selection, launches);
+    });
+}
+
+SignBits SignSweep::finish() {
+    return device::guarded([&] {
+        if (search_) {
+            const Crossings crossings = search_->finish();
+            result_.has_large_triangles = crossings.has_large_triangles;
+            sweep_rows(crossings);
+        }
+        return std::move(result_);
+    });
+}
+
+void SignSweep::sweep_rows(const Crossings& crossings) {
+    const auto keys = keys_by_row(context_, programs_, pool_, crossings, launches_);
+    const std::size_t rows = sign_row_count(layout_);
+    cl::Kernel sweep(programs_.sign_sweep, "sign_rows");
+    const std::size_t item_rows = programs_.body == KernelBody::by_group ? 1 : rows_of_a_core;
+    sweep.setArg(rows_layout, layout_);
+    sweep.setArg(rows_per_item, static_cast<cl_uint>(item_rows));
+    sweep.setArg(rows_parity, cl_int{rule_ == SignRule::parity ? 1 : 0});
+    sweep.setArg(rows_starts, *crossings.starts);
+    sweep.setArg(rows_keys, *keys);
+    sweep.setArg(rows_sign_bits, *result_.bits);
+    const double words_and_keys =
+        layout_.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
+    launches_.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
+        sweep.setArg(rows_begin, static_cast<cl_uint>(begin));
+        sweep.setArg(rows_end, static_cast<cl_uint>(end));
+        const std::size_t items = (end - begin + item_rows - 1) / item_rows;
+        const std::size_t items_of_group = programs_.part_group();
+        context_.queue().enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
+                                              cl::NDRange(items_of_group));
+    });
+}
+
+}  // namespace clsdf::scan

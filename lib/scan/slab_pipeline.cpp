@@ -1,0 +1,183 @@
+#include "scan/slab_pipeline.hpp"
+
+#include "core/keep.hpp"
+
+#include <fmt/format.h>
+
+namespace clsdf::scan {
+
+namespace {
+
+/// For exactly so many bytes if it must grow; what it holds is of no use any more.
+void make_room(UninitializedVector<MemoryLine>& array, std::size_t bytes) {
+    const std::size_t lines = (bytes + sizeof(MemoryLine) - 1) / sizeof(MemoryLine);
+    if (array.capacity() < lines) array = {};
+    array.resize(lines);
+}
+
+}  // namespace
+
+HostArrays arrays_for(const Outputs& outputs) {
+    HostArrays arrays;
+    arrays.distance.is_wanted = true;
+    for_each_extra([](const OutputRow&, HostArray& array, bool wanted) { array.is_wanted = wanted; }, arrays, outputs);
+    for_each_output([](const OutputRow&, HostArray& array,
+                       auto span) { array.in_double = std::is_same_v<typename decltype(span)::value_type, double>; },
+                    arrays, FieldSlab());
+    return arrays;
+}
+
+FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
+    FieldSlab slab;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array, auto& span) {
+            using Value = typename std::remove_reference_t<decltype(span)>::element_type;
+            if (array.is_wanted) span = {reinterpret_cast<Value*>(array.data), samples * row.components};
+        },
+        arrays, slab);
+    return slab;
+}
+
+void OutputMemory::place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes) {
+    host_ = host;
+    bytes_ = bytes;
+    if (context.capabilities().is_processor) {
+        in_place_ = cl::Buffer(context.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, host);
+    } else if (lease_.bytes() < bytes) {
+        lease_ = {};
+        lease_ = pool.lease(bytes, "samples of the field");
+    }
+}
+
+void OutputMemory::enqueue_handover(const cl::CommandQueue& queue) const {
+    if (in_place_() == nullptr) return;
+    void* mapped = queue.enqueueMapBuffer(in_place_, CL_FALSE, CL_MAP_READ, 0, bytes_);
+    queue.enqueueUnmapMemObject(in_place_, mapped);
+}
+
+void OutputMemory::read(const device::Context& context, const cl::CommandQueue& transfers) const {
+    if (in_place_() == nullptr) context.read(transfers, *lease_, bytes_, host_);
+}
+
+HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {
+    HostArrays result = wanted;
+    try {
+        for_each_output(
+            [&](const OutputRow& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
+                make_room(own, array.is_wanted ? samples * row.sample_bytes(array.in_double) : 0);
+                if (array.is_wanted) array.data = own.data()->bytes;
+            },
+            result, arrays_);
+    } catch (const std::exception&) {
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("the outputs of {} samples do not fit the memory; compute fewer at a time", samples));
+    }
+    return result;
+}
+
+std::size_t OwnArrays::bytes() const {
+    std::size_t bytes = 0;
+    for_each_output([&](const OutputRow&,
+                        const UninitializedVector<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
+                    arrays_);
+    return bytes;
+}
+
+OutputBuffers SlabPipeline::Slot::buffers() const {
+    OutputBuffers buffers;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            buffer = memory.buffer();
+            if (array.in_double) buffers.in_double |= row.bit;
+        },
+        host_, memory_, buffers);
+    return buffers;
+}
+
+void SlabPipeline::Slot::enqueue_handover(const cl::CommandQueue& queue) const {
+    for_each_output(
+        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+            if (array.is_wanted) memory.enqueue_handover(queue);
+        },
+        host_, memory_);
+}
+
+SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
+                           bool overlap)
+    : context_(context),
+      pool_(std::move(pool)),
+      sink_(std::move(sink)),
+      // A thread if there is one to be had, and if it is of use.
+      policy_(overlap && (sink_ || !context.capabilities().is_processor) ? std::launch::async | std::launch::deferred
+                                                                         : std::launch::deferred),
+      transfers_(device::guarded([&] { return cl::CommandQueue(context.context(), context.device()); })) {}
+
+SlabPipeline::~SlabPipeline() {
+    if (is_finished_) return;
+    abandoned_ = true;
+    const bool is_read = clFinish(transfers_()) == CL_SUCCESS;
+    if (latest_.valid()) latest_.wait();
+    if (!is_read || context_.is_lost()) keep_for_good(slots_);
+}
+
+SlabPipeline::Slot& SlabPipeline::next() {
+    // A sink that is not called meanwhile leaves the slot free.
+    const bool takes_turns = !sink_ || policy_ != std::launch::deferred;
+    Slot& slot = slots_[takes_turns ? turn_++ % slots_.size() : 0];
+    if (slot.delivered_.valid()) slot.delivered_.get();
+    return slot;
+}
+
+void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& callers) {
+    slot.host_ = callers;
+    device::guarded([&] {
+        for_each_output(
+            [&](const OutputRow& row, const HostArray& array, OutputMemory& memory) {
+                if (array.is_wanted)
+                    memory.place(context_, *pool_, array.data, slab.sample_count() * row.sample_bytes(array.in_double));
+            },
+            slot.host_, slot.memory_);
+    });
+}
+
+void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wanted) {
+    place(slot, slab, slot.own_.for_samples(wanted, slab.sample_count()));
+}
+
+void SlabPipeline::take_back(Slot& slot) {
+    slot = {};
+    if (turn_ > 0) --turn_;
+}
+
+void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
+    is_finished_ = false;
+    slot.delivered_ = std::async(policy_, [this, previous = latest_, &slot, slab]() mutable {
+        if (!abandoned_)
+            device::guarded([&] {
+                for_each_output(
+                    [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+                        if (array.is_wanted) memory.read(context_, transfers_);
+                    },
+                    slot.host_, slot.memory_);
+            });
+        if (previous.valid()) previous.get();
+        previous = {};  // or the chain of all slabs would stay
+        if (sink_ && !abandoned_) sink_(slab, slot.host_);
+    });
+    latest_ = slot.delivered_;
+    if (sink_ && policy_ == std::launch::deferred) latest_.get();
+}
+
+void SlabPipeline::finish() {
+    if (latest_.valid()) latest_.get();
+    is_finished_ = true;
+}
+
+std::size_t SlabPipeline::host_bytes() const {
+    std::size_t bytes = 0;
+    for (const Slot& slot : slots_) bytes += slot.own_.bytes();
+    return bytes;
+}
+
+}  // namespace clsdf::scan

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <clsdf/distance_transform.hpp>
+
+#include "core/per_output.hpp"
+#include "core/uninitialized_vector.hpp"
+#include "device/buffer_pool.hpp"
+#include "scan/finishing.hpp"
+
+#include <array>
+#include <atomic>
+#include <future>
+#include <memory>
+
+namespace clsdf::scan {
+
+/// A packed array of one output on the host.
+struct HostArray {
+    bool is_wanted = false;  ///< the output is asked for
+    bool in_double = false;
+    std::byte* data = nullptr;
+
+    HostArray from_sample(const OutputRow& row, std::size_t sample) const {
+        return {is_wanted, in_double, data == nullptr ? nullptr : data + sample * row.sample_bytes(in_double)};
+    }
+};
+
+namespace detail {
+template <typename>
+using HostArrayOf = HostArray;
+}
+using HostArrays = PerOutput<detail::HostArrayOf>;
+
+/// Without memory yet, with the elements of PerOutput.
+HostArrays arrays_for(const Outputs& outputs);
+FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
+
+/// Device memory for a host array: the array itself on a processor, whose memory it is.
+class OutputMemory {
+public:
+    void place(const device::Context& context, device::BufferPool& pool, std::byte* host, std::size_t bytes);
+
+    const cl::Buffer& buffer() const { return in_place_() != nullptr ? in_place_ : *lease_; }
+
+    /// Enqueued behind what computes the result: where the array is the device's memory, it holds the result when all
+    /// of the queue, which is in order, has ended.
+    void enqueue_handover(const cl::CommandQueue& queue) const;
+    /// Elsewhere: reads the result, which has been computed, into the array.
+    void read(const device::Context& context, const cl::CommandQueue& transfers) const;
+
+private:
+    std::byte* host_ = nullptr;
+    std::size_t bytes_ = 0;
+    cl::Buffer in_place_;
+    device::BufferPool::Lease lease_;
+};
+
+/// Called with the slabs of a field, as SlabSink is.
+using ArraySink = std::function<void(const Grid& part, const HostArrays& values)>;
+
+/// Elements of arrays of bytes, so many at once that making them costs nothing where compilers do not optimise.
+struct MemoryLine {
+    std::byte bytes[64];
+};
+
+/// Packed arrays of the library's own for outputs.
+class OwnArrays {
+public:
+    /// Memory for the wanted outputs of so many samples, its contents undefined. Throws Error(out_of_memory).
+    HostArrays for_samples(const HostArrays& wanted, std::size_t samples);
+
+    std::size_t bytes() const;
+
+private:
+    template <typename>
+    using ArrayOf = UninitializedVector<MemoryLine>;
+    PerOutput<ArrayOf> arrays_;
+};
+
+/// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of
+/// buffers, a queue of its own for what is read, and a thread that reads and calls the sink, with one slab at a time,
+/// in their order.
+class SlabPipeline {
+public:
+    class Slot {
+    public:
+        /// Where the device writes the slab.
+        OutputBuffers buffers() const;
+        /// Enqueued behind what computes the slab.
+        void enqueue_handover(const cl::CommandQueue& queue) const;
+
+    private:
+        friend SlabPipeline;
+        template <typename>
+        using MemoryOf = OutputMemory;
+        HostArrays host_;
+        PerOutput<MemoryOf> memory_;
+        OwnArrays own_;
+        std::shared_future<void> delivered_;
+    };
+
+    /// Without a sink slabs end in the caller's memory. Without overlap it is called from the thread of deliver(), and
+    /// what is still to be read is read in finish().
+    SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
+                 bool overlap);
+    /// Slabs that were not handed on yet are dropped; waits for the sink.
+    ~SlabPipeline();
+    SlabPipeline(const SlabPipeline&) = delete;
+    SlabPipeline& operator=(const SlabPipeline&) = delete;
+
+    /// Waits until the slot's former slab has been handed on; throws what the sink threw.
+    Slot& next();
+    /// Memory of the device, for the caller's arrays.
+    void place(Slot& slot, const Grid& slab, const HostArrays& callers);
+    /// The same for arrays of the slot, of the wanted outputs.
+    void place_own(Slot& slot, const Grid& slab, const HostArrays& wanted);
+    /// The slot's slab has not been computed; next() gives the slot again.
+    void take_back(Slot& slot);
+    /// The slab has been computed.
+    void deliver(Slot& slot, const Grid& slab);
+    /// Waits for all; throws what the sink threw.
+    void finish();
+
+    /// What its own arrays take on the host.
+    std::size_t host_bytes() const;
+
+private:
+    const device::Context& context_;
+    std::shared_ptr<device::BufferPool> pool_;
+    ArraySink sink_;
+    std::launch policy_;
+    cl::CommandQueue transfers_;
+    std::array<Slot, 2> slots_;
+    std::size_t turn_ = 0;
+    std::shared_future<void> latest_;
+    std::atomic<bool> abandoned_ = false;
+    bool is_finished_ = false;
+};
+
+}  // namespace clsdf::scan

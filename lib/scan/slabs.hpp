@@ -1,0 +1,37 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+
+#include "device/context.hpp"
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace clsdf::scan {
+
+/// How a grid is divided along z. Whole coarse bricks are best, because their lists are made for each slab; a slab of
+/// whole bricks repeats no sample's work; and what is less still has the same bytes.
+struct SlabLimits {
+    std::size_t preferred;  ///< bytes of one output: slabs of whole coarse bricks up to it, one of them at least,
+    std::size_t tolerated;  ///< as long as that takes no more than this; whole bricks else
+    std::size_t largest;    ///< never more bytes of one output, but a slice
+};
+
+/// Where the field lies in host memory anyway: as few as a processor allows; on other devices enough of them for one
+/// to be read while another is computed.
+SlabLimits limits_of(const device::Context::Capabilities& device);
+
+/// Where slabs pass through the memory: 64 MiB of samples, or 32 slices where that is up to 256 MiB.
+SlabLimits stream_limits_of(const device::Context::Capabilities& device);
+
+/// Parts of the grid in the order of z, which together are the grid.
+std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits);
+
+/// Whether a slab has brick boundaries within.
+bool is_divisible(const Grid& slab);
+
+/// Divides it at the brick boundary, or coarse brick boundary, next to its middle; it must be divisible.
+std::pair<Grid, Grid> halves_of(const Grid& slab);
+
+}  // namespace clsdf::scan

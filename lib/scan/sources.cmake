@@ -1,0 +1,21 @@
+target_sources(
+  clsdf
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/brick_kernel.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/brick_scan.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/bricks_by_group.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/bricks_by_vector.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/coarse_lists.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/coarse_lists_by_group.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/device_faces.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/finishing.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/kernel_frusta.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/layout_of.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/output_targets.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/prefix_sums.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/prepared_mesh.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/programs.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sign_crossings.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sign_sweep.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slab_pipeline.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slabs.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/sweep_mesh.cpp)
