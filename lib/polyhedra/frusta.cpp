@@ -101,10 +101,10 @@ SiteFrustum point_site(const MeshFaces& faces, std::span<const std::uint32_t> or
     return site;
 }
 
-LatticeView view_of(std::span<const Vec3> positions) {
+LatticeView view_of(const Box& box) {
     double largest = 0;
-    for (const Vec3& position : positions)
-        for (const double x : position) largest = std::max(largest, std::abs(x));
+    for (const Vec3& corner : {box.lower, box.upper})
+        for (const double x : corner) largest = std::max(largest, std::abs(x));
     return {{}, largest > 0 ? std::ldexp(1.0, std::ilogb(largest) - 8) : 1.0};
 }
 
@@ -145,18 +145,33 @@ Numbers faces_around(std::span<const std::uint32_t> vertices, const OneRings& ri
     return others;
 }
 
-void complete(const MeshTopology& topology, const LeftToHost& left, const FrustaOptions& options, Frusta& frusta) {
+Box box_of(std::span<const Vec3> positions) {
+    Box box{positions.front(), positions.front()};
+    for (const Vec3& position : positions)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = std::min(box.lower[axis], position[axis]);
+            box.upper[axis] = std::max(box.upper[axis], position[axis]);
+        }
+    return box;
+}
+
+void complete(const MeshTopology& topology, const Box& box, const LeftToHost& left, const FrustaOptions& options,
+              Frusta& frusta) {
     const std::size_t all = topology.order.size();
-    const LatticeView lattice = view_of(frusta.positions);
+    const LatticeView lattice = view_of(box);
     const MeshFaces faces{frusta.positions, topology.faces.triangles, lattice};
     const FaceMeasures measures(faces, topology.rings, topology.edges);
     const Numbers numbers =
         left.faces.size() == all ? left.faces : faces_around(left.vertices, topology.rings, left.faces);
     UninitializedVector<MeasuredFace> measured(numbers.size());
-    for_each_index(numbers.size(), [&](std::size_t i) {
-        measured[i] = measures.measure(numbers[i]);
-        if (options.lean) lean(measured[i].frame, measured[i].slopes);
-    });
+    constexpr std::size_t grain = 32;  // kernels leave few faces, each of which takes half a microsecond
+    for_each_index(
+        numbers.size(),
+        [&](std::size_t i) {
+            measured[i] = measures.measure(numbers[i]);
+            if (options.lean) lean(measured[i].frame, measured[i].slopes);
+        },
+        grain);
     const MeasuredFaces by_face(measured, numbers.size() == all ? std::span<const std::uint32_t>() : numbers);
 
     for (const std::uint32_t face : left.faces) {
@@ -182,15 +197,16 @@ void complete(const MeshTopology& topology, const LeftToHost& left, const Frusta
 
 }  // namespace
 
-void complete_frusta(const MeshTopology& topology, const LeftToHost& left, Frusta& frusta) {
-    complete(topology, left, {}, frusta);
+void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta) {
+    complete(topology, box, left, {}, frusta);
 }
 
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options) {
     Frusta frusta;
     frusta.positions = ordered_positions(topology, positions);
     frusta.slopes.resize(topology.order.size());
-    complete(topology, {all_numbers(topology.order.size()), all_numbers(frusta.positions.size()), 0}, options, frusta);
+    const LeftToHost all{all_numbers(topology.order.size()), all_numbers(frusta.positions.size()), 0};
+    complete(topology, box_of(frusta.positions), all, options, frusta);
     return frusta;
 }
 

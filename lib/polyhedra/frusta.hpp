@@ -48,7 +48,8 @@ struct LeftToHost {
 };
 
 /// A lattice for frusta alone. Lengths are of the order of one, so that their squares do not leave a double's range.
-LatticeView view_of(std::span<const Vec3> positions);
+/// `box`: of the vertices in use.
+LatticeView view_of(const Box& box);
 
 /// The positions of the mesh's vertices, numbered as in MeshTopology::faces.
 UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::span<const Vec3> positions);
@@ -57,8 +58,9 @@ UninitializedVector<Vec3> ordered_positions(const MeshTopology& topology, std::s
 /// `positions`: of the mesh's vertices, as the mesh numbers them.
 Frusta make_frusta(const MeshTopology& topology, std::span<const Vec3> positions, const FrustaOptions& options = {});
 
-/// Completes frusta that have their positions, and slopes of the other faces, by the same means.
-void complete_frusta(const MeshTopology& topology, const LeftToHost& left, Frusta& frusta);
+/// Completes frusta that have their positions, and slopes of the other faces, by the same means. `box`: of the
+/// positions.
+void complete_frusta(const MeshTopology& topology, const Box& box, const LeftToHost& left, Frusta& frusta);
 
 /// The frustum of a vertex by itself: it holds the vertex' whole normal cone. `order`, `vertices`: the caller's indices
 /// of the faces and of the vertices.

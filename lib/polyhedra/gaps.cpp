@@ -327,10 +327,14 @@ std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const Face
                                     double margin) {
     std::vector<std::uint8_t> marks(vertices.size());
     tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, measured, margin); });
-    for_each_range(vertices.size(), [&](std::size_t begin, std::size_t end) {
-        GapTest& test = tests.local();
-        for (std::size_t i = begin; i < end; ++i) marks[i] = test.look_at(vertices[i]);
-    });
+    constexpr std::size_t grain = 8;  // kernels leave few vertices, each of which takes a microsecond
+    for_each_range(
+        vertices.size(),
+        [&](std::size_t begin, std::size_t end) {
+            GapTest& test = tests.local();
+            for (std::size_t i = begin; i < end; ++i) marks[i] = test.look_at(vertices[i]);
+        },
+        grain);
     return marks;
 }
 

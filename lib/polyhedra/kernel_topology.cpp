@@ -22,8 +22,7 @@ void sort_and_unite(Numbers& numbers) {
 
 /// Collects f(part, begin, end), lists of numbers of sub-ranges, one after the other.
 template <typename Function>
-Numbers collected(std::size_t count, const Function& f) {
-    constexpr std::size_t stretch = 1U << 16;
+Numbers collected(std::size_t count, std::size_t stretch, const Function& f) {
     std::vector<Numbers> parts(stretch_count(count, stretch));
     for_each_stretch(count, stretch,
                      [&](std::size_t part, std::size_t begin, std::size_t end) { f(begin, end, parts[part]); });
@@ -35,7 +34,8 @@ Numbers collected(std::size_t count, const Function& f) {
 
 /// The faces with an answer.
 Numbers answered_faces(std::span<const std::uint8_t> answers) {
-    return collected(answers.size(), [&](std::size_t begin, std::size_t end, Numbers& found) {
+    constexpr std::size_t stretch = 1U << 16;
+    return collected(answers.size(), stretch, [&](std::size_t begin, std::size_t end, Numbers& found) {
         const std::uint8_t* const first = answers.data();
         for (std::size_t face = begin; face < end;) {
             constexpr std::size_t step = 64;
@@ -46,6 +46,13 @@ Numbers answered_faces(std::span<const std::uint8_t> answers) {
             face = last;
         }
     });
+}
+
+/// Without branches: few are open.
+bool has_open_vertex(const std::uint8_t* answers, const std::uint8_t* end) {
+    std::uint8_t any = 0;
+    for (; answers != end; ++answers) any |= *answers;
+    return (any & CLSDF_VERTEX_IS_OPEN) != 0;
 }
 
 /// Files the vertices of closed fans by the number of their faces.
@@ -196,21 +203,28 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
     left.faces.insert(left.faces.end(), awkward_faces.begin(), awkward_faces.end());
     sort_and_unite(left.faces);
     std::atomic<std::size_t> saddles = 0;
-    left.vertices = collected(fan_items.size(), [&](std::size_t begin, std::size_t end, Numbers& found) {
-        std::size_t saddles_here = 0;
-        for (std::size_t number = begin; number < end; ++number) {
-            const FanItem& item = fan_items[number];
-            const std::uint8_t* const answers = &vertex_answers[number * CLSDF_FAN_ITEM];
-            for (std::uint32_t i = 0; i < item.count; ++i) {
-                saddles_here += answers[i] == CLSDF_VERTEX_IS_SADDLE ? 1U : 0U;
-                if ((answers[i] & CLSDF_VERTEX_IS_OPEN) == 0) continue;
-                const std::uint32_t block = i / CLSDF_FAN_STRIDE * CLSDF_FAN_STRIDE * item.faces;
-                const Corner corner = Corner::unpack(fan_words[item.offset + block + i % CLSDF_FAN_STRIDE]);
-                found.push_back(topology.faces.triangles[corner.face][corner.vertex]);
+    constexpr std::size_t items_of_stretch = (1U << 16) / CLSDF_FAN_ITEM;
+    left.vertices =
+        collected(fan_items.size(), items_of_stretch, [&](std::size_t begin, std::size_t end, Numbers& found) {
+            std::size_t saddles_here = 0;
+            for (std::size_t number = begin; number < end; ++number) {
+                const FanItem& item = fan_items[number];
+                const std::uint8_t* const answers = &vertex_answers[number * CLSDF_FAN_ITEM];
+                saddles_here += static_cast<std::size_t>(
+                    std::count(answers, answers + item.count, std::uint8_t{CLSDF_VERTEX_IS_SADDLE}));
+                for (std::uint32_t first = 0; first < item.count; first += CLSDF_FAN_STRIDE) {
+                    const std::uint32_t last = std::min<std::uint32_t>(first + CLSDF_FAN_STRIDE, item.count);
+                    if (!has_open_vertex(answers + first, answers + last)) continue;
+                    const std::uint32_t block = item.offset + first * item.faces;
+                    for (std::uint32_t i = first; i < last; ++i) {
+                        if ((answers[i] & CLSDF_VERTEX_IS_OPEN) == 0) continue;
+                        const Corner corner = Corner::unpack(fan_words[block + i - first]);
+                        found.push_back(topology.faces.triangles[corner.face][corner.vertex]);
+                    }
+                }
             }
-        }
-        saddles += saddles_here;
-    });
+            saddles += saddles_here;
+        });
     left.vertices.insert(left.vertices.end(), awkward_vertices.begin(), awkward_vertices.end());
     std::sort(left.vertices.begin(), left.vertices.end());
     left.saddles_elsewhere = saddles;

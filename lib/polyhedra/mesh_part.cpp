@@ -2,7 +2,11 @@
 
 #include "core/parallel.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace clsdf::polyhedra {
@@ -36,9 +40,10 @@ UninitializedVector<std::uint32_t> places_in(const std::vector<std::uint32_t>& l
 
 }  // namespace
 
-/// Sets what only the whole mesh knows.
+/// Sets what need not be found from a mesh's triangles.
 struct PartMaker {
     static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
+    static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
 };
 
 MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near) {
@@ -99,6 +104,57 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
     result.saddle_vertices = frusta.saddle_vertices;
     result.boxes = frusta.boxes;
     return part;
+}
+
+namespace {
+
+/// The box of some positions, and whether they are finite.
+struct Extent {
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+    Box box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+    double spoilt = 0;  ///< NaN if a coordinate is not finite
+
+    void take(const Vec3& lower, const Vec3& upper) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = lower[axis] < box.lower[axis] ? lower[axis] : box.lower[axis];
+            box.upper[axis] = upper[axis] > box.upper[axis] ? upper[axis] : box.upper[axis];
+        }
+    }
+    void take(const Vec3& position) {
+        take(position, position);
+        spoilt += (position[0] - position[0]) + (position[1] - position[1]) + (position[2] - position[2]);
+    }
+    static Extent both(Extent a, const Extent& b) {
+        a.take(b.box.lower, b.box.upper);
+        a.spoilt += b.spoilt;
+        return a;
+    }
+};
+
+}  // namespace
+
+void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions) {
+    const UninitializedVector<std::uint32_t>& used = topology.faces.vertices;
+    Extent all;
+    if (positions.size() == mesh.vertices().size()) {
+        constexpr std::size_t grain = 4096;
+        all = tbb::parallel_reduce(
+            tbb::blocked_range<std::size_t>(0, used.size(), grain), all,
+            [&](const tbb::blocked_range<std::size_t>& range, Extent extent) {
+                for (std::size_t i = range.begin(); i != range.end(); ++i) extent.take(positions[used[i]]);
+                return extent;
+            },
+            Extent::both);
+    } else {
+        all.spoilt = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (!(all.spoilt == 0)) {
+        mesh.move(std::move(positions));  // which finds what is wrong
+        return;
+    }
+    PartMaker::set_positions(mesh, std::move(positions));
+    PartMaker::set_box(mesh, all.box);
 }
 
 }  // namespace clsdf::polyhedra

@@ -24,4 +24,7 @@ struct MeshPart {
 /// those of the whole. To the faces those of the point sites' vertices are added. `mesh`: with its present positions.
 MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near);
 
+/// As mesh.move(), without a look at the triangles. `topology`: the mesh's.
+void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);
+
 }  // namespace clsdf::polyhedra

@@ -56,12 +56,13 @@ public:
         : job_(job),
           sources_(std::move(sources)),
           topology_(*names->topology),
+          box_(mesh.box()),
           count_(names->face_count()),
           records_of_(lattice) {
         polyhedra::Frusta& frusta = made_.frusta;
         frusta.positions = ordered_positions(topology_, mesh.vertices());
         frusta.slopes.resize(count_);
-        view_ = lattice != nullptr ? *lattice : polyhedra::view_of(frusta.positions);
+        view_ = lattice != nullptr ? *lattice : polyhedra::view_of(mesh.box());
         least_length_ = least_length(mesh, view_);
         made_.faces.names = names;
         made_.faces.positions = job.input(frusta.positions, "vertices");
@@ -174,7 +175,7 @@ private:
             const MappedBytes faces(queue, *face_answers_, count_, true);
             left_ = sources_->of_kernels.left_to_host(topology_, faces.bytes(), vertices.bytes());
         }
-        complete_frusta(topology_, left_, frusta);
+        complete_frusta(topology_, box_, left_, frusta);
         if (in_place != nullptr) {
             queue.enqueueUnmapMemObject(*made_.faces.slopes, in_place);
             return;
@@ -206,6 +207,7 @@ private:
     const DeviceSetUp& job_;
     std::shared_ptr<const FrustaSources> sources_;
     const polyhedra::MeshTopology& topology_;
+    Box box_;
     std::size_t count_;
     const polyhedra::LatticeView* records_of_;
     polyhedra::LatticeView view_;

@@ -183,7 +183,7 @@ void Stages::wait_for_readers() {
 void Stages::move(std::vector<Vec3> positions) {
     topology();  // of the first positions
     wait_for_readers();
-    mesh_.move(std::move(positions));
+    polyhedra::move(mesh_, *topology_, std::move(positions));
     has_moved_ = true;
     lattices_.clear();
     index_.reset();
