@@ -8,31 +8,9 @@
 
 #include "face_sources.h"
 #include "lanes.h"
+#include "transpose.h"
 
 #pragma OPENCL FP_CONTRACT OFF
-
-#if LANES == 1
-#define TO_FLOATS(values) ((float)(values))
-#define TO_DOUBLES(values) ((double)(values))
-#define TO_INTS(values) ((int)(values))
-#define TO_LONGS(condition) (condition)
-#define AS_FLOATS as_float
-#define AS_UINTS as_uint
-#else
-#if defined(__clang__)
-#define TO_FLOATS(values) __builtin_convertvector(values, floatL)
-#define TO_DOUBLES(values) __builtin_convertvector(values, doubleL)
-#define TO_INTS(values) __builtin_convertvector(values, intL)
-#define TO_LONGS(condition) __builtin_convertvector(condition, longL)
-#else
-#define TO_FLOATS convert_floatL
-#define TO_DOUBLES convert_doubleL
-#define TO_INTS convert_intL
-#define TO_LONGS convert_long8
-#endif
-#define AS_FLOATS as_floatL
-#define AS_UINTS as_uintL
-#endif
 
 // A vector a lane.
 typedef struct Vectors {
@@ -64,14 +42,6 @@ INLINE doubleL dot_in_order(Vectors a, Vectors b) {
 INLINE Vectors chosen(longL condition, Vectors a, Vectors b) {
     return vectors(condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z);
 }
-
-// One load for each lane. Compilers make gathers of plain ones, which take many times as long on some processors.
-#if LANES == 1
-#define EACH_LANE(f) f(0)
-#else
-#define EACH_LANE(f) (f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7))
-#endif
-#define LOAD(type, p) (*(volatile __global const type*)(p))
 
 // The positions of vertices[0, LANES).
 INLINE Vectors positions_of(__global const double* positions, __private const uint* vertices) {
@@ -270,22 +240,6 @@ typedef double8 __attribute__((aligned(8))) UnalignedDoubles;
 #else
 #define STREAM_DOUBLES(value, p) STORE_DOUBLES(value, __global, p)
 #endif
-
-// Rows and columns of 8 x 8 numbers exchanged. Each round shuffles the first half of the rows into the second.
-INLINE void transpose_doubles(__private double8* rows) {
-#pragma unroll
-    for (uint round = 0; round < 3; ++round) {
-        double8 zipped[8];
-#pragma unroll
-        for (uint i = 0; i < 4; ++i) {
-            const double8 a = rows[i], b = rows[i + 4];
-            zipped[2 * i] = (double8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
-            zipped[2 * i + 1] = (double8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
-        }
-#pragma unroll
-        for (uint i = 0; i < 8; ++i) rows[i] = zipped[i];
-    }
-}
 #endif
 
 // Writes LANES records that follow each other, from a multiple of LANES on: whole cache lines, which the processor need

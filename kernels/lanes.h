@@ -93,6 +93,50 @@ DEFINE_STORE(store_eight_doubles, double8, double, 8, global)
 #define store_doubles(value, p) vstore8(value, 0, p)
 #endif
 
+// Between types of lanes.
+#if LANES == 1
+#define TO_FLOATS(values) ((float)(values))
+#define TO_DOUBLES(values) ((double)(values))
+#define TO_INTS(values) ((int)(values))
+#define TO_LONGS(condition) (condition)
+#define AS_FLOATS as_float
+#define AS_UINTS as_uint
+#else
+#if defined(__clang__)
+#define TO_FLOATS(values) __builtin_convertvector(values, floatL)
+#define TO_DOUBLES(values) __builtin_convertvector(values, doubleL)
+#define TO_INTS(values) __builtin_convertvector(values, intL)
+#define TO_LONGS(condition) __builtin_convertvector(condition, longL)
+#else
+#define TO_FLOATS convert_floatL
+#define TO_DOUBLES convert_doubleL
+#define TO_INTS convert_intL
+#define TO_LONGS convert_long8
+#endif
+#define AS_FLOATS as_floatL
+#define AS_UINTS as_uintL
+#endif
+
+// One load for each lane. Compilers make gathers of plain ones, which take many times as long on some processors.
+#if LANES == 1
+#define EACH_LANE(f) f(0)
+#else
+#define EACH_LANE(f) (f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7))
+#endif
+#define LOAD(type, p) (*(volatile __global const type*)(p))
+
+// Three numbers of each face.
+INLINE void load_corners(__global const uint* indices, __private const uint* faces, __private uint* a,
+                         __private uint* b, __private uint* c) {
+#pragma unroll
+    for (uint lane = 0; lane < LANES; ++lane) {
+        __global const uint* const corners = indices + 3 * (size_t)faces[lane];
+        a[lane] = LOAD(uint, corners);
+        b[lane] = LOAD(uint, corners + 1);
+        c[lane] = LOAD(uint, corners + 2);
+    }
+}
+
 // Bit i of the result: whether lane i of a comparison's result is true. The built-ins of an instruction set, where the
 // compiler has them, save a tree of eight operations in the innermost loops.
 static inline uint lanes_to_bits(intL mask) {

@@ -9,17 +9,6 @@
 #include "sweep.h"
 #include "vertex_fans.h"
 
-INLINE void load_corners(__global const uint* indices, __private const uint* faces, __private uint* a,
-                         __private uint* b, __private uint* c) {
-#pragma unroll
-    for (uint lane = 0; lane < LANES; ++lane) {
-        __global const uint* const corners = indices + 3 * (size_t)faces[lane];
-        a[lane] = LOAD(uint, corners);
-        b[lane] = LOAD(uint, corners + 1);
-        c[lane] = LOAD(uint, corners + 2);
-    }
-}
-
 // Loads the opposite vertices of edges. If there is none, sets *is_none and loads `other`, which may be any vertex.
 INLINE Vectors opposite_of(__global const double* positions, __private uint* vertices, __private const uint* other,
                            __private longL* is_none) {

@@ -1,4 +1,4 @@
-// Records into lanes: 4 x 4 numbers in each half of a vector, or 16 x 16.
+// Records into lanes and back: 4 x 4 numbers in each half of a vector, 8 x 8 or 16 x 16.
 #ifndef CLSDF_TRANSPOSE_H
 #define CLSDF_TRANSPOSE_H
 
@@ -31,24 +31,30 @@ DEFINE_TRANSPOSE_HALVES(transpose_halves, float8, uint8)
 DEFINE_TRANSPOSE_HALVES(transpose_double_halves, double8, ulong8)
 #undef DEFINE_TRANSPOSE_HALVES
 
-#if LANES == 16
-// Each round shuffles the first half of the rows into the second.
-INLINE void transpose(__private float16* rows) {
-#pragma unroll
-    for (uint round = 0; round < 4; ++round) {
-        float16 zipped[16];
-#pragma unroll
-        for (uint i = 0; i < 8; ++i) {
-            const float16 a = rows[i], b = rows[i + 8];
-            zipped[2 * i] = (float16)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6,
-                                      b.s6, a.s7, b.s7);
-            zipped[2 * i + 1] = (float16)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se,
-                                          b.se, a.sf, b.sf);
-        }
-#pragma unroll
-        for (uint i = 0; i < 16; ++i) rows[i] = zipped[i];
+// Rows and columns of size x size numbers exchanged. Each round shuffles the first half of the rows into the second.
+#define DEFINE_TRANSPOSE(name, Vector, size, rounds)                               \
+    INLINE void name(__private Vector* rows) {                                     \
+        _Pragma("unroll") for (uint round = 0; round < rounds; ++round) {          \
+            Vector zipped[size];                                                   \
+            _Pragma("unroll") for (uint i = 0; i < size / 2; ++i) {                \
+                const Vector a = rows[i], b = rows[i + size / 2];                  \
+                zipped[2 * i] = ZIP_LOW_##size(Vector, a, b);                      \
+                zipped[2 * i + 1] = ZIP_HIGH_##size(Vector, a, b);                 \
+            }                                                                      \
+            _Pragma("unroll") for (uint i = 0; i < size; ++i) rows[i] = zipped[i]; \
+        }                                                                          \
     }
-}
+#if LANES == 16
+#define ZIP_LOW_16(Vector, a, b) \
+    (Vector)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3, a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
+#define ZIP_HIGH_16(Vector, a, b) \
+    (Vector)(a.s8, b.s8, a.s9, b.s9, a.sa, b.sa, a.sb, b.sb, a.sc, b.sc, a.sd, b.sd, a.se, b.se, a.sf, b.sf)
+DEFINE_TRANSPOSE(transpose, float16, 16, 4)
+#elif LANES == 8
+#define ZIP_LOW_8(Vector, a, b) (Vector)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3)
+#define ZIP_HIGH_8(Vector, a, b) (Vector)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7)
+DEFINE_TRANSPOSE(transpose_doubles, double8, 8, 3)
 #endif
+#undef DEFINE_TRANSPOSE
 
 #endif
