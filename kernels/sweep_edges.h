@@ -3,7 +3,7 @@
 #ifndef CLSDF_SWEEP_EDGES_H
 #define CLSDF_SWEEP_EDGES_H
 
-#include "frame.h"
+#include "lanes.h"
 #include "sweep.h"
 
 typedef struct Wide {  // hi 2^64 + lo
@@ -65,5 +65,63 @@ INLINE Edge edge_at(SweepVertex p, SweepVertex q, long y, long z, int bits_y) {
 INLINE double weight_of(Edge edge) {
     return (double)(long)(edge.value + edge.lessened);
 }
+
+#if LANES == 8
+// The same for LANES triangles at once.
+typedef struct LaneVertices {
+    longL y, z;
+    doubleL x;
+} LaneVertices;
+
+INLINE LaneVertices lane_vertices(__global const SweepVertex* vertices, __private const uint* numbers) {
+#define Y_OF(lane) yz[lane].x
+#define Z_OF(lane) yz[lane].y
+#define X_OF(lane) LOAD(double, &vertices[numbers[lane]].x)
+    long2 yz[LANES];
+#pragma unroll
+    for (uint lane = 0; lane < LANES; ++lane) yz[lane] = vload2(0, (__global const long*)(vertices + numbers[lane]));
+    LaneVertices v;
+    v.y = (longL)EACH_LANE(Y_OF);
+    v.z = (longL)EACH_LANE(Z_OF);
+    v.x = (doubleL)EACH_LANE(X_OF);
+    return v;
+#undef X_OF
+#undef Z_OF
+#undef Y_OF
+}
+
+INLINE LaneVertices chosen_vertices(longL condition, LaneVertices a, LaneVertices b) {
+    LaneVertices v;
+    v.y = condition ? a.y : b.y;
+    v.z = condition ? a.z : b.z;
+    v.x = condition ? a.x : b.x;
+    return v;
+}
+
+// The product of numbers of 32 bits.
+INLINE longL product_of_ints(longL a, longL b) {
+    return TO_LONGS(TO_INTS(a)) * TO_LONGS(TO_INTS(b));
+}
+
+typedef struct LaneEdges {
+    ulongL value, along_y, to_next_row;  // what the next sample along y adds, and the first sample of the next row
+    longL lessened;                      // -1 or 0
+} LaneEdges;
+
+// Samples (y, z) begin rows of last + 1 samples.
+INLINE LaneEdges lane_edges_at(LaneVertices p, LaneVertices q, longL y, longL z, longL last, int bits_y, int bits_z) {
+    const longL to_y = q.y - p.y, to_z = q.z - p.z;
+    LaneEdges edges;
+    edges.lessened = !(to_z < 0 || (to_z == 0 && to_y > 0));
+    edges.value = as_ulong8(product_of_ints(to_y, z - p.z) - product_of_ints(to_z, y - p.y) + edges.lessened);
+    edges.along_y = -(as_ulong8(to_z) << bits_y);
+    edges.to_next_row = (as_ulong8(to_y) << bits_z) - as_ulong8(last) * edges.along_y;
+    return edges;
+}
+
+INLINE doubleL lane_weights_of(LaneEdges edges) {
+    return TO_DOUBLES(as_long8(edges.value) - edges.lessened);
+}
+#endif
 
 #endif

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 using Binary = ProgramCache::Binary;
 
-constexpr const char* options = "-cl-std=CL1.2";
+constexpr const char* options = "-cl-std=CL1.2 -DLANES=1";
 
 Binary numbers(std::size_t size) {
     return Binary(size, 7);
