@@ -199,8 +199,8 @@ INLINE void find_crossings_in_lanes(Layout layout, LaneVertices a, LaneVertices 
             const doubleL wa = lane_weights_of(of_a), wb = lane_weights_of(of_b), wc = lane_weights_of(of_c);
             const doubleL x = (wa * a.x + wb * second.x + wc * third.x) / (wa + wb + wc);
             const doubleL above = GREATER(x, (doubleL)first_x), limited = LESSER(above, (doubleL)end_x);
-            const intL truncated = TO_INTS(limited);
-            const intL sample = truncated - TO_INTS(limited > TO_DOUBLES(truncated)) - first_x;
+            const doubleL truncated = TO_DOUBLES(TO_INTS(limited));
+            const intL sample = TO_INTS(limited > truncated ? truncated + 1.0 : truncated) - first_x;
             uint keys[LANES], numbers[LANES];
             store_lanes(AS_UINTS(2 * sample - TO_INTS(faces_back)), 0, keys);
             store_lanes(AS_UINTS(row), 0, numbers);
