@@ -7,6 +7,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/host_filling.cpp
           ${CMAKE_CURRENT_LIST_DIR}/kernel_text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/known_faults.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/mapped_memory.cpp
           ${CMAKE_CURRENT_LIST_DIR}/opencl.cpp
           ${CMAKE_CURRENT_LIST_DIR}/pinned_reads.cpp
           ${CMAKE_CURRENT_LIST_DIR}/program_cache.cpp)

@@ -1,4 +1,5 @@
 #include "mesh/equal_vertices.hpp"
+#include "mesh/triples.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>
@@ -15,14 +16,6 @@
 namespace clsdf {
 
 namespace {
-
-/// How many triples an array of `length` numbers holds.
-std::size_t triples(std::size_t length, const char* what) {
-    if (length % 3 != 0)
-        throw Error(ErrorCode::invalid_mesh,
-                    fmt::format("the array of {} has {} numbers, which is no multiple of three", what, length));
-    return length / 3;
-}
 
 bool is_finite(const Vec3& point) {
     return std::isfinite(point[0]) && std::isfinite(point[1]) && std::isfinite(point[2]);
@@ -111,70 +104,11 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
     return all.box;
 }
 
-std::vector<Vec3> copy_vertices(const MeshView& view) {
-    std::vector<Vec3> vertices(view.vertex_count());
-    for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = view.vertex(i);
-    return vertices;
-}
-
-std::vector<Triangle> copy_triangles(const MeshView& view) {
-    std::vector<Triangle> triangles(view.triangle_count());
-    for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = view.triangle(i);
-    return triangles;
-}
-
 }  // namespace
 
-MeshView::MeshView(std::span<const double> vertices, std::span<const std::uint32_t> triangles)
-    : double_vertices_(vertices.data()),
-      triangles_(triangles.data()),
-      vertex_count_(triples(vertices.size(), "vertices")),
-      triangle_count_(triples(triangles.size(), "triangles")) {}
-
-MeshView::MeshView(std::span<const float> vertices, std::span<const std::uint32_t> triangles)
-    : float_vertices_(vertices.data()),
-      triangles_(triangles.data()),
-      vertex_count_(triples(vertices.size(), "vertices")),
-      triangle_count_(triples(triangles.size(), "triangles")) {}
-
-MeshView::MeshView(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
-    : double_vertices_(vertices.empty() ? nullptr : vertices.front().data()),
-      triangles_(triangles.empty() ? nullptr : triangles.front().data()),
-      vertex_count_(vertices.size()),
-      triangle_count_(triangles.size()) {}
-
-MeshView::MeshView(const double* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
-                   const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout)
-    : double_vertices_(vertices),
-      triangles_(triangles),
-      vertex_count_(vertex_count),
-      triangle_count_(triangle_count),
-      vertex_layout_(vertex_layout),
-      triangle_layout_(triangle_layout) {}
-
-MeshView::MeshView(const float* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
-                   const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout)
-    : float_vertices_(vertices),
-      triangles_(triangles),
-      vertex_count_(vertex_count),
-      triangle_count_(triangle_count),
-      vertex_layout_(vertex_layout),
-      triangle_layout_(triangle_layout) {}
-
-Vec3 MeshView::vertex(std::size_t index) const {
-    const auto first = static_cast<std::ptrdiff_t>(index) * vertex_layout_.triple;
-    const std::ptrdiff_t step = vertex_layout_.number;
-    if (double_vertices_ != nullptr) {
-        const double* vertex = double_vertices_ + first;
-        return {vertex[0], vertex[step], vertex[2 * step]};
-    }
-    const float* vertex = float_vertices_ + first;
-    return {static_cast<double>(vertex[0]), static_cast<double>(vertex[step]), static_cast<double>(vertex[2 * step])};
-}
-
-Triangle MeshView::triangle(std::size_t index) const {
-    const std::uint32_t* triangle = triangles_ + static_cast<std::ptrdiff_t>(index) * triangle_layout_.triple;
-    return {triangle[0], triangle[triangle_layout_.number], triangle[2 * triangle_layout_.number]};
+MeshView::MeshView(const Triples& vertices, const Triples& triangles) : vertices_(vertices), triangles_(triangles) {
+    check_triples(vertices_, TripleKind::positions, "vertices", ErrorCode::invalid_mesh);
+    check_triples(triangles_, TripleKind::indices, "triangles", ErrorCode::invalid_mesh);
 }
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name)
@@ -183,7 +117,8 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::str
       name_(std::move(name)),
       box_(check(vertices_, triangles_, name_)) {}
 
-Mesh::Mesh(const MeshView& view, std::string name) : Mesh(copy_vertices(view), copy_triangles(view), std::move(name)) {}
+Mesh::Mesh(const MeshView& view, std::string name)
+    : Mesh(read_positions(view.vertices()), read_triangles(view.triangles(), name), std::string(name)) {}
 
 void Mesh::move(std::vector<Vec3> vertices) {
     if (vertices.size() != vertices_.size())

@@ -52,12 +52,12 @@ Error misuse(const std::string& what) {
 /// Sets the element of a target, and throws if there is no way to such elements.
 void resolve_element(const OutputRow& row, Element natural, OutputTarget& target) {
     if (target.element == Element::automatic) target.element = natural;
-    const bool is_offset = natural == Element::float64 && target.element == Element::float32;
-    if (target.element == natural || is_offset) return;
+    const bool has_both = row.element == OutputRow::real && row.bit != 0;  // not the distance
+    const bool is_real = target.element == Element::float32 || target.element == Element::float64;
+    if (target.element == natural || (has_both && is_real)) return;
     throw Error(ErrorCode::unsupported,
-                fmt::format("the output {} cannot be written as {}; give it memory for elements of type {}{}", row.name,
-                            name_of(target.element), name_of(natural),
-                            natural == Element::float64 ? ", or float for offsets from the sample" : ""));
+                fmt::format("the output {} cannot be written as {}; give it memory for elements of type {}", row.name,
+                            name_of(target.element), has_both ? "float or double" : name_of(natural)));
 }
 
 std::ptrdiff_t width_of(Element element) {
@@ -87,8 +87,8 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
     return target.strides == packed && (row.components == 1 || target.component_stride == width);
 }
 
-/// Throws if a target's samples do not lie within `bytes` bytes, or not where its elements can.
-void check_reach(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
+/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, or not where its elements can.
+ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
     const std::ptrdiff_t width = width_of(target.element);
     // In double, which no sum of such products overflows.
     double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
@@ -109,6 +109,7 @@ void check_reach(const OutputRow& row, const Grid& grid, const OutputTarget& tar
             fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
                         "elements' {} bytes",
                         row.name, width));
+    return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
 }
 
 void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner, const OutputTarget& target,
@@ -126,7 +127,7 @@ void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner
                                  target.bytes / static_cast<std::size_t>(width),
                                  static_cast<std::size_t>(grid.sample_count()) * row.components));
     }
-    check_reach(row, grid, target, target.bytes);
+    range_of(row, grid, target, target.bytes);
 }
 
 void require_distance(const OutputTargets& targets) {
@@ -162,10 +163,59 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const c
         targets_, elements, arrays_);
 }
 
-HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t count) {
+namespace {
+
+Grid row_of(std::size_t count) {
     Grid row;
     row.size = {static_cast<std::int64_t>(count), 1, 1};
-    return {targets, row, "there are {} points"};
+    return row;
+}
+
+/// visit(row, target, range, is_packed) for targets in memory of the device; their elements and strides are set.
+template <typename Visit>
+void visit_device_targets(OutputTargets& targets, std::size_t points, const Visit& visit) {
+    const Grid grid = row_of(points);
+    const PerOutput<ElementOf> elements;
+    for_each_output(
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural) {
+            if (target.device == nullptr) return;
+            resolve_element(row, natural.element, target);
+            const bool is_packed = resolve_strides(row, grid, target);
+            const std::size_t bytes =
+                device::guarded([&] { return cl::Buffer(target.device, true).getInfo<CL_MEM_SIZE>(); });
+            visit(row, target, points == 0 ? ByteRange{} : range_of(row, grid, target, bytes), is_packed);
+        },
+        targets, elements);
+}
+
+}  // namespace
+
+HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t count) {
+    return {targets, row_of(count), "there are {} points"};
+}
+
+void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory) {
+    using Use = device::MappedMemory::Use;
+    OutputTargets resolved = targets;
+    visit_device_targets(resolved, points,
+                         [&](const OutputRow& row, const OutputTarget& target, const ByteRange& range, bool is_packed) {
+                             memory.add(target.device, range, is_packed ? Use::overwrite : Use::write,
+                                        fmt::format("output {}", row.name));
+                         });
+}
+
+OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory) {
+    static std::byte nothing{};
+    OutputTargets result = targets;
+    visit_device_targets(result, points,
+                         [&](const OutputRow&, OutputTarget& target, const ByteRange& range, bool is_packed) {
+                             target.host = range.is_empty() ? &nothing : memory.at(target.device, range.begin);
+                             target.device = nullptr;
+                             target.offset = range.is_empty() ? 0 : target.offset - range.begin;
+                             target.bytes = range.end - range.begin;
+                             if (is_packed) target.strides = {};
+                         });
+    return result;
 }
 
 void HostTargets::store(const Grid& slab, const HostArrays& values) const {
@@ -275,7 +325,7 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
             const bool is_packed = resolve_strides(row, grid, target);
             const cl::Buffer memory(target.device, true);
             check_context(row, memory, context);
-            check_reach(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
+            range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
             array = {true, is_in_double(target), nullptr};
             if (is_in_double(target)) buffers.in_double |= row.bit;
             is_in_place = is_in_place && is_packed && target.offset % alignment == 0;

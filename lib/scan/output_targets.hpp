@@ -3,6 +3,7 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 
+#include "device/mapped_memory.hpp"
 #include "scan/finishing.hpp"
 #include "scan/slab_pipeline.hpp"
 
@@ -42,6 +43,11 @@ private:
     HostArrays arrays_;
     bool are_packed_ = true;
 };
+
+/// Adds what the targets of points take of device memory to what is mapped. Throws as HostTargets does.
+void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory);
+/// The same targets when that is mapped, all in memory of the host.
+OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory);
 
 /// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
 class DeviceTargets {

@@ -5,6 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
+#include "device/mapped_memory.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/output_targets.hpp"
 #include "scan/slabs.hpp"
@@ -129,8 +130,15 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
 DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, TransformOptions options, const CallOptions& call)
     : state_(std::make_unique<State>(std::move(device), mesh, std::move(options), call)) {}
 DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, TransformOptions options,
-                                     const CallOptions& call)
-    : state_(std::make_unique<State>(std::move(device), Mesh(mesh), std::move(options), call)) {}
+                                     const CallOptions& call, std::span<const cl_event> wait_list) {
+    device::MappedMemory memory(device::context_of(device));
+    memory.add(mesh.vertices(), "vertices");
+    memory.add(mesh.triangles(), "triangles");
+    memory.map(wait_list);
+    Mesh copy(MeshView(memory.on_host(mesh.vertices()), memory.on_host(mesh.triangles())));
+    memory.unmap();
+    state_ = std::make_unique<State>(std::move(device), std::move(copy), std::move(options), call);
+}
 DistanceTransform::DistanceTransform(DistanceTransform&&) noexcept = default;
 DistanceTransform& DistanceTransform::operator=(DistanceTransform&&) noexcept = default;
 DistanceTransform::~DistanceTransform() = default;
@@ -150,8 +158,14 @@ DistanceTransform DistanceTransform::restrict_to(const Box& box, double half_wid
     part.state_ = state().restricted(box, half_width, spacing);
     return part;
 }
-void DistanceTransform::move(std::span<const Vec3> positions) {
-    state().move(positions);
+void DistanceTransform::move(const Triples& positions, std::span<const cl_event> wait_list) {
+    State& state = this->state();
+    check_triples(positions, TripleKind::positions, "positions", ErrorCode::invalid_argument);
+    device::MappedMemory memory(device::context_of(state.device));
+    memory.add(positions, "positions");
+    memory.map(wait_list);
+    state.move(PositionArray(memory.on_host(positions)).get());
+    memory.unmap();
 }
 void DistanceTransform::move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     state().move(rotation, translation);

@@ -1,5 +1,6 @@
 #include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
+#include "device/mapped_memory.hpp"
 #include "points/box_places.hpp"
 #include "points/point_query.hpp"
 #include "scan/output_targets.hpp"
@@ -99,8 +100,8 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     if (call.statistics != nullptr) *call.statistics = statistics;
 }
 
-void DistanceTransform::query(std::span<const Vec3> points, double within, const OutputTargets& targets,
-                              const CallOptions& call) const {
+void DistanceTransform::query(const Triples& points, double within, const OutputTargets& targets,
+                              const CallOptions& call, std::span<const cl_event> wait_list) const {
     State& state = this->state();
     if (!(within >= 0))
         throw Error(
@@ -111,7 +112,16 @@ void DistanceTransform::query(std::span<const Vec3> points, double within, const
                     fmt::format("points are looked up within {}, which is beyond the floats that distances are given "
                                 "in; infinity is no limit",
                                 within));
-    state.query(points, within, scan::outputs_of(targets), scan::HostTargets::of_points(targets, points.size()), call);
+    check_triples(points, TripleKind::positions, "points", ErrorCode::invalid_argument);
+    device::MappedMemory memory(device::context_of(state.device));
+    memory.add(points, "points");
+    scan::add_targets(targets, points.count, memory);
+    memory.map(wait_list);
+    const PositionArray positions(memory.on_host(points));
+    const OutputTargets on_host = scan::on_host(targets, points.count, memory);
+    state.query(positions.get(), within, scan::outputs_of(targets),
+                scan::HostTargets::of_points(on_host, points.count), call);
+    memory.unmap();
 }
 
 void DistanceTransform::classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const {

@@ -49,6 +49,7 @@ clsdf_disguised(streams test_transform_streams)
 clsdf_disguised(plans test_transform_plans)
 clsdf_disguised(request_plans test_transform_request_plans)
 clsdf_disguised(mesh_records test_transform_mesh_records)
+clsdf_disguised(callers_memory test_transform_callers_memory)
 
 # and, with -C nightly (scripts/on-disguise), all that use a device.
 get_property(names GLOBAL PROPERTY CLSDF_TESTS)

@@ -3,7 +3,10 @@
 
 #include "support/throws.hpp"
 
+#include <array>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace clsdf {
 
@@ -48,7 +51,52 @@ BOOST_AUTO_TEST_CASE(a_view_reads_the_callers_arrays_whatever_their_type) {
     std::vector<std::uint32_t> planes;
     for (std::size_t k = 0; k < 3; ++k)
         for (const Triangle& face : faces) planes.push_back(face[k]);
-    check_is_the_tetrahedron(MeshView(fours.data(), 4, {4, 1}, planes.data(), 4, {1, 4}));
+    constexpr std::ptrdiff_t width = 4;
+    check_is_the_tetrahedron(MeshView({fours.data(), 4, 4 * width}, {planes.data(), 4, width, 4 * width}));
+
+    // 64 bits an index, the last triangle first; an offset into an array of numbers.
+    std::vector<std::int64_t> backwards{7, 7};
+    for (std::size_t f = faces.size(); f-- > 0;) backwards.insert(backwards.end(), faces[f].begin(), faces[f].end());
+    Triples triangles(backwards);
+    triangles.offset = (2 + 3 * 3) * sizeof(std::int64_t);
+    triangles.stride = -static_cast<std::ptrdiff_t>(3 * sizeof(std::int64_t));
+    triangles.count = 4;
+    check_is_the_tetrahedron(MeshView(corners, triangles));
+    const std::vector<std::array<float, 3>> float_corners{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+    check_is_the_tetrahedron(MeshView(float_corners, faces));
+}
+
+BOOST_AUTO_TEST_CASE(indices_of_64_bits_are_named_as_they_are) {
+    std::vector<std::array<std::int64_t, 3>> wide{{0, 2, 1}, {0, 1, 5'000'000'000}};
+    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 5000000000"},
+                 [&] { Mesh{MeshView(corners, wide)}; });
+    wide[1][2] = -1;
+    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index -1"}, [&] { Mesh{MeshView(corners, wide)}; });
+    wide[1][2] = 4;
+    check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 4", "4 vertices"},
+                 [&] { Mesh{MeshView(corners, wide)}; });
+}
+
+BOOST_AUTO_TEST_CASE(arrays_that_cannot_be_triples_are_refused) {
+    Triples vertices(corners);
+    const auto refused = [&](const std::vector<std::string>& words) {
+        check_throws(ErrorCode::invalid_mesh, words, [&] { MeshView(vertices, faces); });
+    };
+    vertices.count = 5;
+    refused({"5 vertices", "byte 0 to 120", "holds 96"});
+    vertices.count = 2;
+    vertices.stride = -24;
+    refused({"vertices", "byte -24 to 24"});
+    vertices.stride = 28;
+    refused({"vertices", "28", "8 bytes"});
+    vertices.stride = 24;
+    vertices.offset = 4;
+    refused({"vertices", "offset 4"});
+    vertices = {};
+    vertices.count = 1;
+    refused({"1 vertices", "no memory"});
+    check_throws(ErrorCode::invalid_mesh, {"vertices", "integers"}, [&] { MeshView(faces, faces); });
+    check_throws(ErrorCode::invalid_mesh, {"triangles", "doubles"}, [&] { MeshView(corners, corners); });
 }
 
 BOOST_AUTO_TEST_CASE(matrices_of_either_order_are_meshes) {

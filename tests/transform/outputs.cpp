@@ -252,8 +252,9 @@ BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
     std::vector<double> doubles(3 * grid.sample_count());
     check_throws(ErrorCode::unsupported, {"output distance", "double", "float"},
                  [&] { transform.compute(grid, band, {.distance = std::span(doubles).first(grid.sample_count())}); });
-    check_throws(ErrorCode::unsupported, {"output gradient", "double"},
-                 [&] { transform.compute(grid, band, {.distance = distance, .gradient = doubles}); });
+    std::vector<std::uint32_t> integers(3 * grid.sample_count());
+    check_throws(ErrorCode::unsupported, {"output gradient", "uint32", "float or double"},
+                 [&] { transform.compute(grid, band, {.distance = distance, .gradient = integers}); });
     check_throws(ErrorCode::unsupported, {"output site", "float", "uint8"},
                  [&] { transform.compute(grid, band, {.distance = distance, .site = distance}); });
     OutputTarget beyond = distance;

@@ -403,9 +403,6 @@ BOOST_AUTO_TEST_CASE(errors_name_the_point_and_the_argument) {
     check_throws(ErrorCode::invalid_argument, {"5 points", "distance", "4 values"},
                  [&] { transform.query(points, 1, {.distance = std::span(distance).first(4)}); });
     check_throws(ErrorCode::invalid_argument, {"distance has no target"}, [&] { transform.query(points, 1, {}); });
-    OutputTargets on_device;
-    on_device.distance = OutputTarget(reinterpret_cast<cl_mem>(&distance));
-    check_throws(ErrorCode::unsupported, {"memory of the device"}, [&] { transform.query(points, 1, on_device); });
     check_throws(ErrorCode::cancelled, {},
                  [&] { transform.query(points, 1, {.distance = distance}, {.should_stop = [] { return true; }}); });
     transform.query(points, 1, {.distance = distance});

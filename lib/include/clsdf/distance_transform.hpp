@@ -224,7 +224,9 @@ public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
     /// Throws Error(invalid_mesh, no_device or device_failure).
     DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {}, const CallOptions& call = {});
-    DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {}, const CallOptions& call = {});
+    /// The view's arrays may be memory of the device's context, which is read after the events of `wait_list`.
+    DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {}, const CallOptions& call = {},
+                      std::span<const cl_event> wait_list = {});
     DistanceTransform(DistanceTransform&&) noexcept;
     DistanceTransform& operator=(DistanceTransform&&) noexcept;
     ~DistanceTransform();
@@ -237,10 +239,16 @@ public:
     /// follows from the triangles stays: their order, which vertices count as one, topology() and sign(). Fields of
     /// later calls depend on the first and on these positions only. Faces may lose their area and regain it, vertices
     /// that come to coincide stay separate; plans keep the positions they were made with.
-    /// Throws Error(invalid_argument) if the number of positions is another one, or if vertices that had equal
-    /// coordinates, and count as one, move apart; Error(invalid_mesh) if a vertex in use is not finite. After an error
-    /// the positions are those of before.
-    void move(std::span<const Vec3> positions);
+    ///
+    /// Positions in memory of the device are read after the events of `wait_list`. All of them come to the host, whose
+    /// exact decisions and tables need every position: mapped, 12 or 24 bytes each. They may change when move()
+    /// returns.
+    ///
+    /// Throws Error(invalid_argument) if the number of positions is another one, for memory that is missing, too small
+    /// or of another context, or if vertices that had equal coordinates, and count as one, move apart;
+    /// Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for a buffer that the host may not
+    /// read. After an error the positions are those of before.
+    void move(const Triples& positions, std::span<const cl_event> wait_list = {});
 
     /// Moves the vertices to R x + t, a rigid motion. x are the positions of the mesh that the transform was made from,
     /// so errors do not add up over many motions. `rotation` has the rows of R. A coordinate is three multiplications
@@ -302,17 +310,21 @@ public:
     /// number (or parity) at the given doubles; a point on the surface has the distance +0. A voxel, as a measure, is
     /// 1/256 of the longest side of the mesh's box, or 1 if the mesh has no extent.
     ///
-    /// A target is host memory of the caller for points.size() values, packed or strides[0] bytes from point to point.
+    /// Points and targets are memory of the host or of the device, each for itself, also the same memory. A target has
+    /// points.count values, packed or strides[0] bytes from point to point. The call begins after the events of
+    /// `wait_list`, and returns when the targets are written. Memory of the device is mapped: on a device with memory
+    /// of its own, points and outputs pass through the host, which sorts the points.
+    ///
     /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
     /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 550
     /// bytes a triangle, the first one of many points 240 more (TransformOptions::kept_bytes). An error leaves the
     /// targets undefined.
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
-    /// the mesh's box, for a negative or NaN `within`, and for memory that is missing or too small; Error(unsupported)
-    /// for memory of the device; Error(cancelled).
-    void query(std::span<const Vec3> points, double within, const OutputTargets& targets,
-               const CallOptions& call = {}) const;
+    /// the mesh's box, for a negative or NaN `within`, and for memory that is missing, too small or of another context;
+    /// Error(unsupported) for a buffer that the host may not read or write; Error(cancelled).
+    void query(const Triples& points, double within, const OutputTargets& targets, const CallOptions& call = {},
+               std::span<const cl_event> wait_list = {}) const;
 
     /// Sets the place of each box, in the mesh's units: which patches of a refined mesh hold samples of a band, and on
     /// which side the others lie. A box is `near` if it is within half_width of the smallest box around a triangle, so

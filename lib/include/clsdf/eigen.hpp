@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <type_traits>
 
@@ -15,16 +14,8 @@ namespace clsdf {
 
 namespace detail {
 
-/// A matrix as triples: its numbers, the number of triples, and their layout.
-template <typename Scalar>
-struct TriplesOfMatrix {
-    const Scalar* numbers = nullptr;
-    std::size_t count = 0;
-    TripleLayout layout;
-};
-
 template <typename Matrix>
-auto triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
+Triples triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
     static_assert(Matrix::Flags & Eigen::DirectAccessBit,
                   "clsdf::mesh_view looks at matrices, maps, blocks and references; evaluate an expression first");
     constexpr int rows = Matrix::RowsAtCompileTime, columns = Matrix::ColsAtCompileTime;
@@ -36,12 +27,10 @@ auto triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
         throw Error(ErrorCode::invalid_argument,
                     std::string("the matrix of ") + what + " has " + std::to_string(matrix.rows()) + " x " +
                         std::to_string(matrix.cols()) + " numbers; n x 3 or 3 x n make triples");
-    TriplesOfMatrix<typename Matrix::Scalar> triples;
-    triples.numbers = matrix.data();
-    triples.count = static_cast<std::size_t>(row_by_row ? matrix.rows() : matrix.cols());
-    triples.layout = row_by_row ? TripleLayout{matrix.rowStride(), matrix.colStride()}
-                                : TripleLayout{matrix.colStride(), matrix.rowStride()};
-    return triples;
+    constexpr auto width = static_cast<std::ptrdiff_t>(sizeof(typename Matrix::Scalar));
+    const std::ptrdiff_t rows_apart = matrix.rowStride() * width, columns_apart = matrix.colStride() * width;
+    return row_by_row ? Triples(matrix.data(), static_cast<std::size_t>(matrix.rows()), rows_apart, columns_apart)
+                      : Triples(matrix.data(), static_cast<std::size_t>(matrix.cols()), columns_apart, rows_apart);
 }
 
 }  // namespace detail
@@ -49,18 +38,16 @@ auto triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
 /// A view of a mesh in Eigen's matrices, maps, blocks or references. It copies nothing and must not outlive them. The
 /// matrices are n x 3, a row per vertex or triangle (libigl's V and F), or 3 x n, a column per vertex or triangle; row-
 /// or column-major, with gaps or without. A 3 x 3 matrix of dynamic size counts as rows. Vertices are double or float,
-/// indices have 32 bits. Throws Error(invalid_argument) if a matrix of dynamic size has neither 3 rows nor 3 columns.
+/// indices have 32 or 64 bits. Throws Error(invalid_argument) if a matrix of dynamic size has neither 3 rows nor 3
+/// columns.
 template <typename Vertices, typename Triangles>
 MeshView mesh_view(const Eigen::MatrixBase<Vertices>& vertices, const Eigen::MatrixBase<Triangles>& triangles) {
     using Index = typename Triangles::Scalar;
     static_assert(std::is_same_v<typename Vertices::Scalar, double> || std::is_same_v<typename Vertices::Scalar, float>,
                   "clsdf::mesh_view takes vertices in double or float");
-    static_assert(std::is_integral_v<Index> && sizeof(Index) == 4, "clsdf::mesh_view takes indices of 32 bits");
-    const auto corners = detail::triples_of(vertices, "vertices");
-    const auto faces = detail::triples_of(triangles, "triangles");
-    // A negative index becomes one that is out of range, which Mesh reports.
-    return {corners.numbers, corners.count, corners.layout, reinterpret_cast<const std::uint32_t*>(faces.numbers),
-            faces.count,     faces.layout};
+    static_assert(std::is_integral_v<Index> && (sizeof(Index) == 4 || sizeof(Index) == 8),
+                  "clsdf::mesh_view takes indices of 32 or 64 bits");
+    return {detail::triples_of(vertices, "vertices"), detail::triples_of(triangles, "triangles")};
 }
 
 }  // namespace clsdf

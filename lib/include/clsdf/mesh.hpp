@@ -5,9 +5,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <optional>
+#include <ranges>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <vector>
+
+typedef struct _cl_mem* cl_mem;
 
 namespace clsdf {
 
@@ -31,43 +36,86 @@ struct CLSDF_EXPORT Box {
 /// Three vertex indices, counter-clockwise seen from outside.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// The layout of triples in an array, in numbers; a step may be negative. By default triples follow each other without
-/// gaps.
-struct TripleLayout {
-    std::ptrdiff_t triple = 3;  ///< from a number of a triple to the same one of the next triple
-    std::ptrdiff_t number = 1;  ///< from a number of a triple to its next
+/// The type of numbers in the caller's memory. Signed integers count as unsigned ones: a negative index is out of
+/// range.
+enum class NumberType : std::uint8_t { float32, float64, uint32, uint64 };
+
+namespace detail {
+/// The type of the numbers of an array's elements, which are numbers or triples of numbers.
+template <typename Value>
+constexpr std::optional<NumberType> number_type() {
+    if constexpr (std::is_same_v<Value, float>) return NumberType::float32;
+    if constexpr (std::is_same_v<Value, double>) return NumberType::float64;
+    if constexpr (std::is_integral_v<Value>) {
+        if constexpr (sizeof(Value) == 4) return NumberType::uint32;
+        if constexpr (sizeof(Value) == 8) return NumberType::uint64;
+    }
+    if constexpr (requires {
+                      typename Value::value_type;
+                      std::tuple_size<Value>::value;
+                  })
+        if constexpr (std::tuple_size_v<Value> == 3) return number_type<typename Value::value_type>();
+    return std::nullopt;
+}
+}  // namespace detail
+
+/// Triples of numbers in the caller's memory, on the host or on the device: positions (x, y, z), or the vertex indices
+/// of triangles. Nothing is copied; the memory must outlive the use.
+struct Triples {
+    const void* host = nullptr;
+    cl_mem device = nullptr;  ///< a buffer that the host may read (not CL_MEM_HOST_NO_ACCESS, CL_MEM_HOST_WRITE_ONLY)
+    std::size_t count = 0;    ///< of triples
+    NumberType type = NumberType::float64;
+    /// Bytes before the first triple. Like the strides a multiple of a number's bytes.
+    std::size_t offset = 0;
+    std::ptrdiff_t stride = 0;         ///< bytes from a triple to the next one, also negative; 0: side by side
+    std::ptrdiff_t number_stride = 0;  ///< bytes from a number of a triple to its next; 0: side by side
+    std::size_t bytes = unknown_size;  ///< that host memory holds; if unknown, it must hold all that is addressed
+
+    static constexpr std::size_t unknown_size = static_cast<std::size_t>(-1);
+
+    Triples() = default;
+    /// An array of triples (Vec3, Triangle, any std::array of three numbers), or of three numbers a triple.
+    template <std::ranges::contiguous_range Array>
+    requires(detail::number_type<std::ranges::range_value_t<Array>>().has_value())
+        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): any array of numbers
+        Triples(Array&& array)
+        : host(std::ranges::data(array)),
+          type(*detail::number_type<std::ranges::range_value_t<Array>>()),
+          bytes(std::ranges::size(array) * sizeof(std::ranges::range_value_t<Array>)) {
+        count = bytes / (3 * number_bytes());
+    }
+    /// Numbers at any distance from each other, for instance four floats a triple, or all x before all y.
+    template <typename Value>
+    requires(detail::number_type<Value>().has_value())
+        Triples(const Value* first, std::size_t count_in, std::ptrdiff_t stride_in = 0,
+                std::ptrdiff_t number_stride_in = 0)
+        : host(first),
+          count(count_in),
+          type(*detail::number_type<Value>()),
+          stride(stride_in),
+          number_stride(number_stride_in) {}
+    /// Memory of the device, a buffer.
+    Triples(cl_mem memory, NumberType type_in, std::size_t count_in) : device(memory), count(count_in), type(type_in) {}
+
+    std::size_t number_bytes() const { return type == NumberType::float64 || type == NumberType::uint64 ? 8 : 4; }
 };
 
 /// A triangle mesh in the caller's arrays; nothing is copied, and the arrays must outlive the view. mesh_view() of
 /// clsdf/eigen.hpp makes one of Eigen's matrices.
 class CLSDF_EXPORT MeshView {
 public:
-    /// `vertices`: x0 y0 z0 x1 y1 z1 ..., `triangles`: three indices a triangle. Throws Error(invalid_mesh) if a
-    /// length is no multiple of three.
-    MeshView(std::span<const double> vertices, std::span<const std::uint32_t> triangles);
-    MeshView(std::span<const float> vertices, std::span<const std::uint32_t> triangles);
-    MeshView(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+    /// Vertices are floats or doubles, triangles are indices of 32 or 64 bits. Throws Error(invalid_mesh) for other
+    /// types, if an array of numbers has a length that is no multiple of three, or if host memory of known size is too
+    /// small.
+    MeshView(const Triples& vertices, const Triples& triangles);
 
-    /// Triples with another layout, for instance vertices in rows of four numbers, or all x before all y. The arrays
-    /// must contain every number that the layouts address.
-    MeshView(const double* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
-             const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout = {});
-    MeshView(const float* vertices, std::size_t vertex_count, const TripleLayout& vertex_layout,
-             const std::uint32_t* triangles, std::size_t triangle_count, const TripleLayout& triangle_layout = {});
-
-    std::size_t vertex_count() const { return vertex_count_; }
-    std::size_t triangle_count() const { return triangle_count_; }
-    Vec3 vertex(std::size_t index) const;
-    Triangle triangle(std::size_t index) const;
+    const Triples& vertices() const { return vertices_; }
+    const Triples& triangles() const { return triangles_; }
 
 private:
-    const double* double_vertices_ = nullptr;
-    const float* float_vertices_ = nullptr;
-    const std::uint32_t* triangles_ = nullptr;
-    std::size_t vertex_count_ = 0;
-    std::size_t triangle_count_ = 0;
-    TripleLayout vertex_layout_;
-    TripleLayout triangle_layout_;
+    Triples vertices_;
+    Triples triangles_;
 };
 
 namespace polyhedra {
@@ -81,7 +129,8 @@ class CLSDF_EXPORT Mesh {
 public:
     /// Takes the arrays over. Throws Error(invalid_mesh) that names `name`, the element and the value.
     Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name = "mesh");
-    /// Copies the caller's arrays.
+    /// Copies the caller's arrays. Throws Error(invalid_mesh), and Error(unsupported) for memory of the device, which a
+    /// DistanceTransform can read.
     explicit Mesh(const MeshView& view, std::string name = "mesh");
 
     /// New positions of the same vertices. Throws Error(invalid_argument) for another number of them, and

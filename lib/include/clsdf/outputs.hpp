@@ -70,8 +70,9 @@ void visit_outputs(const Visit& visit, Sets&&... sets) {
 
 /// The destination of an output: memory of the caller, on the host or on the device.
 ///
-/// The elements are those of PerOutput. The closest point may also be stored as floats: then it is the offset from the
-/// sample, whose accuracy does not depend on the size of the coordinates. Other elements are Error(unsupported).
+/// The elements are those of PerOutput. Gradients and barycentric coordinates may also be stored as doubles, which are
+/// evaluated in double. The closest point may also be stored as floats: then it is the offset from the sample, whose
+/// accuracy does not depend on the size of the coordinates. Other elements are Error(unsupported).
 ///
 /// Samples are packed with x fastest unless strides are given. Strides cost a copy of the field; Plan::enqueue() has no
 /// memory to copy from and takes packed buffers only. Memory between the samples is not changed.

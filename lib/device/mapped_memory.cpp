@@ -1,0 +1,127 @@
+#include "device/mapped_memory.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace clsdf::device {
+
+namespace {
+
+void check_flags(const cl::Buffer& memory, bool is_read, const std::string& what) {
+    const cl_mem_flags flags = memory.getInfo<CL_MEM_FLAGS>();
+    const cl_mem_flags forbidding = CL_MEM_HOST_NO_ACCESS | (is_read ? CL_MEM_HOST_WRITE_ONLY : CL_MEM_HOST_READ_ONLY);
+    if ((flags & forbidding) == 0) return;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("the buffer of the {} was made with {}, and the host {} it; make it without", what,
+                            (flags & CL_MEM_HOST_NO_ACCESS) != 0 ? "CL_MEM_HOST_NO_ACCESS"
+                            : is_read                            ? "CL_MEM_HOST_WRITE_ONLY"
+                                                                 : "CL_MEM_HOST_READ_ONLY",
+                            is_read ? "reads" : "writes"));
+}
+
+template <typename Buffers>
+auto find(Buffers& buffers, const cl::Buffer& memory) {
+    return std::find_if(buffers.begin(), buffers.end(),
+                        [&](const auto& buffer) { return buffer.memory() == memory(); });
+}
+
+}  // namespace
+
+MappedMemory::~MappedMemory() {
+    try {
+        unmap();
+    } catch (const std::exception&) {
+        // On the way out after another error.
+    }
+}
+
+MappedMemory::Place MappedMemory::place_of(cl_mem memory, std::size_t byte) {
+    cl::Buffer buffer(memory, true);
+    if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
+        byte += buffer.getInfo<CL_MEM_OFFSET>();
+        buffer = cl::Buffer(whole(), true);
+    }
+    return {buffer, byte};
+}
+
+void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std::string& what) {
+    guarded([&] {
+        const cl::Buffer callers(memory, true);
+        if (callers.getInfo<CL_MEM_CONTEXT>()() != context_.context()())
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the buffer of the {} belongs to another OpenCL context than the transform's device",
+                                    what));
+        const std::size_t bytes = callers.getInfo<CL_MEM_SIZE>();
+        if (range.end > bytes)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the {} reach to byte {} of a buffer that holds {}", what, range.end, bytes));
+        check_flags(callers, use == Use::read, what);
+        if (range.is_empty()) return;
+        const Place begin = place_of(memory, range.begin);
+        const ByteRange in_whole{begin.byte, begin.byte + (range.end - range.begin)};
+        const cl_map_flags flags = use == Use::read    ? cl_map_flags{CL_MAP_READ}
+                                   : use == Use::write ? cl_map_flags{CL_MAP_WRITE}
+                                                       : cl_map_flags{CL_MAP_WRITE_INVALIDATE_REGION};
+        const auto known = find(buffers_, begin.memory);
+        if (known == buffers_.end()) {
+            buffers_.push_back({begin.memory, in_whole, flags, nullptr});
+            return;
+        }
+        known->range = {std::min(known->range.begin, in_whole.begin), std::max(known->range.end, in_whole.end)};
+        // Bytes between two ranges stay.
+        const auto keeping = [](cl_map_flags any) {
+            return any == CL_MAP_WRITE_INVALIDATE_REGION ? cl_map_flags{CL_MAP_WRITE} : any;
+        };
+        known->flags = keeping(known->flags) | keeping(flags);
+    });
+}
+
+void MappedMemory::add(const Triples& triples, const std::string& what) {
+    if (triples.device == nullptr) return;
+    const std::size_t bytes = guarded([&] { return cl::Buffer(triples.device, true).getInfo<CL_MEM_SIZE>(); });
+    add(triples.device, range_of(triples, bytes, what.c_str(), ErrorCode::invalid_argument), Use::read, what);
+}
+
+void MappedMemory::map(std::span<const cl_event> wait_list) {
+    guarded([&] {
+        std::vector<cl::Event> events;
+        for (cl_event event : wait_list) events.emplace_back(event, true);
+        if (!events.empty()) cl::Event::waitForEvents(events);
+        for (Buffer& buffer : buffers_)
+            buffer.mapped = static_cast<std::byte*>(context_.queue().enqueueMapBuffer(
+                buffer.memory, CL_TRUE, buffer.flags, buffer.range.begin, buffer.range.end - buffer.range.begin));
+    });
+}
+
+std::byte* MappedMemory::at(cl_mem memory, std::size_t byte) const {
+    const Place place = guarded([&] { return place_of(memory, byte); });
+    const auto found = find(buffers_, place.memory);
+    return found->mapped + (place.byte - found->range.begin);
+}
+
+Triples MappedMemory::on_host(const Triples& triples) const {
+    if (triples.device == nullptr || triples.count == 0) return triples;
+    const ByteRange range = range_of(triples, Triples::unknown_size, "", ErrorCode::invalid_argument);
+    Triples result = triples;
+    result.device = nullptr;
+    result.host = at(triples.device, range.begin);
+    result.offset = triples.offset - range.begin;
+    result.bytes = range.end - range.begin;
+    return result;
+}
+
+void MappedMemory::unmap() {
+    bool is_mapped = false;
+    guarded([&] {
+        for (Buffer& buffer : buffers_)
+            if (std::byte* const mapped = std::exchange(buffer.mapped, nullptr); mapped != nullptr) {
+                context_.queue().enqueueUnmapMemObject(buffer.memory, mapped);
+                is_mapped = true;
+            }
+        if (is_mapped) context_.queue().finish();
+    });
+}
+
+}  // namespace clsdf::device

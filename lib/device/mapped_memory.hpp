@@ -1,0 +1,62 @@
+#pragma once
+
+#include "device/context.hpp"
+#include "mesh/triples.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf::device {
+
+/// Buffers of the caller's in the host's address space for the time of a call. A buffer is mapped once, whatever lies in
+/// it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
+class MappedMemory {
+public:
+    explicit MappedMemory(const Context& context) : context_(context) {}
+    MappedMemory(const MappedMemory&) = delete;
+    MappedMemory& operator=(const MappedMemory&) = delete;
+    /// Gives the buffers back, also after an error.
+    ~MappedMemory();
+
+    enum class Use {
+        read,
+        write,      ///< of some bytes of the range
+        overwrite,  ///< of every byte
+    };
+    /// what: the name of the memory in messages, with "of". Throws Error(invalid_argument) if the buffer belongs to
+    /// another context or the range does not lie in it, Error(unsupported) if its flags forbid the use.
+    void add(cl_mem memory, const ByteRange& range, Use use, const std::string& what);
+    /// Nothing, of memory of the host. what: a plural.
+    void add(const Triples& triples, const std::string& what);
+
+    /// Returns when the events have ended and the memory is there.
+    void map(std::span<const cl_event> wait_list);
+    /// Of bytes that were added.
+    std::byte* at(cl_mem memory, std::size_t byte) const;
+    /// The same triples in memory of the host.
+    Triples on_host(const Triples& triples) const;
+
+    /// Returns when the device has what was written.
+    void unmap();
+
+private:
+    struct Buffer {
+        cl::Buffer memory;
+        ByteRange range;
+        cl_map_flags flags = 0;
+        std::byte* mapped = nullptr;
+    };
+    /// A byte of a buffer that is no part of another one.
+    struct Place {
+        cl::Buffer memory;
+        std::size_t byte = 0;
+    };
+    static Place place_of(cl_mem memory, std::size_t byte);
+
+    const Context& context_;
+    std::vector<Buffer> buffers_;
+};
+
+}  // namespace clsdf::device

@@ -1,0 +1,159 @@
+#include "mesh/triples.hpp"
+
+#include "core/parallel.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace clsdf {
+
+namespace {
+
+/// Distances in bytes, with what is side by side filled in.
+struct Steps {
+    std::ptrdiff_t triple = 0;
+    std::ptrdiff_t number = 0;
+};
+
+Steps steps_of(const Triples& triples) {
+    const auto width = static_cast<std::ptrdiff_t>(triples.number_bytes());
+    return {triples.stride != 0 ? triples.stride : 3 * width,
+            triples.number_stride != 0 ? triples.number_stride : width};
+}
+
+bool is_of_vec3(const Triples& triples) {
+    const Steps steps = steps_of(triples);
+    return triples.type == NumberType::float64 && steps.triple == sizeof(Vec3) && steps.number == sizeof(double);
+}
+
+const std::byte* first_of(const Triples& triples) {
+    if (triples.device != nullptr)
+        throw Error(ErrorCode::unsupported,
+                    "the mesh's arrays are memory of the device, which a Mesh cannot read; make a DistanceTransform of "
+                    "the view, or pass arrays of the host");
+    return static_cast<const std::byte*>(triples.host) + triples.offset;
+}
+
+/// Calls f(index, numbers) for each triple, on all cores.
+template <typename Number, typename Function>
+void for_each_triple(const Triples& triples, const Function& f) {
+    const std::byte* const first = first_of(triples);
+    const Steps steps = steps_of(triples);
+    for_each_index(triples.count, [&](std::size_t i) {
+        const std::byte* const at = first + static_cast<std::ptrdiff_t>(i) * steps.triple;
+        std::array<Number, 3> numbers;
+        for (std::size_t k = 0; k < 3; ++k)
+            std::memcpy(&numbers[k], at + static_cast<std::ptrdiff_t>(k) * steps.number, sizeof(Number));
+        f(i, numbers);
+    });
+}
+
+constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
+
+/// Throws that names the index that is none.
+void refuse_triangle(const Triples& triangles, std::size_t triangle, const std::string& mesh_name) {
+    const Steps steps = steps_of(triangles);
+    const std::byte* const at = first_of(triangles) + static_cast<std::ptrdiff_t>(triangle) * steps.triple;
+    for (std::ptrdiff_t k = 0; k < 3; ++k) {
+        std::uint64_t index = 0;
+        std::memcpy(&index, at + k * steps.number, sizeof index);
+        if (index >= no_index)
+            throw Error(ErrorCode::invalid_mesh,
+                        fmt::format("{}: triangle {} has the vertex index {}, and indices must be from 0 to {}",
+                                    mesh_name, triangle, static_cast<std::int64_t>(index), no_index - 1));
+    }
+}
+
+}  // namespace
+
+void check_triples(const Triples& triples, TripleKind kind, const char* what, ErrorCode code) {
+    const bool is_real = triples.type == NumberType::float32 || triples.type == NumberType::float64;
+    if (is_real != (kind == TripleKind::positions))
+        throw Error(code, fmt::format("the {} are {}; give {}", what, is_real ? "floats or doubles" : "integers",
+                                      is_real ? "integers of 32 or 64 bits" : "floats or doubles"));
+    const auto width = static_cast<std::ptrdiff_t>(triples.number_bytes());
+    if (static_cast<std::ptrdiff_t>(triples.offset % triples.number_bytes()) != 0 || triples.stride % width != 0 ||
+        triples.number_stride % width != 0)
+        throw Error(code,
+                    fmt::format("the offset {} and the strides {} and {} of the {} are not all multiples of their "
+                                "numbers' {} bytes",
+                                triples.offset, triples.stride, triples.number_stride, what, width));
+    if (triples.device != nullptr) return;
+    if (triples.count > 0 && triples.host == nullptr)
+        throw Error(code, fmt::format("there are {} {} and no memory for them", triples.count, what));
+    if (triples.bytes == Triples::unknown_size) return;
+    const std::size_t numbers = triples.bytes / triples.number_bytes();
+    if (triples.offset == 0 && triples.stride == 0 && triples.number_stride == 0 && numbers % 3 != 0)
+        throw Error(code, fmt::format("the array of {} has {} numbers, which is no multiple of three", what, numbers));
+    range_of(triples, triples.bytes, what, code);
+}
+
+ByteRange range_of(const Triples& triples, std::size_t bytes, const char* what, ErrorCode code) {
+    if (triples.count == 0) return {};
+    const Steps steps = steps_of(triples);
+    // In double, which no sum of such products overflows.
+    double lowest = static_cast<double>(triples.offset);
+    double highest = lowest + static_cast<double>(triples.number_bytes());
+    const auto extend = [&](std::ptrdiff_t stride, double count) {
+        (stride < 0 ? lowest : highest) += static_cast<double>(stride) * count;
+    };
+    extend(steps.triple, static_cast<double>(triples.count - 1));
+    extend(steps.number, 2);
+    if (lowest < 0 || highest > static_cast<double>(bytes))
+        throw Error(code, fmt::format("the {} {} reach from byte {:.0f} to {:.0f} with their offset and strides, and "
+                                      "their memory holds {}",
+                                      triples.count, what, lowest, highest, bytes));
+    return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
+}
+
+std::vector<Vec3> read_positions(const Triples& positions) {
+    if (is_of_vec3(positions)) {
+        const std::byte* const first = first_of(positions);
+        std::vector<Vec3> result(positions.count);
+        if (!result.empty()) std::memcpy(result.data(), first, result.size() * sizeof(Vec3));
+        return result;
+    }
+    std::vector<Vec3> result(positions.count);
+    const auto store = [&](std::size_t i, const auto& numbers) {
+        result[i] = {static_cast<double>(numbers[0]), static_cast<double>(numbers[1]), static_cast<double>(numbers[2])};
+    };
+    if (positions.type == NumberType::float32)
+        for_each_triple<float>(positions, store);
+    else
+        for_each_triple<double>(positions, store);
+    return result;
+}
+
+std::vector<Triangle> read_triangles(const Triples& triangles, const std::string& mesh_name) {
+    std::vector<Triangle> result(triangles.count);
+    const auto store = [&](std::size_t i, const auto& numbers) {
+        for (std::size_t k = 0; k < 3; ++k)
+            result[i][k] = static_cast<std::uint32_t>(std::min<std::uint64_t>(numbers[k], no_index));
+    };
+    if (triangles.type == NumberType::uint32) {
+        for_each_triple<std::uint32_t>(triangles, store);
+        return result;
+    }
+    for_each_triple<std::uint64_t>(triangles, store);
+    for (std::size_t t = 0; t < result.size(); ++t)
+        if (std::ranges::count(result[t], no_index) > 0) refuse_triangle(triangles, t, mesh_name);
+    return result;
+}
+
+PositionArray::PositionArray(const Triples& positions) {
+    if (positions.count == 0) return;
+    const std::byte* const first = first_of(positions);
+    if (is_of_vec3(positions) && reinterpret_cast<std::uintptr_t>(first) % alignof(Vec3) == 0) {
+        array_ = {reinterpret_cast<const Vec3*>(first), positions.count};
+        return;
+    }
+    copy_ = read_positions(positions);
+    array_ = copy_;
+}
+
+}  // namespace clsdf

@@ -1,0 +1,322 @@
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
+#include "support/test_meshes.hpp"
+#include "support/throws.hpp"
+
+#include "device/context.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <thread>
+#include <vector>
+
+// The mesh, new positions, points and results lie in the caller's memory, on the host or on the device, in any layout;
+// the bytes are the same.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+/// Doubles before the positions, and what a vertex has beside its position.
+constexpr std::size_t head = 4096;
+struct Vertex {
+    float weight = 7;
+    std::array<float, 3> x{};
+};
+struct Face {
+    std::array<std::uint64_t, 3> vertices{};
+    double area = 7;
+};
+
+const cl::Context& context() {
+    return device::context_of(test_device()).context();
+}
+
+cl::CommandQueue new_queue() {
+    return {context(), device::context_of(test_device()).device()};
+}
+
+template <typename Value>
+cl::Buffer buffer_of(const std::vector<Value>& values, cl_mem_flags flags = 0) {
+    return {context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR | flags, values.size() * sizeof(Value),
+            const_cast<Value*>(values.data())};  // which is only read
+}
+
+template <typename Value>
+std::vector<Value> contents_of(const cl::Buffer& buffer) {
+    std::vector<Value> values(buffer.getInfo<CL_MEM_SIZE>() / sizeof(Value));
+    new_queue().enqueueReadBuffer(buffer, CL_TRUE, 0, values.size() * sizeof(Value), values.data());
+    return values;
+}
+
+/// Coordinates that floats hold.
+Mesh in_floats(const Mesh& mesh) {
+    std::vector<Vec3> vertices = mesh.vertices();
+    for (Vec3& vertex : vertices)
+        for (double& x : vertex) x = static_cast<double>(static_cast<float>(x));
+    return {std::move(vertices), mesh.triangles(), mesh.name()};
+}
+
+std::vector<Vertex> vertices_of(const Mesh& mesh) {
+    std::vector<Vertex> result;
+    for (const Vec3& x : mesh.vertices())
+        result.push_back({7, {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])}});
+    return result;
+}
+
+Triples positions_in(const cl::Buffer& vertices, std::size_t count) {
+    Triples positions(vertices(), NumberType::float32, count);
+    positions.offset = offsetof(Vertex, x);
+    positions.stride = sizeof(Vertex);
+    return positions;
+}
+
+std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count) {
+    std::mt19937_64 generator(17);
+    std::uniform_real_distribution<double> part(-0.1, 1.1);
+    std::vector<Vec3> points(count);
+    const Vec3 extent = mesh.box().extent();
+    for (Vec3& p : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = mesh.box().lower[axis] + part(generator) * extent[axis];
+    return points;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_mesh_and_its_new_positions_may_be_memory_of_the_device) {
+    const Mesh mesh = in_floats(make_shape("knot"));
+    const std::size_t count = mesh.vertices().size();
+    std::vector<Face> faces;
+    for (const Triangle& t : mesh.triangles()) faces.push_back({{t[0], t[1], t[2]}, 7});
+    const cl::Buffer vertex_buffer = buffer_of(vertices_of(mesh)), face_buffer = buffer_of(faces);
+    Triples triangles(face_buffer(), NumberType::uint64, faces.size());
+    triangles.stride = sizeof(Face);
+    const MeshView view(positions_in(vertex_buffer, count), triangles);
+    check_throws(ErrorCode::unsupported, {"memory of the device"}, [&] { Mesh{view}; });
+    DistanceTransform transform(test_device(), view);
+    DistanceTransform expected(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 40, 5);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Outputs outputs{.triangle = true, .gradient = true};
+    BOOST_TEST(same_bytes(transform(grid, band, outputs), expected(grid, band, outputs)));
+
+    // The positions are written when the event has ended, and not before.
+    const Mesh moved = in_floats(tilted(mesh));
+    const std::vector<Vertex> values = vertices_of(moved);
+    cl::UserEvent begin(context());
+    const std::vector<cl::Event> after_begin{begin};
+    cl::Event written;
+    const cl::CommandQueue queue = new_queue();
+    queue.enqueueWriteBuffer(vertex_buffer, CL_FALSE, 0, values.size() * sizeof(Vertex), values.data(), &after_begin,
+                             &written);
+    queue.flush();
+    std::thread starter([&] { begin.setStatus(CL_COMPLETE); });
+    const cl_event handle = written();
+    transform.move(positions_in(vertex_buffer, count), {&handle, 1});
+    starter.join();
+    expected.move(moved.vertices());
+    BOOST_TEST(same_bytes(transform(grid, band, outputs), expected(grid, band, outputs)));
+
+    // Doubles from an offset on; and floats of the host, all x before all y.
+    std::vector<double> doubles(head, 7.0);
+    for (const Vec3& x : mesh.vertices()) doubles.insert(doubles.end(), x.begin(), x.end());
+    const cl::Buffer buffer = buffer_of(doubles);
+    Triples positions(buffer(), NumberType::float64, count);
+    positions.offset = head * sizeof(double);
+    transform.move(positions);
+    expected.move(mesh.vertices());
+    BOOST_TEST(same_bytes(transform(grid, band, outputs), expected(grid, band, outputs)));
+    std::vector<float> planes;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const Vec3& x : moved.vertices()) planes.push_back(static_cast<float>(x[axis]));
+    const auto width = static_cast<std::ptrdiff_t>(sizeof(float));
+    transform.move({planes.data(), count, width, width * static_cast<std::ptrdiff_t>(count)});
+    expected.move(moved.vertices());
+    BOOST_TEST(same_bytes(transform(grid, band, outputs), expected(grid, band, outputs)));
+}
+
+BOOST_AUTO_TEST_CASE(positions_on_the_device_that_cannot_be_used_are_refused_and_the_mesh_stays) {
+    const Mesh mesh = in_floats(make_shape("cube"));
+    const std::size_t count = mesh.vertices().size();
+    DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 20, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field before = transform(grid, band);
+    std::vector<Vertex> vertices = vertices_of(mesh);
+    const cl::Buffer buffer = buffer_of(vertices);
+    Triples positions = positions_in(buffer, count);
+    const auto refused = [&](ErrorCode code, const std::vector<std::string>& words) {
+        check_throws(code, words, [&] { transform.move(positions); });
+        BOOST_TEST(same_bytes(transform(grid, band), before));
+    };
+    positions.offset += sizeof(Vertex);
+    refused(ErrorCode::invalid_argument, {"positions", "memory holds " + std::to_string(count * sizeof(Vertex))});
+    positions.offset = 2;
+    refused(ErrorCode::invalid_argument, {"positions", "multiples", "4 bytes"});
+    positions = positions_in(buffer, count);
+    positions.stride = 15;
+    refused(ErrorCode::invalid_argument, {"positions", "15", "4 bytes"});
+    positions = positions_in(buffer, count - 1);
+    refused(ErrorCode::invalid_argument, {std::to_string(count - 1) + " positions"});
+    positions = Triples(buffer(), NumberType::uint32, count);
+    refused(ErrorCode::invalid_argument, {"positions", "integers"});
+    const cl::Context other(device::context_of(test_device()).device());
+    const cl::Buffer of_other(other, CL_MEM_READ_WRITE, count * sizeof(Vertex));
+    positions = positions_in(of_other, count);
+    refused(ErrorCode::invalid_argument, {"positions", "another OpenCL context"});
+    const cl::Buffer hidden(context(), CL_MEM_READ_WRITE | CL_MEM_HOST_NO_ACCESS, count * sizeof(Vertex));
+    positions = positions_in(hidden, count);
+    refused(ErrorCode::unsupported, {"positions", "CL_MEM_HOST_NO_ACCESS", "reads"});
+    vertices[5].x[1] = std::numeric_limits<float>::quiet_NaN();
+    const cl::Buffer spoilt = buffer_of(vertices);
+    positions = positions_in(spoilt, count);
+    refused(ErrorCode::invalid_mesh, {"vertex 5", "nan"});
+}
+
+// Particles in one buffer, with what is found beside where they are.
+BOOST_AUTO_TEST_CASE(points_and_results_may_be_memory_of_the_device) {
+    struct Particle {
+        Vec3 position{};
+        std::array<float, 3> normal{7, 7, 7};
+        float distance = 7;
+        std::uint32_t triangle = 7, kept = 7;
+        double weight = 7;
+    };
+    const Mesh mesh = tilted(make_shape("knot"));
+    const DistanceTransform transform(test_device(), mesh);
+    for (const std::size_t count : {std::size_t{1}, std::size_t{1000}, std::size_t{20000}}) {
+        const std::vector<Vec3> points = points_around(mesh, count);
+        const Field expected = query(transform, points, 0.3);
+        std::vector<Particle> particles(count);
+        for (std::size_t i = 0; i < count; ++i) particles[i].position = points[i];
+        const cl::Buffer buffer = buffer_of(particles);
+        const auto target = [&](std::size_t offset, OutputTarget::Element element) {
+            OutputTarget result(buffer(), element);
+            result.offset = offset;
+            result.strides[0] = sizeof(Particle);
+            return result;
+        };
+        Triples positions(buffer(), NumberType::float64, count);
+        positions.stride = sizeof(Particle);
+        using Element = OutputTarget::Element;
+        // The site goes to the host.
+        std::vector<std::uint8_t> site(count);
+        transform.query(positions, 0.3,
+                        {.distance = target(offsetof(Particle, distance), Element::float32),
+                         .triangle = target(offsetof(Particle, triangle), Element::uint32),
+                         .site = site,
+                         .gradient = target(offsetof(Particle, normal), Element::float32)});
+        const std::vector<Particle> found = contents_of<Particle>(buffer);
+        BOOST_TEST(std::ranges::equal(site, expected.site));
+        for (std::size_t i = 0; i < count; ++i) {
+            BOOST_REQUIRE(found[i].position == points[i]);
+            BOOST_REQUIRE(found[i].distance == expected.distance[i]);
+            BOOST_REQUIRE(found[i].triangle == expected.triangle[i]);
+            BOOST_REQUIRE(std::memcmp(found[i].normal.data(), &expected.gradient[3 * i], sizeof found[i].normal) == 0);
+            BOOST_REQUIRE(found[i].kept == 7U);
+            BOOST_REQUIRE(found[i].weight == 7.0);
+        }
+
+        // Packed, in parts of one buffer, the points on the host.
+        constexpr std::size_t room = std::size_t{1} << 20;
+        const cl::Buffer whole(context(), CL_MEM_READ_WRITE, 2 * room);
+        const cl_buffer_region second{room, room};
+        cl::Buffer part = cl::Buffer(whole).createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &second);
+        transform.query(points, 0.3, {.distance = OutputTarget(whole()), .closest = OutputTarget(part())});
+        const std::vector<std::byte> bytes = contents_of<std::byte>(whole);
+        BOOST_TEST(std::memcmp(bytes.data(), expected.distance.data(), count * sizeof(float)) == 0);
+        BOOST_TEST(std::memcmp(bytes.data() + room, expected.closest.data(), count * sizeof(Vec3)) == 0);
+
+        // Points in floats are the doubles of the same value.
+        std::vector<std::array<float, 3>> floats;
+        std::vector<Vec3> rounded;
+        for (const Vec3& p : points) {
+            floats.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
+            rounded.push_back({static_cast<double>(floats.back()[0]), static_cast<double>(floats.back()[1]),
+                               static_cast<double>(floats.back()[2])});
+        }
+        std::vector<float> distance(count);
+        const cl::Buffer float_buffer = buffer_of(floats);
+        transform.query(Triples(float_buffer(), NumberType::float32, count), 0.3, {.distance = distance});
+        BOOST_TEST(std::ranges::equal(distance, query(transform, rounded, 0.3).distance));
+    }
+    const cl::Buffer empty(context(), CL_MEM_READ_WRITE, 16);
+    transform.query(Triples(empty(), NumberType::float64, 0), 1, {.distance = OutputTarget(empty())});
+}
+
+BOOST_AUTO_TEST_CASE(points_and_results_on_the_device_that_cannot_be_used_are_refused) {
+    const Mesh mesh = make_shape("cube");
+    const DistanceTransform transform(test_device(), mesh);
+    std::vector<Vec3> points(5, {0.5, 0, 0});
+    points[3][1] = std::numeric_limits<double>::quiet_NaN();
+    const cl::Buffer buffer = buffer_of(points), distance(context(), CL_MEM_READ_WRITE, 5 * sizeof(float));
+    const auto refused = [&](ErrorCode code, const Triples& from, const OutputTarget& to,
+                             const std::vector<std::string>& words) {
+        check_throws(code, words, [&] { transform.query(from, 1, {.distance = to}); });
+    };
+    const Triples all(buffer(), NumberType::float64, 5);
+    refused(ErrorCode::invalid_argument, all, OutputTarget(distance()), {"point 3", "nan"});
+    refused(ErrorCode::invalid_argument, Triples(buffer(), NumberType::float64, 6), OutputTarget(distance()),
+            {"6 points", "holds 120"});
+    OutputTarget late(distance());
+    late.offset = 4;
+    refused(ErrorCode::invalid_argument, all, late, {"output distance", "from byte 4 to 24", "holds 20"});
+    const cl::Context other(device::context_of(test_device()).device());
+    const cl::Buffer of_other(other, CL_MEM_READ_WRITE, 5 * sizeof(float));
+    refused(ErrorCode::invalid_argument, all, OutputTarget(of_other()), {"output distance", "another OpenCL context"});
+    const cl::Buffer hidden(context(), CL_MEM_READ_WRITE | CL_MEM_HOST_READ_ONLY, 5 * sizeof(float));
+    refused(ErrorCode::unsupported, all, OutputTarget(hidden()),
+            {"output distance", "CL_MEM_HOST_READ_ONLY", "writes"});
+    refused(ErrorCode::invalid_argument, all, OutputTarget(), {"distance has no target"});
+}
+
+// A double is the value that a float is rounded from.
+BOOST_AUTO_TEST_CASE(gradients_and_weights_in_double_round_to_those_in_float) {
+    const Mesh mesh = tilted(make_shape("noisy"));
+    const Grid grid = grid_around(mesh, 24, 4);
+    const std::size_t count = grid.sample_count();
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
+        for (const bool is_on_device : {false, true}) {
+            const DistanceTransform transform(test_device(), mesh, {.body = body});
+            const Band band = Band::symmetric(3 * grid.voxel());
+            const Field field = transform(grid, band, {.gradient = true, .barycentric = true});
+            std::vector<float> distance(count);
+            std::vector<double> gradient(3 * count), barycentric(2 * count);
+            if (is_on_device) {
+                using Element = OutputTarget::Element;
+                const cl::Buffer distances = buffer_of(distance), gradients = buffer_of(gradient),
+                                 weights = buffer_of(barycentric);
+                transform.compute(grid, band,
+                                  {.distance = OutputTarget(distances()),
+                                   .gradient = OutputTarget(gradients(), Element::float64),
+                                   .barycentric = OutputTarget(weights(), Element::float64)});
+                gradient = contents_of<double>(gradients);
+                barycentric = contents_of<double>(weights);
+            } else {
+                transform.compute(grid, band, {.distance = distance, .gradient = gradient, .barycentric = barycentric});
+            }
+            std::size_t vectors = 0, finer = 0;
+            const auto compare = [&](const std::vector<double>& doubles, const auto& floats) {
+                BOOST_TEST_REQUIRE(doubles.size() == floats.size());
+                for (std::size_t i = 0; i < doubles.size(); ++i) {
+                    BOOST_REQUIRE(std::isnan(doubles[i]) == std::isnan(floats[i]));
+                    if (std::isnan(doubles[i])) continue;
+                    BOOST_REQUIRE(static_cast<float>(doubles[i]) == floats[i]);
+                    ++vectors;
+                    finer += doubles[i] != static_cast<double>(floats[i]) ? 1U : 0U;
+                }
+            };
+            compare(gradient, field.gradient);
+            compare(barycentric, field.barycentric);
+            BOOST_TEST(finer > vectors / 4);
+            BOOST_TEST(vectors > 1000U);
+        }
+}
