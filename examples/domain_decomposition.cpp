@@ -1,7 +1,8 @@
-// A grid is divided among the ranks of a parallel simulation. Each rank has a layer of ghost samples.
+// A grid is divided among the ranks of a parallel simulation. Each rank has a layer of ghost samples, and keeps only
+// what its block needs of the mesh.
 //
 // A part of a grid keeps the origin and spacing of the grid, and has the same bytes as the whole. So ghost samples are
-// equal on both sides and need no exchange.
+// equal on both sides and need no exchange. A transform that is restricted to the block gives these bytes, too.
 
 #include <clsdf/clsdf.hpp>
 
@@ -21,6 +22,12 @@ clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t 
     const std::int64_t begin = std::max<std::int64_t>(samples * rank / ranks - ghosts, 0);
     const std::int64_t end = std::min(samples * (rank + 1) / ranks + ghosts, samples);
     return domain.part({begin, 0, 0}, {end - begin, domain.size[1], domain.size[2]});
+}
+
+/// The transform of a rank, which ends with the part that its block needs.
+clsdf::DistanceTransform transform_for(const clsdf::Grid& block, const clsdf::Band& band, const clsdf::Mesh& mesh) {
+    const clsdf::DistanceTransform whole(clsdf::Device::best(), mesh);
+    return whole.restrict_to(block.box(), band.widest(), block.voxel());
 }
 
 /// The number of samples that differ between the block and the whole.
@@ -45,13 +52,14 @@ int main() {
         const clsdf::Band band = clsdf::Band::symmetric(0.03 * mesh.box().longest_side());
         const clsdf::Grid domain = clsdf::Grid::around(mesh, 100, band);
 
-        // This example is one process; in a simulation every rank has its own device and transform.
-        clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
-        const clsdf::Field whole = transform(domain, band);
+        // This example is one process; in a simulation every rank makes its own transform.
+        const clsdf::DistanceTransform all(clsdf::Device::best(), mesh);
+        const clsdf::Field whole = all(domain, band);
         constexpr std::int64_t ranks = 3;
         std::size_t wrong = 0;
         for (std::int64_t rank = 0; rank < ranks; ++rank) {
             const clsdf::Grid block = block_of(domain, rank, ranks);
+            const clsdf::DistanceTransform transform = transform_for(block, band, mesh);
 
             // Memory of the simulation.
             std::vector<float> distance(block.sample_count());
