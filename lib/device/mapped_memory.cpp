@@ -50,9 +50,10 @@ void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std
     guarded([&] {
         const cl::Buffer callers(memory, true);
         if (callers.getInfo<CL_MEM_CONTEXT>()() != context_.context()())
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the buffer of the {} belongs to another OpenCL context than the transform's device",
-                                    what));
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the buffer of the {} belongs to another OpenCL context than the transform's device",
+                            what));
         const std::size_t bytes = callers.getInfo<CL_MEM_SIZE>();
         if (range.end > bytes)
             throw Error(ErrorCode::invalid_argument,

@@ -10,8 +10,8 @@
 
 namespace clsdf::device {
 
-/// Buffers of the caller's in the host's address space for the time of a call. A buffer is mapped once, whatever lies in
-/// it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
+/// Buffers of the caller's in the host's address space for the time of a call. A buffer is mapped once, whatever lies
+/// in it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
 class MappedMemory {
 public:
     explicit MappedMemory(const Context& context) : context_(context) {}

@@ -24,16 +24,23 @@ constexpr double farthest = 1e14;
 
 }  // namespace
 
-RecordSelection select_records(const device::Context& context, const polyhedra::MeshTopology& topology,
+RecordSelection select_records(const device::Context& context, const polyhedra::NearRecords& kept,
                                const polyhedra::NearRecords& near) {
     std::vector<cl_uint> groups;
-    const auto add = [&](const polyhedra::RecordRange& range, std::size_t first_group) {
-        for (std::size_t record = range.begin; record < range.end; record += polyhedra::record_group)
-            groups.push_back(static_cast<cl_uint>(first_group + record / polyhedra::record_group));
+    std::size_t first_group = 0;  // of a range that is kept
+    const auto add = [&](const std::vector<polyhedra::RecordRange>& of_kept,
+                         const std::vector<polyhedra::RecordRange>& wanted) {
+        auto range = wanted.begin();
+        for (const polyhedra::RecordRange& all : of_kept) {
+            for (; range != wanted.end() && range->begin < all.end; ++range)
+                for (std::size_t record = range->begin; record < range->end; record += polyhedra::record_group)
+                    groups.push_back(
+                        static_cast<cl_uint>(first_group + (record - all.begin) / polyhedra::record_group));
+            first_group += stretch_count(all.end - all.begin, polyhedra::record_group);
+        }
     };
-    for (const polyhedra::RecordRange& range : near.faces) add(range, 0);
-    const std::size_t first_site = in_record_groups(topology.order.size()) / polyhedra::record_group;
-    for (const polyhedra::RecordRange& range : near.sites) add(range, first_site);
+    add(kept.faces, near.faces);
+    add(kept.sites, near.sites);
     RecordSelection selection;
     selection.group_count = groups.size();
     if (groups.empty()) groups.push_back(0);

@@ -55,8 +55,8 @@ struct RecordSelection {
     std::size_t group_count = 0;
 };
 
-/// Of the records of all faces and sites.
-RecordSelection select_records(const device::Context& context, const polyhedra::MeshTopology& topology,
+/// Those of `near` among the records of `kept`, which has all of them.
+RecordSelection select_records(const device::Context& context, const polyhedra::NearRecords& kept,
                                const polyhedra::NearRecords& near);
 
 /// Sets the numbers that belong to the whole mesh.

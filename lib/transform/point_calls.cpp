@@ -119,8 +119,8 @@ void DistanceTransform::query(const Triples& points, double within, const Output
     memory.map(wait_list);
     const PositionArray positions(memory.on_host(points));
     const OutputTargets on_host = scan::on_host(targets, points.count, memory);
-    state.query(positions.get(), within, scan::outputs_of(targets),
-                scan::HostTargets::of_points(on_host, points.count), call);
+    state.query(positions.get(), within, scan::outputs_of(targets), scan::HostTargets::of_points(on_host, points.count),
+                call);
     memory.unmap();
 }
 

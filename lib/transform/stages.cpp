@@ -98,9 +98,14 @@ Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> poo
 std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
                                            double spacing, SignRule sign) {
     try {
-        Restriction restriction{box, half_width, spacing, {}, {}, false};
+        Restriction restriction;
+        restriction.box = box;
+        restriction.half_width = half_width;
+        restriction.spacing = spacing;
         // As far as a grid's outermost coarse bricks, and the slack of their tests, which is far less than a sample.
         Box needed = widened(box, half_width * (1 + 1e-3) + (CLSDF_COARSE + 1) * spacing);
+        const polyhedra::NearRecords with_records = index().near(needed);
+        restriction.record_count = with_records.face_count + with_records.site_count;
         if (sign != SignRule::none) needed.lower[0] = -std::numeric_limits<double>::infinity();
         polyhedra::NearRecords near = index().near(needed);
         if (near.faces.empty()) near.faces.push_back({0, 1});  // a mesh has a triangle
@@ -265,6 +270,28 @@ Stages::Lattice& Stages::lattice(const Grid& grid) {
     return lattices_.front();
 }
 
+const polyhedra::NearRecords& Stages::kept_records(const Grid& grid) {
+    std::optional<polyhedra::NearRecords>& kept = lattice(grid).kept;
+    if (!kept && !restriction_) {
+        const std::size_t faces = topology().order.size(), sites = frusta().sites.size();
+        kept = polyhedra::NearRecords{{{0, faces}}, {{0, sites}}, faces, sites};
+    } else if (!kept) {
+        Box box;  // of the coarse bricks with samples in the part's box
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double size = CLSDF_COARSE * grid.spacing[axis];
+            // Samples may lie beyond it by the rounding of their positions.
+            const auto brick = [&](double position, double slack) {
+                return std::floor((position - grid.origin[axis] + slack * grid.spacing[axis]) / size);
+            };
+            box.lower[axis] = grid.origin[axis] + brick(restriction_->box.lower[axis], -1e-3) * size;
+            box.upper[axis] = grid.origin[axis] + (brick(restriction_->box.upper[axis], 1e-3) + 1) * size;
+        }
+        // The slack of their tests is far less than a sample.
+        kept = index().near(widened(box, restriction_->half_width * (1 + 1e-3) + grid.voxel()));
+    }
+    return *kept;
+}
+
 Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
     try {
         check_distance(mesh_, lattice_of(grid));
@@ -280,26 +307,22 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, boo
     }
 }
 
-bool Stages::is_shared(bool is_kept, std::size_t packed, double most_share) const {
+bool Stages::is_shared(bool is_kept, std::size_t packed, double most) const {
     if (!options_.has_selections) return false;
-    return is_kept || (static_cast<double>(packed) > most_share * static_cast<double>(index_->face_count()) &&
-                       device_bytes() + record_bytes() <= budget());
+    return is_kept || (static_cast<double>(packed) > most && device_bytes() + record_bytes() <= budget());
 }
 
-std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, bool is_for_sign) {
+std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, std::size_t faces) {
     if (!is_small(share_of(mesh_.box(), box))) return std::nullopt;
     polyhedra::NearRecords near = index().near(box);
-    // What a part of a mesh has for the sign alone needs no records.
-    if ((!restriction_ || is_for_sign) &&
-        !is_small(static_cast<double>(near.face_count) / static_cast<double>(index().face_count())))
-        return std::nullopt;
+    if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(faces))) return std::nullopt;
     return near;
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
     if (!is_bounded(layout)) return std::nullopt;
     return near_box(widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout)),
-                    false);
+                    restriction_ ? kept_records(grid).face_count : topology().order.size());
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
@@ -307,7 +330,7 @@ std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const 
     // Rows run along x: what they cross on the way to the samples.
     Box box = box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK);
     box.lower[0] = -std::numeric_limits<double>::infinity();
-    return near_box(widened(box, grid.voxel()), true);
+    return near_box(widened(box, grid.voxel()), topology().order.size());
 }
 
 void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
@@ -315,14 +338,17 @@ void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inpu
     Lattice& kept = lattice(grid);
     if (const auto near = near_bricks(grid, layout)) {
         // All cores pack all of them, and one those of a small grid.
-        if (!lone && is_shared(kept.records != nullptr, kept.faces_packed + near->face_count, 0.25)) {
-            inputs.selection = select_records(context_, topology(), *near);
+        if (!lone && is_shared(kept.records != nullptr, kept.faces_packed + near->face_count,
+                               0.25 * static_cast<double>(kept_records(grid).face_count))) {
+            inputs.selection = select_records(context_, kept_records(grid), *near);
         } else {
             inputs.records = std::make_shared<const PreparedMesh>(records(view, near->faces, near->sites));
             if (!lone) kept.faces_packed += near->face_count;
         }
     }
-    if (!inputs.records && !kept.records) kept.records = std::make_shared<const PreparedMesh>(all_records(view));
+    if (!inputs.records && !kept.records)
+        kept.records = std::make_shared<const PreparedMesh>(
+            restriction_ ? records(view, kept_records(grid).faces, kept_records(grid).sites) : all_records(view));
     if (!inputs.records) inputs.records = kept.records;
     if (has_uniform_caps(layout)) return;
     if (!kept.points)
@@ -335,7 +361,8 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
     Lattice& kept = lattice(grid);
     const auto near = near_rows(grid, layout);
     // A small grid's faces have three vertices each, those of all half of one.
-    if (near && (lone || !is_shared(kept.sweep_mesh != nullptr, kept.faces_swept + near->face_count, 0.1))) {
+    if (near && (lone || !is_shared(kept.sweep_mesh != nullptr, kept.faces_swept + near->face_count,
+                                    0.1 * static_cast<double>(topology().order.size())))) {
         inputs.sweep_mesh =
             std::make_shared<const SweepMesh>(near_sweep_mesh(context_, pool_, grid, mesh_, topology(), near->faces));
         if (!lone) kept.faces_swept += near->face_count;
@@ -354,7 +381,7 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
         const Lattice& kept = lattice(part);
         if (inputs.records == kept.records)
             if (const auto near = near_bricks(part, layout))
-                inputs.selection = select_records(context_, topology(), *near);
+                inputs.selection = select_records(context_, kept_records(part), *near);
         if (inputs.sweep_mesh && inputs.sweep_mesh == kept.sweep_mesh)
             if (const auto near = near_rows(part, layout))
                 inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
@@ -448,7 +475,7 @@ std::size_t Stages::device_bytes() const {
 }
 
 std::size_t Stages::record_bytes() const {
-    return mesh_.triangles().size() * sizeof(Polyhedron);
+    return (restriction_ ? restriction_->record_count : mesh_.triangles().size()) * sizeof(Polyhedron);
 }
 
 std::size_t Stages::host_bytes() const {

@@ -57,6 +57,7 @@ struct Restriction {
     Box box{};
     double half_width = 0;
     double spacing = 0;
+    std::size_t record_count = 0;        ///< that a lattice keeps at most
     std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
     SurfaceSample sample;                ///< of the whole mesh
     bool encloses_negative_volume = false;
@@ -140,7 +141,7 @@ public:
 
     std::size_t host_bytes() const;    ///< of the mesh's topology, frusta and index
     std::size_t device_bytes() const;  ///< of the lattices' records
-    /// The records of the whole mesh for one lattice.
+    /// Of the records that a lattice keeps.
     std::size_t record_bytes() const;
 
 private:
@@ -156,6 +157,7 @@ private:
         /// Faces that small grids needed records of, or the sweep's triangles, while there were none of all.
         std::size_t faces_packed = 0;
         std::size_t faces_swept = 0;
+        std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of
 
         std::size_t bytes() const;
     };
@@ -176,14 +178,17 @@ private:
                          std::span<const polyhedra::RecordRange> of_sites);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
+    /// The records that the lattice of a grid keeps: all or, of a part of a mesh, those that distances in its box can
+    /// need. What it has for the sign alone needs none.
+    const polyhedra::NearRecords& kept_records(const Grid& grid);
     /// What a grid needs of the mesh, for its coarse bricks' lists or for its rows' crossings; nothing if that is more
-    /// than half of the mesh.
-    std::optional<polyhedra::NearRecords> near_box(const Box& box, bool is_for_sign);
+    /// than half of the `faces` that there are.
+    std::optional<polyhedra::NearRecords> near_box(const Box& box, std::size_t faces);
     std::optional<polyhedra::NearRecords> near_bricks(const Grid& grid, const Layout& layout);
     std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);
-    /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made. `packed`: the
-    /// faces that grids of the lattice needed so far.
-    bool is_shared(bool is_kept, std::size_t packed, double most_share) const;
+    /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made: if grids of
+    /// the lattice needed more than `most` faces so far, and the budget allows it.
+    bool is_shared(bool is_kept, std::size_t packed, double most) const;
     void set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
     void set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
 

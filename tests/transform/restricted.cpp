@@ -160,6 +160,34 @@ BOOST_AUTO_TEST_CASE(a_part_outlives_the_whole_and_takes_a_part_of_its_memory) {
     BOOST_TEST(part.memory().host_bytes < of_whole.host_bytes * 4 / 10);
 }
 
+// First some that are small beside the part, each with records of its own, then the others with a selection of those
+// that the part keeps.
+BOOST_AUTO_TEST_CASE(grids_of_a_part_share_records_of_what_is_near_it) {
+    const Mesh mesh = make_shape("sphere7");
+    const double h = 0.01;
+    const Box eighth{{0, 0, 0}, {1.1, 1.1, 1.1}};
+    const Band band = Band::symmetric(3 * h);
+    const DistanceTransform whole(test_device(), mesh, {.kept_bytes = std::size_t{1} << 30});
+    const DistanceTransform part = whole.restrict_to(eighth, 3 * h, h);
+    const Grid all = samples_in(eighth, h, {0.003, 0.003, 0.003});
+    std::size_t most = 0;
+    for (std::int64_t z = 0; z < all.size[2]; z += 28)
+        for (std::int64_t y = 0; y < all.size[1]; y += 28)
+            for (std::int64_t x = 0; x < all.size[0]; x += 28) {
+                const Grid grid = all.part({x, y, z}, {std::min<std::int64_t>(28, all.size[0] - x),
+                                                       std::min<std::int64_t>(28, all.size[1] - y),
+                                                       std::min<std::int64_t>(28, all.size[2] - z)});
+                check_same(whole(grid, band), part(grid, band));
+                most = std::max(most, part.memory().device_bytes);
+            }
+    check_same(whole(all, band), part(all, band));
+    // A record has 280 bytes. Coarse bricks reach a third of a radius beyond the octant: near them is a third of the
+    // sphere, and for the sign the part has half of it.
+    const double records = 280 * static_cast<double>(mesh.triangles().size());
+    BOOST_TEST(static_cast<double>(part.memory().device_bytes) < 0.45 * records);
+    BOOST_TEST(static_cast<double>(most) > 0.1 * records);
+}
+
 BOOST_AUTO_TEST_CASE(many_boxes_of_a_part_go_into_one_call) {
     const Mesh mesh = tilted(make_shape("knot"));
     const double h = mesh.box().longest_side() / 80;
