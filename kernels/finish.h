@@ -38,26 +38,30 @@
 typedef struct Finishing {
     Finish how;
     __global const Polyhedron* polyhedra;
-    __global const TriangleSites* sites;  // of the triangles, in the mesh's order
-    __global const float* normals;        // pseudonormals, six sites a triangle
+    __global const TriangleSites* sites;  // of the triangles, in the mesh's order; for CLSDF_OUTPUTS_BY_NAME
+    __global const float* normals;        // pseudonormals, six sites a triangle; for the gradient
 #define OUTPUT_POINTER(name, content, element, components) __global uchar* of_##name;
     CLSDF_OUTPUTS(OUTPUT_POINTER)
 #undef OUTPUT_POINTER
 } Finishing;
 
+// A site as its lowest triangle names it.
+typedef struct NamedSite {
+    uint triangle;
+    uint site;
+    bool is_reversed;  // of an edge: the named triangle's runs the other way
+} NamedSite;
+
 // The nearest site of a sample, as the outputs need it.
 typedef struct Nearest {
-    double3 from;     // from the closest point to the sample, along the frame's axes, in units
-    double3 axes[3];  // by axis of the mesh: that of the frame's three unit vectors
-    uint frame_site;  // as the frame numbers it
-    uint triangle;    // as NamedSite
-    uint site;
-    uint normal;
+    double3 from;      // from the closest point to the sample, along the frame's axes, in units
+    double3 axes[3];   // by axis of the mesh: that of the frame's three unit vectors
+    uint frame_site;   // as the frame numbers it
     double sign;       // of the distance: 1 or -1
     double3 position;  // of the sample
     __global const Polyhedron* polyhedron;
-    double2 foot;  // the closest point, in the frame's plane
-    bool is_reversed;
+    double2 foot;     // the closest point, in the frame's plane
+    NamedSite named;  // for CLSDF_OUTPUTS_BY_NAME
 } Nearest;
 
 // The nearest site of a triangle as the frame numbers it, and how far the sample lies from its closest point in the
@@ -93,30 +97,23 @@ typedef struct Nearest {
     }
 DEFINE_FROM_SITE(from_site, double, long)
 
-// A site of the frame, as the triangle numbers it whose vertex `first` is the left end of the base.
-INLINE uint site_of_triangle(uint frame_site, uint first) {
+// A vertex or an edge of the frame, as the polyhedron's triangle numbers it. Its vertex `first` is the left end of the
+// base.
+INLINE uint site_of_triangle(__global const Polyhedron* p, uint frame_site) {
+    const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+    if (p->flags & CLSDF_POLYHEDRON_POINT) return first;
     const uint number = frame_site % 3u + first;
     return frame_site / 3u * 3u + (number >= 3u ? number - 3u : number);
 }
-
-// A site as its lowest triangle names it.
-typedef struct NamedSite {
-    uint triangle;
-    uint site;
-    uint normal;       // the pseudonormal's place; not of a face
-    bool is_reversed;  // of an edge: the named triangle's runs the other way
-} NamedSite;
 
 static inline NamedSite name_site(__private const Finishing* finishing, __global const Polyhedron* p, uint frame_site) {
     // The triangles of a part of a mesh have other numbers in the whole.
     const uint renumbered = finishing->how.renumbered;
     __global const uint* numbers = (__global const uint*)(finishing->sites + renumbered);
-    NamedSite named = {renumbered != 0 ? numbers[p->triangle] : p->triangle, CLSDF_SITE_OF_FACE, 0, false};
+    NamedSite named = {renumbered != 0 ? numbers[p->triangle] : p->triangle, CLSDF_SITE_OF_FACE, false};
     if (frame_site == CLSDF_SITE_OF_FACE) return named;
-    const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
-    const uint own = p->flags & CLSDF_POLYHEDRON_POINT ? first : site_of_triangle(frame_site, first);
+    const uint own = site_of_triangle(p, frame_site);
     __global const TriangleSites* sites = finishing->sites + p->triangle;
-    named.normal = 6u * p->triangle + own;
     named.triangle = sites->triangle[own];
     named.site = sites->site[own] & CLSDF_SITE_NUMBER;
     named.is_reversed = (sites->site[own] & CLSDF_SITE_REVERSED) != 0;
@@ -145,11 +142,7 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
                                   how.origin[2] + sample.z * how.spacing[2]);
     nearest->polyhedron = p;
     nearest->foot = at.xy - in_plane;
-    const NamedSite named = name_site(finishing, p, nearest->frame_site);
-    nearest->triangle = named.triangle;
-    nearest->site = named.site;
-    nearest->normal = named.normal;
-    nearest->is_reversed = named.is_reversed;
+    if ((how.wanted & CLSDF_OUTPUTS_BY_NAME) != 0) nearest->named = name_site(finishing, p, nearest->frame_site);
 }
 
 // From the closest point to the sample, along the mesh's axes, in units.
@@ -158,14 +151,21 @@ INLINE double3 offset_of(__private const Nearest* nearest) {
                      dot(nearest->axes[2], nearest->from));
 }
 
+// The pseudonormal of a vertex or an edge, not turned for a mesh that is inside out.
+INLINE double3 pseudonormal_of(__private const Finishing* finishing, __private const Nearest* nearest) {
+    __global const Polyhedron* p = nearest->polyhedron;
+    return convert_double3(
+        vload3(6 * (size_t)p->triangle + site_of_triangle(p, nearest->frame_site), finishing->normals));
+}
+
 // Each output's value, by its name in the table. ----------------------------------------------------------------------
 
 INLINE uint finished_triangle(__private const Finishing* finishing, __private const Nearest* nearest) {
-    return nearest->triangle;
+    return nearest->named.triangle;
 }
 
 INLINE uchar finished_site(__private const Finishing* finishing, __private const Nearest* nearest) {
-    return (uchar)nearest->site;
+    return (uchar)nearest->named.site;
 }
 
 // A position in double, an offset from the sample in float.
@@ -180,7 +180,7 @@ INLINE double3 finished_gradient(__private const Finishing* finishing, __private
     const double outward = finishing->how.outward;
     if (nearest->frame_site == CLSDF_SITE_OF_FACE)
         return outward * (double3)(nearest->axes[0].z, nearest->axes[1].z, nearest->axes[2].z);
-    return outward * convert_double3(vload3(nearest->normal, finishing->normals));
+    return outward * pseudonormal_of(finishing, nearest);
 }
 
 // Weights of the named triangle's vertices 1 and 2 that make the closest point. Of an edge they come from the way along
@@ -188,10 +188,11 @@ INLINE double3 finished_gradient(__private const Finishing* finishing, __private
 INLINE double2 finished_barycentric(__private const Finishing* finishing, __private const Nearest* nearest) {
     __global const Polyhedron* p = nearest->polyhedron;
     const double left = p->exact_base[CLSDF_HALF_LEFT], right = p->exact_base[CLSDF_HALF_RIGHT];
+    const NamedSite named = nearest->named;
     double weights[3] = {0.0, 0.0, 0.0};
-    if (nearest->site < 3u) {
-        weights[nearest->site] = 1.0;
-    } else if (nearest->site < CLSDF_SITE_OF_FACE) {
+    if (named.site < 3u) {
+        weights[named.site] = 1.0;
+    } else if (named.site < CLSDF_SITE_OF_FACE) {
         const bool is_base = nearest->frame_site == FRAME_BASE, is_right = nearest->frame_site == FRAME_RIGHT_EDGE;
         const double base = is_right ? right : left, away = is_right ? nearest->foot.x : -nearest->foot.x;
         const uint half_index = is_right ? CLSDF_HALF_RIGHT : CLSDF_HALF_LEFT;
@@ -201,9 +202,9 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
         const double way = is_base ? nearest->foot.x + left : (base - away) * across + nearest->foot.y * along;
         double second = length > 0.0 ? way / length : 0.0;
         if (nearest->frame_site == FRAME_LEFT_EDGE) second = 1.0 - second;
-        if (nearest->is_reversed) second = 1.0 - second;
-        weights[nearest->site - 3u] = 1.0 - second;
-        weights[(nearest->site - 2u) % 3u] = second;
+        if (named.is_reversed) second = 1.0 - second;
+        weights[named.site - 3u] = 1.0 - second;
+        weights[(named.site - 2u) % 3u] = second;
     } else {
         const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
         const double apex = nearest->foot.y / p->exact_altitude;

@@ -115,7 +115,7 @@ INLINE void store_gradient(__private const Finishing* finishing, __private const
 INLINE void store_names(__private const Finishing* finishing, __private const Row* row, size_t at) {
     __private const double* frame_site = (__private const double*)&row->frame_site;
     for (uint lane = 0; lane < CLSDF_BRICK; ++lane) {
-        NamedSite named = {CLSDF_NO_TRIANGLE, 0xFFu, 0, false};
+        NamedSite named = {CLSDF_NO_TRIANGLE, 0xFFu, false};
         if ((row->found >> lane & 1u) != 0)
             named = name_site(finishing, finishing->polyhedra + row->polyhedra[lane], (uint)frame_site[lane]);
         if (IS_WANTED(finishing, triangle)) ((__global uint*)finishing->of_triangle)[at + lane] = named.triangle;

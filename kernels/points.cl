@@ -215,8 +215,8 @@ INLINE uint sign_by_sides(__private const Finishing* finishing, __private const 
     if (sides == 0 || squared <= SQUARE_OF_LEAST_DISTANCE) return CLSDF_POINT_UNDECIDED;
     double outward = nearest->from.z, least = LEAST_COSINE;
     if (nearest->frame_site != CLSDF_SITE_OF_FACE) {
-        if (!(sides >> nearest->normal % 6u & 1u)) return CLSDF_POINT_UNDECIDED;
-        outward = dot(offset_of(nearest), convert_double3(vload3(nearest->normal, finishing->normals)));
+        if (!(sides >> site_of_triangle(nearest->polyhedron, nearest->frame_site) & 1u)) return CLSDF_POINT_UNDECIDED;
+        outward = dot(offset_of(nearest), pseudonormal_of(finishing, nearest));
     }
     if (nearest->frame_site < FRAME_BASE) {
         least = LEAST_COSINE_AT_VERTEX;

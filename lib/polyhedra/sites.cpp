@@ -1,7 +1,6 @@
 #include "polyhedra/sites.hpp"
 
 #include "core/parallel.hpp"
-#include "layout.h"
 #include "polyhedra/frames.hpp"
 
 #include <algorithm>
@@ -9,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace clsdf::polyhedra {
@@ -19,42 +17,17 @@ namespace {
 /// A sum of unit vectors that is shorter than its rounding has no direction.
 constexpr double cancelled = 1e-6;
 
-constexpr std::uint32_t next(std::uint32_t corner) {
-    return corner == 2 ? 0 : corner + 1;
-}
-
-/// The faces at each vertex, ascending; one that has it twice stands there twice.
-class FacesOfVertices {
-public:
-    explicit FacesOfVertices(const Mesh& mesh)
-        : begin_(mesh.vertices().size() + 2), faces_(3 * mesh.triangles().size()) {
-        for (const Triangle& triangle : mesh.triangles())
-            for (const std::uint32_t vertex : triangle) ++begin_[vertex + 2];
-        for (std::size_t v = 2; v < begin_.size(); ++v) begin_[v] += begin_[v - 1];
-        for (std::uint32_t face = 0; face < mesh.triangles().size(); ++face)
-            for (const std::uint32_t vertex : mesh.triangles()[face]) faces_[begin_[vertex + 1]++] = face;
-    }
-
-    std::span<const std::uint32_t> at(std::size_t vertex) const {
-        return std::span(faces_).subspan(begin_[vertex], begin_[vertex + 1] - begin_[vertex]);
-    }
-
-private:
-    std::vector<std::uint32_t> begin_;
-    UninitializedVector<std::uint32_t> faces_;
-};
-
 /// A face's unit normal, or nothing but zeros, and its angles. In double, for normals that nearly cancel each other.
 struct FaceShape {
     Vector normal;
     std::array<double, 3> angles;
 };
 
-FaceShape shape_of(const Mesh& mesh, const Triangle& triangle) {
+FaceShape shape_of(const std::array<Vector, 3>& corners) {
     std::array<Vector, 3> edges;
     double longest = 0;
     for (std::uint32_t k = 0; k < 3; ++k) {
-        edges[k] = to_vector(mesh.vertices()[triangle[next(k)]]) - to_vector(mesh.vertices()[triangle[k]]);
+        edges[k] = corners[next_of_three(k)] - corners[k];
         longest = std::max(longest, edges[k].cwiseAbs().maxCoeff());
     }
     FaceShape shape{Vector::Zero(), {0, 0, 0}};
@@ -64,11 +37,12 @@ FaceShape shape_of(const Mesh& mesh, const Triangle& triangle) {
     std::array<double, 3> squared{};
     for (std::size_t k = 0; k < 3; ++k) squared[k] = edges[k].squaredNorm();
     const auto base = static_cast<std::uint32_t>(std::max_element(squared.begin(), squared.end()) - squared.begin());
-    const Vector cross = edges[next(base)].cross(edges[next(next(base))]);
+    const Vector cross = edges[next_of_three(base)].cross(edges[previous_of_three(base)]);
     const double area = cross.norm();
     if (!(area > 0)) return shape;
     shape.normal = cross / area;
-    for (std::uint32_t k = 0; k < 3; ++k) shape.angles[k] = std::atan2(area, -edges[k].dot(edges[next(next(k))]));
+    for (std::uint32_t k = 0; k < 3; ++k)
+        shape.angles[k] = std::atan2(area, -edges[k].dot(edges[previous_of_three(k)]));
     return shape;
 }
 
@@ -93,95 +67,68 @@ struct NormalSum {
     }
 };
 
-/// An edge of a face, at the lower one of its vertices.
-struct EdgeAtVertex {
-    std::uint32_t other;  ///< the higher vertex
+/// A site as one of the faces that share it has it.
+struct SiteOfFace {
+    std::uint32_t triangle;  ///< the face's index in the caller's order
+    std::uint32_t site;
     std::uint32_t face;
-    std::uint32_t number;
-    bool is_reversed;  ///< it runs to the lower vertex
+    bool is_reversed;  ///< of an edge: it runs to the vertex with the lower number
+
+    bool operator<(const SiteOfFace& other) const {
+        return triangle != other.triangle ? triangle < other.triangle : site < other.site;
+    }
 };
 
-/// Names the sites of a stretch of the vertices: each vertex, and the edges to higher vertices.
-class SiteNames {
-public:
-    /// `shapes` is empty if no normals are asked for.
-    SiteNames(const Mesh& mesh, const FacesOfVertices& faces, std::span<const FaceShape> shapes, Sites& sites)
-        : triangles_(mesh.triangles()), faces_(faces), shapes_(shapes), sites_(sites) {}
+SiteOfFace vertex_of(const MeshTopology& topology, const Corner& corner) {
+    return {topology.order[corner.face], corner.vertex, corner.face, false};
+}
 
-    void name(std::uint32_t vertex) {
-        const std::span<const std::uint32_t> faces = faces_.at(vertex);
-        if (faces.empty()) return;
-        edges_.clear();
-        const std::uint32_t lowest = faces.front();
-        const auto its_corner = static_cast<std::uint32_t>(
-            std::find(triangles_[lowest].begin(), triangles_[lowest].end(), vertex) - triangles_[lowest].begin());
-        NormalSum sum;
-        std::uint32_t last = CLSDF_NO_TRIANGLE;
-        for (const std::uint32_t face : faces) {
-            if (std::exchange(last, face) == face) continue;
-            const Triangle& triangle = triangles_[face];
-            for (std::uint32_t k = 0; k < 3; ++k) {
-                const std::uint32_t from = triangle[k], to = triangle[next(k)];
-                if (from == vertex) {
-                    set(face, k, lowest, its_corner);
-                    if (!shapes_.empty()) sum.add(shapes_[face].normal, shapes_[face].angles[k]);
-                }
-                if (std::min(from, to) == vertex) edges_.push_back({std::max(from, to), face, k, from != vertex});
-            }
+SiteOfFace edge_of(const MeshTopology& topology, const Corner& edge) {
+    const Triangle& triangle = topology.faces.triangles[edge.face];
+    return {topology.order[edge.face], 3 + edge.vertex, edge.face,
+            triangle[edge.vertex] > triangle[next_of_three(edge.vertex)]};
+}
+
+/// Calls f(faces) for each vertex and edge, with the site as each of its faces has it, in the caller's order; from
+/// several threads.
+template <typename Function>
+void for_each_site(const MeshTopology& topology, const Function& f) {
+    for_each_range(topology.rings.vertex_count(), [&](std::size_t begin, std::size_t end) {
+        std::vector<SiteOfFace> faces;
+        for (std::size_t vertex = begin; vertex < end; ++vertex) {
+            faces.clear();
+            for (std::size_t i = 0; i < topology.rings.size(vertex); ++i)
+                faces.push_back(vertex_of(topology, topology.rings.corner(vertex, i)));
+            std::sort(faces.begin(), faces.end());
+            f(std::span<const SiteOfFace>(faces));
         }
-        if (!shapes_.empty()) {
-            std::array<float, 3> normal;
-            sum.store(normal.data());
-            for (const std::uint32_t face : faces)
-                for (std::uint32_t k = 0; k < 3; ++k)
-                    if (triangles_[face][k] == vertex) std::copy(normal.begin(), normal.end(), place(face, k));
+    });
+    for_each_index(topology.order.size(), [&](std::size_t face) {
+        const auto& [across, marks] = topology.edges.faces[face];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (marks[k] & edge_non_manifold) continue;
+            std::array<SiteOfFace, 2> faces{edge_of(topology, {static_cast<std::uint32_t>(face), k})};
+            const bool is_alone = (marks[k] & (edge_open | edge_at_box)) != 0;
+            if (!is_alone) faces[1] = edge_of(topology, Corner::unpack(across[k]));
+            if (is_alone || faces[0] < faces[1]) f(std::span<const SiteOfFace>(faces).first(is_alone ? 1 : 2));
         }
-        name_edges();
-    }
-
-private:
-    float* place(std::uint32_t face, std::uint32_t site) {
-        return sites_.normals.data() + std::size_t{18} * face + std::size_t{3} * site;
-    }
-
-    void set(std::uint32_t face, std::uint32_t site, std::uint32_t lowest, std::uint32_t named) {
-        sites_.triangles[face].triangle[site] = lowest;
-        sites_.triangles[face].site[site] = static_cast<std::uint8_t>(named);
-    }
-
-    void name_edges() {
-        // By insertion: they are few, and stay in the order of their faces.
-        for (std::size_t n = 1; n < edges_.size(); ++n) {
-            const EdgeAtVertex edge = edges_[n];
-            std::size_t at = n;
-            for (; at > 0 && edges_[at - 1].other > edge.other; --at) edges_[at] = edges_[at - 1];
-            edges_[at] = edge;
+    });
+    const std::vector<std::uint32_t>& ends = topology.edges.non_manifold_ends;
+    for_each_range(ends.size(), [&](std::size_t begin, std::size_t end) {
+        std::vector<EdgeEntry> entries;
+        std::vector<SiteOfFace> faces;
+        for (std::size_t i = begin; i < end; ++i) {
+            edges_above(topology.faces.triangles, topology.rings, ends[i], entries);
+            for_each_edge(entries, [&](std::span<const EdgeEntry> edge) {
+                if (!is_non_manifold(edge)) return;
+                faces.clear();
+                for (const EdgeEntry& entry : edge) faces.push_back(edge_of(topology, entry.edge()));
+                std::sort(faces.begin(), faces.end());
+                f(std::span<const SiteOfFace>(faces));
+            });
         }
-        for (auto begin = edges_.begin(); begin != edges_.end();) {
-            const auto end =
-                std::find_if(begin, edges_.end(), [&](const EdgeAtVertex& edge) { return edge.other != begin->other; });
-            NormalSum sum;
-            for (auto edge = begin; edge != end; ++edge) {
-                const std::uint32_t turned = edge->is_reversed != begin->is_reversed ? CLSDF_SITE_REVERSED : 0U;
-                set(edge->face, 3 + edge->number, begin->face, (3 + begin->number) | turned);
-                if (!shapes_.empty()) sum.add(shapes_[edge->face].normal, 1);
-            }
-            if (!shapes_.empty()) {
-                std::array<float, 3> normal;
-                sum.store(normal.data());
-                for (auto edge = begin; edge != end; ++edge)
-                    std::copy(normal.begin(), normal.end(), place(edge->face, 3 + edge->number));
-            }
-            begin = end;
-        }
-    }
-
-    std::span<const Triangle> triangles_;
-    const FacesOfVertices& faces_;
-    std::span<const FaceShape> shapes_;
-    Sites& sites_;
-    std::vector<EdgeAtVertex> edges_;  ///< of the vertex
-};
+    });
+}
 
 }  // namespace
 
@@ -198,23 +145,34 @@ bool encloses_negative_volume(const Mesh& mesh) {
     return sum < 0;
 }
 
-Sites make_sites(const Mesh& mesh, bool with_normals) {
-    const std::vector<Triangle>& triangles = mesh.triangles();
-    const FacesOfVertices faces(mesh);
-    UninitializedVector<FaceShape> shapes;
-    Sites sites;
-    sites.triangles.resize(triangles.size());
-    if (with_normals) {
-        sites.encloses_negative_volume = encloses_negative_volume(mesh);
-        sites.normals.resize(18 * triangles.size());
-        shapes.resize(triangles.size());
-        for_each_index(triangles.size(), [&](std::size_t face) { shapes[face] = shape_of(mesh, triangles[face]); });
-    }
-    for_each_range(mesh.vertices().size(), [&](std::size_t begin, std::size_t end) {
-        SiteNames names(mesh, faces, shapes, sites);
-        for (std::size_t vertex = begin; vertex < end; ++vertex) names.name(static_cast<std::uint32_t>(vertex));
+void name_sites(const MeshTopology& topology, std::span<TriangleSites> names) {
+    for_each_site(topology, [&](std::span<const SiteOfFace> faces) {
+        const SiteOfFace& lowest = faces.front();
+        for (const SiteOfFace& face : faces) {
+            const std::uint32_t turned = face.is_reversed != lowest.is_reversed ? CLSDF_SITE_REVERSED : 0U;
+            names[face.triangle].triangle[face.site] = lowest.triangle;
+            names[face.triangle].site[face.site] = static_cast<std::uint8_t>(lowest.site | turned);
+        }
     });
-    return sites;
+}
+
+void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> positions, std::span<float> normals) {
+    UninitializedVector<FaceShape> shapes(topology.order.size());
+    for_each_index(shapes.size(), [&](std::size_t face) {
+        const auto& [a, b, c] = topology.faces.triangles[face];
+        const auto at = [&](std::uint32_t vertex) { return to_vector(positions[topology.faces.vertices[vertex]]); };
+        shapes[face] = shape_of({at(a), at(b), at(c)});
+    });
+    for_each_site(topology, [&](std::span<const SiteOfFace> faces) {
+        NormalSum sum;
+        for (const SiteOfFace& face : faces)
+            sum.add(shapes[face.face].normal, face.site < 3 ? shapes[face.face].angles[face.site] : 1);
+        std::array<float, 3> normal;
+        sum.store(normal.data());
+        for (const SiteOfFace& face : faces)
+            std::copy(normal.begin(), normal.end(),
+                      normals.begin() + static_cast<std::ptrdiff_t>(18 * std::size_t{face.triangle} + 3 * face.site));
+    });
 }
 
 }  // namespace clsdf::polyhedra

@@ -102,7 +102,9 @@ private:
         kernel_.setArg(arg_begin, cl_uint{0});
         kernel_.setArg(arg_end, cl_uint{0});
         kernel_.setArg(arg_distance, unused);
-        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, {});
+        OutputBuffers outputs;
+        outputs.distance = unused;
+        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
         queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1));
         queue.finish();
     }

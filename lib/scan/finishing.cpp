@@ -1,41 +1,34 @@
 #include "scan/finishing.hpp"
 
 #include "core/parallel.hpp"
-#include "core/per_output.hpp"
+#include "device/host_filling.hpp"
 #include "polyhedra/sites.hpp"
 
 #include <cstring>
 
 namespace clsdf::scan {
 
-namespace {
-
-template <typename Value>
-device::BufferPool::Lease upload(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                                 const UninitializedVector<Value>& values, const char* purpose) {
-    const std::size_t bytes = values.size() * sizeof(Value);
-    auto lease = pool->lease(bytes, purpose);
-    if (bytes > 0)
-        device::guarded([&] { context.queue().enqueueWriteBuffer(*lease, CL_TRUE, 0, bytes, values.data()); });
-    return lease;
+device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                     const polyhedra::MeshTopology& topology, std::span<const std::uint32_t> numbers) {
+    const std::size_t count = topology.order.size();
+    const std::size_t rows = count + stretch_count(numbers.size_bytes(), sizeof(TriangleSites));
+    device::HostFilling filling(context, pool, rows * sizeof(TriangleSites), "names of the sites");
+    const std::span names(static_cast<TriangleSites*>(filling.memory()), count);
+    polyhedra::name_sites(topology, names);
+    if (!numbers.empty()) {
+        for (TriangleSites& triangle : names)
+            for (clsdf_uint32& lowest : triangle.triangle) lowest = numbers[lowest];
+        std::memcpy(names.data() + count, numbers.data(), numbers.size_bytes());
+    }
+    return filling.finish();
 }
 
-}  // namespace
-
-DeviceSites upload_sites(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                         bool with_normals, std::span<const std::uint32_t> numbers) {
-    polyhedra::Sites sites = polyhedra::make_sites(mesh, with_normals);
-    if (!numbers.empty()) {
-        constexpr std::size_t of_entry = sizeof(TriangleSites) / sizeof(std::uint32_t);
-        for (TriangleSites& triangle : sites.triangles)
-            for (clsdf_uint32& lowest : triangle.triangle) lowest = numbers[lowest];
-        sites.triangles.resize(numbers.size() + stretch_count(numbers.size(), of_entry));
-        std::memcpy(&sites.triangles[numbers.size()], numbers.data(), numbers.size_bytes());
-    }
-    return {
-        upload(context, pool, sites.triangles, "names of the sites"),
-        with_normals ? upload(context, pool, sites.normals, "pseudonormals of the sites") : device::BufferPool::Lease(),
-        sites.encloses_negative_volume, numbers.size()};
+device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                       const polyhedra::MeshTopology& topology, std::span<const Vec3> positions) {
+    const std::size_t count = 18 * topology.order.size();
+    device::HostFilling filling(context, pool, count * sizeof(float), "pseudonormals of the sites");
+    make_pseudonormals(topology, positions, {static_cast<float*>(filling.memory()), count});
+    return filling.finish();
 }
 
 Finishing::Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
@@ -66,7 +59,8 @@ void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuf
     Finish finish = finish_;
     finish.in_double = outputs.in_double;
     finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
-    const cl::Buffer& unused = *sites_->triangles;
+    const cl::Buffer& unused = outputs.distance;
+    const auto given = [&](const auto& lease) -> const cl::Buffer& { return lease ? **lease : unused; };
     cl_uint argument = first + 3;
     for_each_extra(
         [&](const OutputRow& row, const cl::Buffer& buffer) {
@@ -75,8 +69,8 @@ void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuf
         },
         outputs);
     kernel.setArg(first, finish);
-    kernel.setArg(first + 1, *sites_->triangles);
-    kernel.setArg(first + 2, sites_->normals.bytes() > 0 ? *sites_->normals : unused);
+    kernel.setArg(first + 1, given(sites_->names));
+    kernel.setArg(first + 2, given(sites_->normals));
 }
 
 }  // namespace clsdf::scan

@@ -4,10 +4,12 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 
+#include "core/per_output.hpp"
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "outputs.h"
 #include "polyhedra/frames.hpp"
+#include "polyhedra/topology.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -25,20 +27,26 @@ struct OutputBuffers : PerOutput<detail::BufferOf> {
     std::uint32_t in_double = 0;  ///< bits of OutputRow: the elements are doubles
 };
 
-/// The names of a mesh's sites on the device, and their pseudonormals if the gradient is asked for
-/// (polyhedra/sites.hpp).
-struct DeviceSites {
-    device::BufferPool::Lease triangles;
-    device::BufferPool::Lease normals;
-    bool encloses_negative_volume = false;  ///< known with the normals
-    std::size_t renumbered = 0;             ///< triangles of a part of a mesh, whose numbers in the whole follow
+/// Whether an output tells sites by their names.
+inline bool names_sites(const Outputs& outputs) {
+    return (bits_of(outputs) & CLSDF_OUTPUTS_BY_NAME) != 0;
+}
 
-    std::size_t bytes() const { return triangles.bytes() + normals.bytes(); }
+/// The data of a mesh's sites on the device (polyhedra/sites.hpp).
+struct DeviceSites {
+    std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
+    std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
+    bool encloses_negative_volume = false;                     ///< known with the normals
+    std::size_t renumbered = 0;  ///< triangles of a part of a mesh, whose numbers in the whole follow
+
+    std::size_t bytes() const { return (names ? names->bytes() : 0) + (normals ? normals->bytes() : 0); }
 };
 
 /// numbers: of the triangles of a part of a mesh in the whole; empty for a whole mesh.
-DeviceSites upload_sites(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
-                         bool with_normals, std::span<const std::uint32_t> numbers = {});
+device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                     const polyhedra::MeshTopology& topology, std::span<const std::uint32_t> numbers);
+device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                                       const polyhedra::MeshTopology& topology, std::span<const Vec3> positions);
 
 /// What the brick kernels are given to finish the samples of a grid with (kernels/finish.h).
 class Finishing {

@@ -30,7 +30,7 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
         if (sign != SignRule::none)
             inputs.sides =
                 stages->face_sides(sign, points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
-        inputs.sites = stages->sites(outputs.gradient || inputs.sides != nullptr);
+        inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient || inputs.sides != nullptr);
         inputs.sign = sign;
         inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
         return inputs;

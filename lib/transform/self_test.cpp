@@ -72,7 +72,7 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
         inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
         inputs.sides = stages.face_sides(inputs.sign, true);
     }
-    inputs.sites = stages.sites(are_scanned);
+    inputs.sites = stages.sites(true, are_scanned);
     points::query_points(context, programs, pool, inputs, samples, known.band().outside, arrays, {});
     return known.difference(distance, triangle);
 }
@@ -117,7 +117,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     Stages stages(context, pool, known.mesh(), {test_case.method, {programs.mesh_records, programs.mesh_lanes()}});
     Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
-    if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true);
+    if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true, false);
     PlanState plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
                    {test_case.variant.count, test_case.method}, watch.begins);
     return device::guarded([&] {

@@ -194,7 +194,7 @@ void Stages::move(std::vector<Vec3> positions) {
     index_.reset();
     faces_.reset();
     frusta_.reset();
-    sites_.reset();
+    sites_.normals.reset();
     points_.reset();
     scanned_mesh_.reset();
     face_sides_.reset();
@@ -390,15 +390,24 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
     }
 }
 
-std::shared_ptr<const DeviceSites> Stages::sites(bool with_normals) {
-    if (!sites_ || (with_normals && sites_->normals.bytes() == 0)) {
-        sites_.reset();
-        DeviceSites sites = restriction_ ? upload_sites(context_, pool_, mesh_, with_normals, restriction_->numbers)
-                                         : upload_sites(context_, pool_, mesh_, with_normals);
-        if (restriction_) sites.encloses_negative_volume = restriction_->encloses_negative_volume;
-        sites_ = std::make_shared<const DeviceSites>(std::move(sites));
+std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_normals) {
+    using Lease = device::BufferPool::Lease;
+    try {
+        if (with_names && !sites_.names) {
+            const auto numbers =
+                restriction_ ? std::span<const std::uint32_t>(restriction_->numbers) : std::span<const std::uint32_t>();
+            sites_.names = std::make_shared<const Lease>(site_names(context_, pool_, topology(), numbers));
+            sites_.renumbered = numbers.size();
+        }
+        if (with_normals && !sites_.normals) {
+            sites_.normals = std::make_shared<const Lease>(site_normals(context_, pool_, topology(), mesh_.vertices()));
+            sites_.encloses_negative_volume =
+                restriction_ ? restriction_->encloses_negative_volume : polyhedra::encloses_negative_volume(mesh_);
+        }
+        return std::make_shared<const DeviceSites>(sites_);
+    } catch (const std::bad_alloc&) {
+        throw preparation_error(mesh_);
     }
-    return sites_;
 }
 
 std::shared_ptr<const points::PointMesh> Stages::points() {
@@ -445,8 +454,8 @@ std::size_t Stages::budget() const {
 }
 
 void Stages::keep_within(std::size_t budget) {
-    std::size_t bytes = sites_ ? sites_->bytes() : 0;
-    if (bytes > budget) sites_.reset();
+    std::size_t bytes = sites_.bytes();
+    if (bytes > budget) sites_ = {};
     bytes += (faces_ ? faces_->bytes() : 0) + (frusta_sources_ ? frusta_sources_->device_bytes() : 0);
     if (bytes > budget) {
         faces_.reset();
@@ -466,7 +475,7 @@ void Stages::keep_within(std::size_t budget) {
 }
 
 std::size_t Stages::device_bytes() const {
-    std::size_t bytes = (sites_ ? sites_->bytes() : 0) + (faces_ ? faces_->bytes() : 0) +
+    std::size_t bytes = sites_.bytes() + (faces_ ? faces_->bytes() : 0) +
                         (frusta_sources_ ? frusta_sources_->device_bytes() : 0) +
                         (points_ ? points_->device_bytes() : 0) + (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0) +
                         (face_sides_ ? face_sides_->sides.bytes() : 0);

@@ -69,7 +69,8 @@ struct Restriction {
 ///     MeshTopology   of the triangles                    kept
 ///     Frusta, index  + positions                         kept until the vertices move
 ///     device's faces + positions                         the same
-///     sites          + positions                         the same, once other outputs than the distance are asked for
+///     sites' names   of the triangles                    kept, once an output names sites
+///     pseudonormals  + positions                         kept until the vertices move, once the gradient is asked for
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
 ///     face sides     + sign rule                         the same, once about as many points are asked for
@@ -121,8 +122,9 @@ public:
     /// Selects those of a grid's inputs that matter to a part of it, unless they are most. Throws Error(out_of_memory).
     void select(const Grid& part, const Layout& layout, Inputs& inputs);
 
-    /// What finishing reads, with pseudonormals if the gradient is asked for. Throws Error(out_of_memory).
-    std::shared_ptr<const DeviceSites> sites(bool with_normals);
+    /// What finishing reads: the names of sites for outputs that tell them (names_sites()), pseudonormals for the
+    /// gradient. Throws Error(out_of_memory).
+    std::shared_ptr<const DeviceSites> sites(bool with_names, bool with_normals);
 
     /// What points anywhere are looked up in. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const points::PointMesh> points();
@@ -204,7 +206,7 @@ private:
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceFaces::Names> names_;
     std::shared_ptr<const DeviceFaces> faces_;
-    std::shared_ptr<const DeviceSites> sites_;
+    DeviceSites sites_;
     std::shared_ptr<const points::PointMesh> points_;
     std::shared_ptr<const points::ScannedMesh> scanned_mesh_;
     std::shared_ptr<const points::FaceSides> face_sides_;
