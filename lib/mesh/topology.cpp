@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "core/uninitialized_vector.hpp"
+#include "mesh/enclosed_volume.hpp"
 #include "mesh/equal_vertices.hpp"
 
 #include <tbb/parallel_for.h>
@@ -200,7 +201,8 @@ void report_first_edges(std::vector<UnbalancedEdge> edges, std::span<const Trian
     }
 }
 
-/// Whether the enclosed volume is negative by more than its rounding error.
+}  // namespace
+
 bool encloses_negative_volume(const Mesh& mesh) {
     // Halves avoid overflow of the difference of the largest numbers. Relative to the centre, the volume is not lost in
     // rounding far from the origin.
@@ -245,8 +247,6 @@ bool encloses_negative_volume(const Mesh& mesh) {
     const double rounding = static_cast<double>(mesh.triangles().size() + 16) * std::numeric_limits<double>::epsilon();
     return volume.sum < -rounding * volume.magnitude;
 }
-
-}  // namespace
 
 Topology describe_topology(const Mesh& mesh) {
     Topology report;

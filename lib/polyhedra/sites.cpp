@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -130,19 +131,62 @@ void for_each_site(const MeshTopology& topology, const Function& f) {
     });
 }
 
+/// Far above the rounding of frames and of what kernels take for no distance (kernels/finish.h). In samples.
+constexpr double touch_tolerance = 1e-5;
+/// Edges that are longer, or lie farther out, are not looked at. In samples.
+constexpr double longest_edge = 64, farthest_end = 0x1p31;
+
+double nearest_whole(double x) {
+    return static_cast<double>(static_cast<std::int64_t>(x < 0 ? x - 0.5 : x + 0.5));
+}
+
+/// Whether an edge may pass a point with whole coordinates: it does so near a whole coordinate on its longest axis.
+bool may_touch_sample(const Vec3& a, const Vec3& b) {
+    std::size_t axis = 0;
+    bool is_near = true;
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (std::abs(b[i] - a[i]) > std::abs(b[axis] - a[axis])) axis = i;
+        is_near = is_near && std::abs(a[i]) < farthest_end && std::abs(b[i]) < farthest_end;
+    }
+    const double length = b[axis] - a[axis];
+    if (!is_near || !(std::abs(length) < longest_edge)) return true;
+    const double low = std::min(a[axis], b[axis]) - touch_tolerance;
+    const double high = std::max(a[axis], b[axis]) + touch_tolerance;
+    for (double whole = nearest_whole(low); whole <= high; ++whole) {
+        const double part = length != 0 ? std::clamp((whole - a[axis]) / length, 0.0, 1.0) : 0;
+        const auto is_whole = [&](std::size_t i) {
+            const double at = a[i] + part * (b[i] - a[i]);
+            return std::abs(at - nearest_whole(at)) <= touch_tolerance;
+        };
+        if (is_whole((axis + 1) % 3) && is_whole((axis + 2) % 3) && is_whole(axis)) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
-bool encloses_negative_volume(const Mesh& mesh) {
-    const Vector centre = (to_vector(mesh.box().lower) + to_vector(mesh.box().upper)) / 2;
-    const double longest = (to_vector(mesh.box().upper) - to_vector(mesh.box().lower)).maxCoeff();
-    double sum = 0;
-    for (const Triangle& triangle : mesh.triangles()) {
-        const auto corner = [&](std::size_t k) -> Vector {
-            return (to_vector(mesh.vertices()[triangle[k]]) - centre) / longest;
-        };
-        sum += corner(0).dot(corner(1).cross(corner(2)));
-    }
-    return sum < 0;
+bool may_touch_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
+                       const Vec3& spacing) {
+    const Vec3 per_spacing{1 / spacing[0], 1 / spacing[1], 1 / spacing[2]};
+    const auto in_samples = [&](std::uint32_t vertex) {
+        Vec3 at{};
+        for (std::size_t i = 0; i < 3; ++i) at[i] = (positions[vertex][i] - origin[i]) * per_spacing[i];
+        return at;
+    };
+    std::atomic<bool> found = false;
+    for_each_range(topology.order.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t face = begin; face < end && !found; ++face) {
+            const Triangle& triangle = topology.faces.triangles[face];
+            const std::array corners{in_samples(triangle[0]), in_samples(triangle[1]), in_samples(triangle[2])};
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t next = next_of_three(k);
+                // Of two faces that run along an edge in opposite directions, one looks at it.
+                if (triangle[k] > triangle[next] && topology.edges.faces[face].marks[k] == 0) continue;
+                if (may_touch_sample(corners[k], corners[next])) found = true;
+            }
+        }
+    });
+    return found;
 }
 
 void name_sites(const MeshTopology& topology, std::span<TriangleSites> names) {

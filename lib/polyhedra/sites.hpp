@@ -17,7 +17,9 @@ void name_sites(const MeshTopology& topology, std::span<TriangleSites> names);
 /// NaN if none has area. `positions`: of the mesh's vertices.
 void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> positions, std::span<float> normals);
 
-/// Whether the faces of a closed mesh look inwards.
-bool encloses_negative_volume(const Mesh& mesh);
+/// Whether a sample of the lattice may lie on an edge or a vertex. If none does, gradients on grids need no
+/// pseudonormals. `positions`: in the topology's order.
+bool may_touch_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
+                       const Vec3& spacing);
 
 }  // namespace clsdf::polyhedra

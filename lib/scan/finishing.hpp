@@ -36,7 +36,6 @@ inline bool names_sites(const Outputs& outputs) {
 struct DeviceSites {
     std::shared_ptr<const device::BufferPool::Lease> names;    ///< null unless an output names sites
     std::shared_ptr<const device::BufferPool::Lease> normals;  ///< null unless pseudonormals are needed
-    bool encloses_negative_volume = false;                     ///< known with the normals
     std::size_t renumbered = 0;  ///< triangles of a part of a mesh, whose numbers in the whole follow
 
     std::size_t bytes() const { return (names ? names->bytes() : 0) + (normals ? normals->bytes() : 0); }

@@ -32,7 +32,8 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
                 stages->face_sides(sign, points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
         inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient || inputs.sides != nullptr);
         inputs.sign = sign;
-        inputs.is_inside_out = sign != SignRule::none && topology.balanced && inputs.sites->encloses_negative_volume;
+        inputs.is_inside_out =
+            outputs.gradient && sign != SignRule::none && topology.balanced && stages->encloses_negative_volume();
         return inputs;
     });
 }

@@ -1,6 +1,7 @@
 #include "transform/stages.hpp"
 
 #include "core/keep.hpp"
+#include "mesh/enclosed_volume.hpp"
 #include "polyhedra/sites.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"
@@ -112,7 +113,7 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
         polyhedra::MeshPart part = polyhedra::part_of(mesh_, topology(), frusta(), near);
         restriction.numbers = std::move(part.triangles);
         restriction.sample = surface_sample(topology(), frusta());
-        restriction.encloses_negative_volume = polyhedra::encloses_negative_volume(mesh_);
+        restriction.encloses_negative_volume = clsdf::encloses_negative_volume(mesh_);
         return std::unique_ptr<Stages>(
             new Stages(context_, std::move(pool), std::move(part), std::move(restriction), options_));
     } catch (const std::bad_alloc&) {
@@ -195,6 +196,7 @@ void Stages::move(std::vector<Vec3> positions) {
     faces_.reset();
     frusta_.reset();
     sites_.normals.reset();
+    encloses_negative_volume_.reset();
     points_.reset();
     scanned_mesh_.reset();
     face_sides_.reset();
@@ -390,6 +392,20 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
     }
 }
 
+bool Stages::may_touch_samples(const Grid& grid) {
+    Lattice& kept = lattice(grid);
+    if (!kept.may_be_touched)
+        kept.may_be_touched = polyhedra::may_touch_samples(topology(), frusta().positions, kept.origin, kept.spacing);
+    return *kept.may_be_touched;
+}
+
+bool Stages::encloses_negative_volume() {
+    if (!encloses_negative_volume_)
+        encloses_negative_volume_ =
+            restriction_ ? restriction_->encloses_negative_volume : clsdf::encloses_negative_volume(mesh_);
+    return *encloses_negative_volume_;
+}
+
 std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_normals) {
     using Lease = device::BufferPool::Lease;
     try {
@@ -401,8 +417,6 @@ std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_norm
         }
         if (with_normals && !sites_.normals) {
             sites_.normals = std::make_shared<const Lease>(site_normals(context_, pool_, topology(), mesh_.vertices()));
-            sites_.encloses_negative_volume =
-                restriction_ ? restriction_->encloses_negative_volume : polyhedra::encloses_negative_volume(mesh_);
         }
         return std::make_shared<const DeviceSites>(sites_);
     } catch (const std::bad_alloc&) {

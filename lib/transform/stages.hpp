@@ -71,6 +71,8 @@ struct Restriction {
 ///     device's faces + positions                         the same
 ///     sites' names   of the triangles                    kept, once an output names sites
 ///     pseudonormals  + positions                         kept until the vertices move, once the gradient is asked for
+///     on
+///                                                       an edge or a vertex
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
 ///     face sides     + sign rule                         the same, once about as many points are asked for
@@ -122,8 +124,12 @@ public:
     /// Selects those of a grid's inputs that matter to a part of it, unless they are most. Throws Error(out_of_memory).
     void select(const Grid& part, const Layout& layout, Inputs& inputs);
 
+    /// Whether samples of the grid's lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
+    bool may_touch_samples(const Grid& grid);
+    bool encloses_negative_volume();
+
     /// What finishing reads: the names of sites for outputs that tell them (names_sites()), pseudonormals for the
-    /// gradient. Throws Error(out_of_memory).
+    /// gradient on edges and vertices. Throws Error(out_of_memory).
     std::shared_ptr<const DeviceSites> sites(bool with_names, bool with_normals);
 
     /// What points anywhere are looked up in. Throws Error(invalid_argument, unsupported or out_of_memory).
@@ -160,6 +166,7 @@ private:
         std::size_t faces_packed = 0;
         std::size_t faces_swept = 0;
         std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of
+        std::optional<bool> may_be_touched{};          ///< see may_touch_samples()
 
         std::size_t bytes() const;
     };
@@ -207,6 +214,7 @@ private:
     std::shared_ptr<const DeviceFaces::Names> names_;
     std::shared_ptr<const DeviceFaces> faces_;
     DeviceSites sites_;
+    std::optional<bool> encloses_negative_volume_;
     std::shared_ptr<const points::PointMesh> points_;
     std::shared_ptr<const points::ScannedMesh> scanned_mesh_;
     std::shared_ptr<const points::FaceSides> face_sides_;

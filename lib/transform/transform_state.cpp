@@ -167,8 +167,8 @@ transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const 
                                                         bool lone) {
     transform::Inputs inputs = stages->inputs(grid, scan::layout_of(grid, band, sign), sign, lone);
     if (outputs == Outputs{} || options.method) return inputs;
-    inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient);
-    inputs.is_inside_out = topology.balanced && inputs.sites->encloses_negative_volume;
+    inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient && stages->may_touch_samples(grid));
+    inputs.is_inside_out = outputs.gradient && topology.balanced && stages->encloses_negative_volume();
     return inputs;
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <random>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -101,6 +102,30 @@ BOOST_AUTO_TEST_CASE(on_the_surface_the_gradient_points_outside_however_the_face
         BOOST_TEST(field.gradient[3 * on_face] == 1.0F);
         BOOST_TEST(field.gradient[3 * on_edge] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
         BOOST_TEST(field.gradient[3 * on_edge + 1] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
+    }
+}
+
+// Pseudonormals are made only for lattices with a sample on an edge or a vertex.
+BOOST_AUTO_TEST_CASE(on_one_edge_or_vertex_of_many_the_gradient_is_the_pseudonormal) {
+    constexpr unsigned seed = 5;
+    BOOST_TEST_INFO("seed " << seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> any(0.1, 0.9);
+    const Mesh mesh = tilted(make_shape("sphere3"));
+    const DistanceTransform transform(test_device(), mesh);
+    for (std::size_t n = 0; n < 24; ++n) {
+        const Triangle& triangle = mesh.triangles()[random() % mesh.triangles().size()];
+        const Vec3 &a = mesh.vertices()[triangle[n % 3]], &b = mesh.vertices()[triangle[(n + 1) % 3]];
+        const double part = n % 4 == 0 ? 0 : any(random);
+        Vec3 point{};
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = std::lerp(a[axis], b[axis], part);
+        const double length = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+        const double samples = n % 5 == 0 ? 300 : 1 + 2 * any(random);  // on the edge
+        const Grid grid = grid_at(point, length / samples, 2);
+        const Field field = transform(grid, Band::symmetric(2 * grid.voxel()), all_outputs());
+        const std::uint8_t site = field.site[grid.offset(2, 2, 2)];
+        BOOST_TEST((part == 0 ? site < 3 : site >= 3 && site < 6));
+        check_exact(mesh, field, guaranteed);
     }
 }
 
