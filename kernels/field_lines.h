@@ -1,13 +1,12 @@
-// Runs of values stored to the field: whole lines of memory past the caches, since nobody reads them soon, and a store
-// to the caches reads the line that it meets. (Measured on two cores of an Intel Xeon: to fill 512 MB takes 20 ms
-// through the caches and 9 to 14 past them, which is what the memory takes.)
+// Runs of values stored to the field as whole cache lines, past the caches: nobody reads them soon, and a store to the
+// caches reads the line first.
 #ifndef CLSDF_FIELD_LINES_H
 #define CLSDF_FIELD_LINES_H
 
 #include "bits.h"
 #include "inline.h"
 
-// Numbers of a line of memory. (Half a line, one vector of eight, costs as much past the caches as a whole one.)
+// Numbers in a cache line. Half a line costs as much past the caches as a whole one.
 #define LINE_NUMBERS 16
 
 // How far an address lies past one that is divisible by so many numbers' bytes.

@@ -13,7 +13,7 @@
 #define INLINE static inline
 #endif
 
-// A comparison with a select: fmin and fmax cost four times as much, for the sake of NaN.
+// A comparison with a select; fmin and fmax take more instructions, because they treat NaN.
 #define LESSER(a, b) ((a) < (b) ? (a) : (b))
 #define GREATER(a, b) ((a) > (b) ? (a) : (b))
 

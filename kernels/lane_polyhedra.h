@@ -2,8 +2,8 @@
 //
 // The records are read as vectors and transposed. The blocks of a group are passed one after the other; a polyhedron's
 // numbers then stay in registers, the step from block to block is one addition for each bound, and the answer is a mask
-// of lanes, which picks the block's list out of a vector of numbers. Taking one polyhedron and LANES blocks at once
-// instead broadcasts all numbers of the polyhedron for one or a few vectors of blocks: measured, over twice the work.
+// of lanes, which picks the block's list out of a vector of numbers. (One polyhedron against LANES blocks would
+// broadcast all numbers of the polyhedron for one or a few vectors of blocks, more than twice the work.)
 //
 // The test is that of blocks.h, but for the ends of the base, where a cap bounds the polyhedron: they are bounded by
 // the planes of the corners, which slivers hardly reach.

@@ -159,8 +159,7 @@ static inline uint lanes_to_bits(intL mask) {
 #endif
 }
 
-// Where processors have an instruction for it: PoCL's floor() and ceil() take eight. (Measured: a twentieth of all
-// bricks' time.)
+// One instruction if the processor has it; PoCL's floor() and ceil() take eight.
 #if (defined(__SSE4_1__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_elementwise_floor) && \
     HAS_BUILTIN(__builtin_elementwise_ceil)
 #define FLOOR __builtin_elementwise_floor

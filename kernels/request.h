@@ -18,8 +18,7 @@ static inline void request_line_for_soon(__global const void* at) {
     PREFETCH(at, 3);
 }
 
-// A list's polyhedra lie scattered over more memory than the inner caches hold: measured, two fifths of the time of
-// what reads them was waiting.
+// A list's polyhedra lie scattered over more memory than the inner caches hold.
 static inline void request(__global const Polyhedron* p) {
     for (uint line = 0; line < sizeof(Polyhedron); line += 64) request_line((__global const uchar*)p + line);
 }

@@ -34,9 +34,9 @@ INLINE uintL places_of(uintL i, uintL j, uintL k) {
 #endif
 }
 
-// SCATTERED_ACCESS: the device is one where instructions that gather and scatter are fast. (Measured, on an Intel Xeon:
-// with them the bunny's bricks take a ninth less time.) A sample that is listed twice, as the list's first is, which
-// fills the last vector, gets the same distance twice: a scatter writes equal values to equal places.
+// SCATTERED_ACCESS: instructions that gather and scatter are fast on this device. The list's first sample fills the
+// last vector, so it may be listed twice. It gets the same distance twice: the scatter writes equal values to one
+// address.
 #if LANES == 16 && !defined(NEAREST) && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && \
     HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
 #define ALL_LANES ((ushort)LANE_BITS)

@@ -50,9 +50,8 @@ typedef struct LayerRange {
     int columns_log;
 } LayerRange;
 
-// From LANES * columns_log on: each lane's layer, and which of the neighbours along u it takes. (Measured, on an Intel
-// Xeon: half of sphere6's steps were those of vectors with eight layers or fewer; its bricks take 3 to 6% less time,
-// the bunny's 2 to 6%, those of wide bands as long.)
+// From LANES * columns_log on: each lane's layer and its column along u. Few layers leave lanes free, which take the
+// neighbouring columns.
 #if LANES == 16
 __constant float layer_of_lane[3 * LANES] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
                                              0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5,  5,  6,  6,  7,  7,
@@ -142,8 +141,7 @@ INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private cons
     }
 }
 
-// One lane's polyhedron: both sides at once where they have few layers, else by themselves. (Measured, before
-// neighbours shared lanes: of narrow bands the bricks take a seventh less time than with sides by themselves always.)
+// One lane's polyhedron: both sides at once if they have few layers, else one after the other.
 INLINE void scan_slender(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
                          __private ulong* counters) {
     __private const Frustum* above = slender->sides;

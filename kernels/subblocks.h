@@ -2,8 +2,7 @@
 // z.
 //
 // They are numbered with y running fastest and x slowest, so that those of one x, a plane of 4 x 4, are whole vectors
-// of blocks. (Sub-blocks of 2 x 2 x 2, one vector of eight, save two distances of five and double the tests: measured,
-// bricks take a sixth longer.)
+// of blocks. Sub-blocks of 2 x 2 x 2 would save distances, but double the tests, and take longer.
 #ifndef CLSDF_SUBBLOCKS_H
 #define CLSDF_SUBBLOCKS_H
 

@@ -158,8 +158,7 @@ static inline void write_runs(Layout layout, int3 coarse, ulong bricks, __global
     }
 }
 
-// The same of two bricks whose rows are lines of memory together, straight from registers. (Measured, on an Intel Xeon:
-// the bricks of sphere6 take 2 to 11% less time than by way of a slice's rows, the bunny's 2%.)
+// The same for two bricks whose rows together are cache lines: they are stored from registers.
 static inline void write_lines(Layout layout, int3 brick, __global Minimum* minima, Output output,
                                __private ulong* counters) {
     const int3 size = vload3(0, layout.size);

@@ -94,7 +94,7 @@ std::vector<std::size_t> launch_ends(const SliceChunk& chunk, std::span<const Sl
 
 }  // namespace
 
-// Measured on a processor, in distances of a sample: finding a polygon, and the samples of a row.
+// The cost on a processor of finding a polygon, and of a row, as a number of distances.
 double cost_of(const PieceCost& piece) {
     constexpr double a_polygon = 40;
     constexpr double a_row = 10;

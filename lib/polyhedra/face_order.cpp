@@ -116,11 +116,10 @@ CLSDF_SEVERAL_TARGETS void CentroidCodes::encode(const LaneVectors& sums, const 
                    cell((sums.z[i] - lower.z()) * scale, count - 1) << 2;
 }
 
-/// Sorts triangles by codes of three digits, equal ones as they come: by the first digit in blocks, each of which knows
-/// where its triangles of each digit go, then what has one first digit by the others. (Measured on two cores: pass by
-/// pass in blocks, from the last digit on, a mesh of 32,768 triangles takes half as long again: of a block few have one
-/// digit, and cores write to the same lines of memory. If all have one first digit, as
-/// beside a vertex far away, one core sorts.)
+/// Sorts triangles by codes of three digits; equal codes keep their order. The first digit is sorted in parallel
+/// blocks, each of which knows where its triangles of each digit go. Then each core sorts triangles of one first digit
+/// by the other digits. (If every digit were sorted in blocks, cores would write to the same cache lines.) If all
+/// triangles have one first digit, one core sorts.
 class CodeSort {
 public:
     CodeSort(std::size_t count, unsigned digit_bits)

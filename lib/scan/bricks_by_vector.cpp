@@ -6,9 +6,8 @@ namespace clsdf::scan {
 
 namespace {
 
-// A launch ends within a fifth of a second, so that a computation can be stopped; but a coarse brick is computed by one
-// core, however long its list is. Measured: a pair of a polyhedron and a coarse brick takes a fifth of a microsecond,
-// and 0.7 in the dense field of a noisy mesh, 0.9 with vectors of 256 bits.
+// A launch ends within a fifth of a second, so that a computation can be stopped: a pair of a polyhedron and a coarse
+// brick takes at most a microsecond. But one core computes a coarse brick, however long its list is.
 constexpr double pairs_per_core_and_launch = 100000;
 
 /// The minima of a coarse brick, whose bricks a work-item takes together.

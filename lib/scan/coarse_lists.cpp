@@ -16,7 +16,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// Measured on a core, and rounded up.
+// Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
 constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
 constexpr double seconds_per_touch = 5e-8;
@@ -28,7 +28,7 @@ std::size_t coarse_group_count(const Layout& layout) {
 }
 
 /// Touches of a cluster of polyhedra and a coarse brick that there is room for at first, for each polyhedron on average
-/// (measured, and rounded up). Where there are more, they are found twice.
+/// (an estimate). If there are more, they are found twice.
 std::size_t expected_touches(const Layout& layout, std::size_t lanes) {
     const std::size_t narrow = lanes == 8 ? 3 : 2;
     return has_uniform_caps(layout) ? narrow : narrow * 5 / 2;

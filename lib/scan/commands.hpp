@@ -46,9 +46,9 @@ private:
     bool has_begun_ = false;
 };
 
-/// On a processor, commands that are enqueued until it is opened start together then. Nothing but enqueuing may be
-/// done meanwhile: what waited for the queue would wait for ever. (PoCL's threads start with the first command, and
-/// take the core that would enqueue the others. Measured on two cores: up to 60 us for each of them.)
+/// On a processor, holds back commands until open() starts them together. PoCL's threads would start with the first
+/// command and take the core that enqueues the others. Until open() the caller may only enqueue: a wait for the queue
+/// would last for ever.
 class CommandGate {
 public:
     explicit CommandGate(const device::Context& context) : context_(context) {

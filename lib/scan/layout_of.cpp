@@ -136,7 +136,7 @@ PolyhedronWidths polyhedron_widths(double half_width) {
 }
 
 bool has_long_bricks(const Grid& grid) {
-    // Measured: the error of float offsets is 1e-6 voxel at equal spacing, and grows with the largest ratio.
+    // The error of float offsets is 1e-6 voxel at equal spacing, and grows with the largest ratio.
     constexpr double largest_ratio = 1.5;
     return *std::max_element(grid.spacing.begin(), grid.spacing.end()) > largest_ratio * grid.voxel();
 }

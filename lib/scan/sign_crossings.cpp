@@ -25,7 +25,7 @@ constexpr std::size_t records_per_row = 4;
 constexpr const char* records_purpose = "crossings of the sign's sweep";
 constexpr const char* listed = "crossings of the surface by rows of samples";
 
-// Measured on a core, and rounded up.
+// Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
 constexpr double seconds_per_triangle = 5e-7;  // of the first launch: with CLSDF_LARGE_ROWS rows
 // A large triangle is divided among work-items, each of which takes a strip of its slices.

@@ -7,7 +7,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// Measured on a core, and rounded up.
+// Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_record = 2e-8;
 constexpr double seconds_per_word = 5e-9;  // of sign bits
 
