@@ -1,9 +1,9 @@
-// Which blocks of samples a polyhedron touches: the test by which bricks and sub-blocks get their lists.
+// Which blocks of samples a polyhedron overlaps: the test by which bricks and sub-blocks get their lists.
 //
-// A block is represented by its centre and by its reach (half its width) along each of the polyhedron's normals; the
-// test is conservative. Each block has a cap of its own, an upper bound of the distance of its samples to the mesh: a
+// A block is represented by its centre and by its extent (half its width) along each of the polyhedron's normals; the
+// test is conservative. Each block has its own upper bound of the distances of its samples to the mesh: a
 // triangle farther away than that is nearest to none of them. The slack exceeds the rounding of what is compared, which
-// grows with the cap.
+// grows with the bound.
 #ifndef CLSDF_BLOCKS_H
 #define CLSDF_BLOCKS_H
 
@@ -11,20 +11,20 @@
 #include "frame.h"
 #include "lanes.h"
 
-typedef struct Reach {
+typedef struct Extent {
     float x, y, z, right, left;
-    float right_end, left_end, apex;  // along the bounds of the corners (touched_within)
-} Reach;
+    float right_end, left_end, apex;  // along the bounds of the corners (overlapped_within)
+} Extent;
 
-// Of blocks that reach half_x, half_y and half_z samples from their centre.
-INLINE Reach reach_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
+// Of blocks that extend half_x, half_y and half_z samples from their centre.
+INLINE Extent reach_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
     const float widen = 1.0f + 1.0e-6f;
     const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
     const float4 normal = vload4(0, p->normal_along);  // along right, left, across right, left
     const float3 x = (float3)(gx.x, gy.x, gz.x), y = (float3)(gx.y, gy.y, gz.y);
     const float3 right = fabs(normal.x * x + normal.z * y), left = fabs(normal.w * y - normal.y * x);
     const float3 frame = fabs(gx) * half_x + (fabs(gy) * half_y + fabs(gz) * half_z);
-    Reach r;
+    Extent r;
     r.x = widen * frame.x;
     r.y = widen * frame.y;
     r.z = widen * frame.z;
@@ -37,70 +37,71 @@ INLINE Reach reach_of(__global const Polyhedron* p, float half_x, float half_y, 
 }
 
 // Of cubes.
-INLINE Reach reach_of_cube(__global const Polyhedron* p, float half_side) {
+INLINE Extent extent_of_cube(__global const Polyhedron* p, float half_side) {
     return reach_of(p, half_side, half_side, half_side);
 }
 
 // The same, enlarged by the slack of a test.
-static inline Reach widened(Reach r, float slack) {
+static inline Extent widened(Extent r, float slack) {
     // The bounds of the corners are sums of two others, with factors of at most one.
-    const Reach wide = {r.x + slack,
-                        r.y + slack,
-                        r.z + slack,
-                        r.right + slack,
-                        r.left + slack,
-                        r.right_end + 2.0f * slack,
-                        r.left_end + 2.0f * slack,
-                        r.apex + 2.0f * slack};
+    const Extent wide = {r.x + slack,
+                         r.y + slack,
+                         r.z + slack,
+                         r.right + slack,
+                         r.left + slack,
+                         r.right_end + 2.0f * slack,
+                         r.left_end + 2.0f * slack,
+                         r.apex + 2.0f * slack};
     return wide;
 }
 
-// The centres of blocks in the polyhedron's frame, from the place: along X and Y; along Z from the face.
+// The centres of blocks in the polyhedron's frame, from the position: along X and Y; along Z from the face.
 typedef struct Centres {
     floatL x, y, z;
 } Centres;
 
-INLINE Centres centres_of(__global const Polyhedron* p, Place place, floatL i, floatL j, floatL k) {
+INLINE Centres centres_of(__global const Polyhedron* p, FramePosition position, floatL i, floatL j, floatL k) {
     Centres c;
     c.x = i * p->gradient_x[0] + (j * p->gradient_y[0] + k * p->gradient_z[0]);
     c.y = i * p->gradient_x[1] + (j * p->gradient_y[1] + k * p->gradient_z[1]);
-    c.z = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + place.z));
+    c.z = i * p->gradient_x[2] + (j * p->gradient_y[2] + (k * p->gradient_z[2] + position.z));
     return c;
 }
 
-// Bit b: block b, where its lateral planes lie base[b], right[b] and left[b] outward of the edges. `reach` includes the
-// slack of the greatest cap.
+// Bit b: block b, where its lateral planes lie base[b], right[b] and left[b] outward of the edges. `extent` includes
+// the slack of the greatest bound.
 //
-// Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet touch both. The
+// Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet overlap both. The
 // polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of
 // the planes' own, each times a component of a normal.
-INLINE uint touched_within(__global const Polyhedron* p, Place place, Centres c, floatL base, floatL right, floatL left,
-                           Reach reach, floatL cap) {
+INLINE uint overlapped_within(__global const Polyhedron* p, FramePosition position, Centres c, floatL base,
+                              floatL right, floatL left, Extent extent, floatL bound) {
     const float along_right = p->normal_along[CLSDF_HALF_RIGHT], across_right = p->normal_across[CLSDF_HALF_RIGHT];
     const float along_left = p->normal_along[CLSDF_HALF_LEFT], across_left = p->normal_across[CLSDF_HALF_LEFT];
-    intL in = fabs(c.z) <= cap + reach.z;
+    intL in = fabs(c.z) <= bound + extent.z;
     if (!(p->flags & CLSDF_POLYHEDRON_COMPACT)) {
-        base = LESSER(base, cap);
-        right = LESSER(right, cap);
-        left = LESSER(left, cap);
-        in &= (place.beyond_right + c.x <= cap + reach.x) & (place.beyond_left - c.x <= cap + reach.x);
+        base = LESSER(base, bound);
+        right = LESSER(right, bound);
+        left = LESSER(left, bound);
+        in &= (position.beyond_right + c.x <= bound + extent.x) & (position.beyond_left - c.x <= bound + extent.x);
     }
-    const floatL past_base = -place.y - c.y - base;
-    const floatL past_right = place.outward_right + (along_right * c.x + across_right * c.y) - right;
-    const floatL past_left = place.outward_left + (across_left * c.y - along_left * c.x) - left;
-    in &= (past_base <= reach.y) & (past_right <= reach.right) & (past_left <= reach.left) &
-          (past_right + across_right * past_base <= reach.right_end) &
-          (past_left + across_left * past_base <= reach.left_end) &
-          (along_left * past_right + along_right * past_left <= reach.apex);
+    const floatL past_base = -position.y - c.y - base;
+    const floatL past_right = position.outward_right + (along_right * c.x + across_right * c.y) - right;
+    const floatL past_left = position.outward_left + (across_left * c.y - along_left * c.x) - left;
+    in &= (past_base <= extent.y) & (past_right <= extent.right) & (past_left <= extent.left) &
+          (past_right + across_right * past_base <= extent.right_end) &
+          (past_left + across_left * past_base <= extent.left_end) &
+          (along_left * past_right + along_right * past_left <= extent.apex);
     return lanes_to_bits(in);
 }
 
 // Bit b: block b.
-INLINE uint touched_blocks(__global const Polyhedron* p, Place place, Centres c, Reach reach, floatL cap) {
-    const floatL above = reach.z + c.z, below = reach.z - c.z;
+INLINE uint overlapped_blocks(__global const Polyhedron* p, FramePosition position, Centres c, Extent extent,
+                              floatL bound) {
+    const floatL above = extent.z + c.z, below = extent.z - c.z;
 #define WIDTH(edge) GREATER(p->slope_above[edge] * above, p->slope_below[edge] * below)
-    return touched_within(p, place, c, WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT), WIDTH(CLSDF_EDGE_LEFT), reach,
-                          cap);
+    return overlapped_within(p, position, c, WIDTH(CLSDF_EDGE_BASE), WIDTH(CLSDF_EDGE_RIGHT), WIDTH(CLSDF_EDGE_LEFT),
+                             extent, bound);
 #undef WIDTH
 }
 
@@ -110,9 +111,9 @@ typedef struct Slopes {
     float base, right, left;
 } Slopes;
 
-// z: of the group's centre; reach: of the group.
-INLINE Slopes slopes_of(__global const Polyhedron* p, float z, float reach, float slack) {
-    const int above = z - reach > slack, below = -z - reach > slack;
+// z: of the group's centre; extent: of the group.
+INLINE Slopes slopes_of(__global const Polyhedron* p, float z, float extent, float slack) {
+    const int above = z - extent > slack, below = -z - extent > slack;
     Slopes slopes;
 #define SLOPE(edge) \
     (above ? p->slope_above[edge] : below ? p->slope_below[edge] : GREATER(p->slope_above[edge], p->slope_below[edge]))
@@ -123,16 +124,17 @@ INLINE Slopes slopes_of(__global const Polyhedron* p, float z, float reach, floa
     return slopes;
 }
 
-// As touched_blocks, in fewer operations.
-INLINE uint touched_near_blocks(__global const Polyhedron* p, Place place, Slopes slopes, Centres c, Reach reach,
-                                floatL cap) {
-    const floatL height = fabs(c.z) + reach.z;
-    return touched_within(p, place, c, slopes.base * height, slopes.right * height, slopes.left * height, reach, cap);
+// As overlapped_blocks, in fewer operations.
+INLINE uint overlapped_near_blocks(__global const Polyhedron* p, FramePosition position, Slopes slopes, Centres c,
+                                   Extent extent, floatL bound) {
+    const floatL height = fabs(c.z) + extent.z;
+    return overlapped_within(p, position, c, slopes.base * height, slopes.right * height, slopes.left * height, extent,
+                             bound);
 }
 
-// Where the cap of coarse brick (x, y, z) of the lattice is kept: by groups of 4 x 4 x 4 that start at multiples of
+// Where the bound of coarse brick (x, y, z) of the lattice is kept: by groups of 4 x 4 x 4 that start at multiples of
 // four.
-static inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
+static inline size_t coarse_bound_index(Layout layout, int x, int y, int z) {
     const int group_x = (x >> 2) - first_coarse_group(layout, 0), group_y = (y >> 2) - first_coarse_group(layout, 1),
               group_z = (z >> 2) - first_coarse_group(layout, 2);
     const size_t number = ((size_t)group_z * coarse_groups(layout, 1) + group_y) * coarse_groups(layout, 0) + group_x;
@@ -143,8 +145,9 @@ static inline size_t coarse_cap_place(Layout layout, int x, int y, int z) {
 // Bit b: whether the polyhedron itself, with a band's half width and slack, holds sample b.
 INLINE uint covered_samples(__global const Polyhedron* p, Offsets o, floatL i, floatL j, floatL k, float half_width,
                             float slack) {
-    const Reach reach = widened((Reach){0.0f}, slack);
-    return touched_blocks(p, place_of(o), centres_of(p, place_of(o), i, j, k), reach, (floatL)half_width);
+    const Extent extent = widened((Extent){0.0f}, slack);
+    return overlapped_blocks(p, frame_position_of(o), centres_of(p, frame_position_of(o), i, j, k), extent,
+                             (floatL)half_width);
 }
 #endif
 

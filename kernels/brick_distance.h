@@ -1,4 +1,4 @@
-// The distance from the samples of a brick to a triangle, of the sub-blocks that its polyhedron touches.
+// The distance from the samples of a brick to a triangle, of the sub-blocks that its polyhedron overlaps.
 //
 // One polyhedron is taken after the other, so that its numbers are fetched once and stay in registers; the minima of a
 // brick are small enough for the innermost cache.
@@ -51,7 +51,7 @@ INLINE void set_sample_displacements(__private const LaneOffsets* o, uint lane, 
 
 // Of one lane's polyhedron, which has a number, into the minimum.
 static inline void evaluate(__private const LaneOffsets* o, __private const Displacements* displacements, uint lane,
-                            SubblockMask touched, uint number, __global const Polyhedron* polyhedra,
+                            SubblockMask overlapped, uint number, __global const Polyhedron* polyhedra,
                             __global Minimum* minimum) {
     const EdgeTable table = table_at(&o->edges, lane);
     const float x = o->x[lane], y = o->y[lane], z = o->z[lane];
@@ -62,8 +62,8 @@ static inline void evaluate(__private const LaneOffsets* o, __private const Disp
     __private const float* to_subblock_x = (__private const float*)displacements->x + lane;
     __private const float* to_subblock_y = (__private const float*)displacements->y + lane;
     __private const float* to_subblock_z = (__private const float*)displacements->z + lane;
-    for (; touched; touched &= touched - 1) {
-        const uint b = lowest_bit(touched);
+    for (; overlapped; overlapped &= overlapped - 1) {
+        const uint b = lowest_bit(overlapped);
 #pragma unroll
         for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
             const floatL squared = squared_distance_by_table(table, x, y, z, samples_x[v] + to_subblock_x[b * LANES],
@@ -75,11 +75,11 @@ static inline void evaluate(__private const LaneOffsets* o, __private const Disp
 }
 
 // The same where bricks are long.
-static inline void evaluate_long_brick(uint number, double4 frame, SubblockMask touched,
+static inline void evaluate_long_brick(uint number, double4 frame, SubblockMask overlapped,
                                        __global const Polyhedron* polyhedra, __global Minimum* minimum) {
     __global const Polyhedron* p = polyhedra + number;
-    for (; touched; touched &= touched - 1) {
-        const uint b = lowest_bit(touched);
+    for (; overlapped; overlapped &= overlapped - 1) {
+        const uint b = lowest_bit(overlapped);
         for (uint v = 0; v < SUBBLOCK_VECTORS; ++v)
             lower_minimum(minimum, b * SUBBLOCK_VECTORS + v,
                           squared_distance_long_brick(p, frame, samples_i(b), samples_j(b), samples_k(b, v)), number,
@@ -88,11 +88,11 @@ static inline void evaluate_long_brick(uint number, double4 frame, SubblockMask 
 }
 
 #ifdef COUNT
-static inline void count_covered(__global const Polyhedron* p, Offsets o, SubblockMask touched, Layout layout,
+static inline void count_covered(__global const Polyhedron* p, Offsets o, SubblockMask overlapped, Layout layout,
                                  __private ulong* counters) {
     const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
-    for (; touched; touched &= touched - 1) {
-        const uint b = lowest_bit(touched);
+    for (; overlapped; overlapped &= overlapped - 1) {
+        const uint b = lowest_bit(overlapped);
         for (uint v = 0; v < SUBBLOCK_VECTORS; ++v) {
             counters[CLSDF_COUNT_LANES] += LANES;
             counters[CLSDF_COUNT_COVERED] +=

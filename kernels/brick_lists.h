@@ -1,4 +1,4 @@
-// Lists by vectors of polyhedra: which bricks of a coarse brick, and which sub-blocks of a brick, each one touches.
+// Lists by vectors of polyhedra: which bricks of a coarse brick, and which sub-blocks of a brick, each one overlaps.
 #ifndef CLSDF_BRICK_LISTS_H
 #define CLSDF_BRICK_LISTS_H
 
@@ -66,44 +66,45 @@ INLINE uint lanes_in_list(uint e, uint count) {
     return e + LANES <= count ? LANE_BITS : (1u << (count - e)) - 1;
 }
 
-// Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 touch: brick b's mask of lanes goes to
-// masks[b * stride]. Returns which bricks any of them touches.
-INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps, float slack, uint lanes,
-                            __global LaneMask* masks, uint stride) {
+// Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 overlap: brick b's mask of lanes goes to
+// masks[b * stride]. Returns which bricks any of them overlaps.
+INLINE ulong overlapped_bricks(const LanePolyhedra* p, __private const float* bounds, float slack, uint lanes,
+                               __global LaneMask* masks, uint stride) {
     const float half_side = 0.5f * (CLSDF_BRICK - 1);
-    const LaneReach reach = reach_of_lanes(p, half_side, half_side, half_side, slack);
+    const LaneExtent extent = extent_of_lanes(p, half_side, half_side, half_side, slack);
     const Bounds step_x = bounds_product(p->step_x, CLSDF_BRICK), step_y = bounds_product(p->step_y, CLSDF_BRICK),
                  step_z = bounds_product(p->step_z, CLSDF_BRICK);
     const Bounds first =
-        without_reach(bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
-                                 bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f))),
-                      &reach);
-    const floatL half_row = 1.5f * fabs(step_x.z) + reach.z;
+        without_extent(bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
+                                  bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f))),
+                       &extent);
+    const floatL half_row = 1.5f * fabs(step_x.z) + extent.z;
     ulong any = 0;
     for (uint b = 0; b < 64; b += 4) {
         const Bounds row =
             bounds_sum(first, bounds_sum(bounds_product(step_y, b / 4 % 4), bounds_product(step_z, b / 16)));
         const floatL height = row.z + 1.5f * step_x.z;
-        intL touched[4];
+        intL overlapped[4];
         floatL slopes[3];
         if (p->all_compact && lanes_to_bits(fabs(height) <= half_row) == 0) {
             const floatL side = height < 0.0f ? (floatL)-1.0f : (floatL)1.0f;
             slopes_at(p, height, half_row, slopes);
             const OneSide step = one_side(p, step_x, side, slopes, 0);
-            OneSide at = one_side(p, row, side, slopes, &reach);
+            OneSide at = one_side(p, row, side, slopes, &extent);
 #pragma unroll
-            for (uint x = 0; x < 4; ++x, at = one_side_sum(at, step)) touched[x] = touches_one_side(at, caps[b + x]);
+            for (uint x = 0; x < 4; ++x, at = one_side_sum(at, step))
+                overlapped[x] = overlaps_one_side(at, bounds[b + x]);
         } else {
             Bounds at = row;
 #pragma unroll
             for (uint x = 0; x < 4; ++x, at = bounds_sum(at, step_x)) {
-                slopes_at(p, at.z, reach.z, slopes);
-                touched[x] = touches(p, at, slopes, &reach, caps[b + x]);
+                slopes_at(p, at.z, extent.z, slopes);
+                overlapped[x] = overlaps(p, at, slopes, &extent, bounds[b + x]);
             }
         }
 #pragma unroll
         for (uint x = 0; x < 4; ++x) {
-            const uint bits = lanes & lanes_to_bits(touched[x]);
+            const uint bits = lanes & lanes_to_bits(overlapped[x]);
             masks[(size_t)(b + x) * stride] = (LaneMask)bits;
             any |= (ulong)(bits != 0) << (b + x);
         }
@@ -111,10 +112,10 @@ INLINE ulong touched_bricks(const LanePolyhedra* p, __private const float* caps,
     return any;
 }
 
-// Each lane's SubblockMask. `at`: the first sub-block's centre, without reach; x, y, z: the steps to the next ones;
-// caps: in the order of the sub-blocks.
+// Each lane's SubblockMask. `at`: the first sub-block's centre, without extent; x, y, z: the steps to the next ones;
+// bounds: in the order of the sub-blocks.
 INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, Bounds at, Bounds x, Bounds y, Bounds z,
-                                     const floatL* slopes, const LaneReach* reach, __private const float* caps) {
+                                     const floatL* slopes, const LaneExtent* extent, __private const float* bounds) {
     uintL bits = 0;
     for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = bounds_sum(at, x)) {
         Bounds row = at;
@@ -122,14 +123,14 @@ INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, Bounds at, Bounds x
             Bounds block = row;
 #pragma unroll
             for (uint j = 0; j < 4; ++j, block = bounds_sum(block, y))
-                bits = bits >> 1 | (as_uintL(touches(p, block, slopes, reach, *caps++)) & 0x80000000u);
+                bits = bits >> 1 | (as_uintL(overlaps(p, block, slopes, extent, *bounds++)) & 0x80000000u);
         }
     }
     return bits;
 }
 
 // The same where the brick lies on one side of all faces.
-INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, __private const float* caps) {
+INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, __private const float* bounds) {
     uintL bits = 0;
     for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = one_side_sum(at, x)) {
         OneSide row = at;
@@ -137,30 +138,30 @@ INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, 
             OneSide block = row;
 #pragma unroll
             for (uint j = 0; j < 4; ++j, block = one_side_sum(block, y))
-                bits = bits >> 1 | (as_uintL(touches_one_side(block, *caps++)) & 0x80000000u);
+                bits = bits >> 1 | (as_uintL(overlaps_one_side(block, *bounds++)) & 0x80000000u);
         }
     }
     return bits;
 }
 
-// Which sub-blocks each of the polyhedra touches: a SubblockMask a lane.
-INLINE uintL touched_subblocks(const LanePolyhedra* p, __private const float* caps, float slack) {
+// Which sub-blocks each of the polyhedra overlaps: a SubblockMask a lane.
+INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float* bounds, float slack) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
-    const LaneReach reach = reach_of_lanes(p, half_x, 0.5f, 0.5f, slack);
+    const LaneExtent extent = extent_of_lanes(p, half_x, 0.5f, 0.5f, slack);
     const Bounds x = bounds_product(p->step_x, SUBBLOCK_X), y = bounds_product(p->step_y, 2.0f),
                  z = bounds_product(p->step_z, 2.0f);
     Bounds at = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
                            bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
-    at = without_reach(at, &reach);
+    at = without_extent(at, &extent);
     const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
     floatL slopes[3];
     slopes_at(p, p->at.z, extent + slack, slopes);
     if (p->all_compact && lanes_to_bits(fabs(p->at.z) <= extent + slack) == 0) {
         const floatL side = p->at.z < 0.0f ? (floatL)-1.0f : (floatL)1.0f;
-        return subblocks_of_one_side(one_side(p, at, side, slopes, &reach), one_side(p, x, side, slopes, 0),
-                                     one_side(p, y, side, slopes, 0), one_side(p, z, side, slopes, 0), caps);
+        return subblocks_of_one_side(one_side(p, at, side, slopes, &extent), one_side(p, x, side, slopes, 0),
+                                     one_side(p, y, side, slopes, 0), one_side(p, z, side, slopes, 0), bounds);
     }
-    return subblocks_of_both_sides(p, at, x, y, z, slopes, &reach, caps);
+    return subblocks_of_both_sides(p, at, x, y, z, slopes, &extent, bounds);
 }
 
 // The entries of a list that masks choose; returns how many. There is room for a vector beyond them.

@@ -33,10 +33,10 @@ typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(0) ? 1 : -1];
 
 // Where the samples of a coarse brick are among its bricks' minima, counted in samples: bricks with x running fastest,
 // then y, then z; there by sub-blocks. Each coordinate, from 0 to 31, adds its own. (Macros, for numbers and vectors.)
-#define BRICK_PLACES ((uint)(sizeof(Minimum) / sizeof(Least)))
-#define PLACE_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * BRICK_PLACES)
-#define PLACE_OF_Y(y) ((y) % 2u * 4u | (y) / 2u % 4u * SUBBLOCK_SAMPLES | (y) / 8u * (4 * BRICK_PLACES))
-#define PLACE_OF_Z(z) ((z) % 2u * 8u | (z) / 2u % 4u * (4 * SUBBLOCK_SAMPLES) | (z) / 8u * (16 * BRICK_PLACES))
+#define MINIMA_OF_BRICK ((uint)(sizeof(Minimum) / sizeof(Least)))
+#define INDEX_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * MINIMA_OF_BRICK)
+#define INDEX_OF_Y(y) ((y) % 2u * 4u | (y) / 2u % 4u * SUBBLOCK_SAMPLES | (y) / 8u * (4 * MINIMA_OF_BRICK))
+#define INDEX_OF_Z(z) ((z) % 2u * 8u | (z) / 2u % 4u * (4 * SUBBLOCK_SAMPLES) | (z) / 8u * (16 * MINIMA_OF_BRICK))
 
 static inline void clear_minimum(__global Minimum* minimum) {
     for (uint n = 0; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) minimum->least[n] = NO_LEAST;
@@ -96,23 +96,23 @@ INLINE void lower_minimum(__global Minimum* minimum, uint n, floatL squared, uin
 }
 
 // Upper bounds of the distances in a sub-block and in a brick, as far as they are computed.
-INLINE float cap_of_subblock(__global const Minimum* minimum, uint b, float cap) {
+INLINE float bound_of_subblock(__global const Minimum* minimum, uint b, float bound) {
     floatL greatest = squares_of(minimum, b * SUBBLOCK_VECTORS);
     for (uint v = 1; v < SUBBLOCK_VECTORS; ++v) {
         const floatL squared = squares_of(minimum, b * SUBBLOCK_VECTORS + v);
         greatest = GREATER(greatest, squared);
     }
     const float reached = sqrt(greatest_lane(greatest));
-    return LESSER(reached, cap);
+    return LESSER(reached, bound);
 }
-static inline float cap_of_brick(__global const Minimum* minimum, float cap) {
+static inline float bound_of_brick(__global const Minimum* minimum, float bound) {
     floatL greatest = squares_of(minimum, 0);
     for (uint n = 1; n < SUBBLOCKS * SUBBLOCK_VECTORS; ++n) {
         const floatL squared = squares_of(minimum, n);
         greatest = GREATER(greatest, squared);
     }
     const float reached = sqrt(greatest_lane(greatest));
-    return LESSER(reached, cap);
+    return LESSER(reached, bound);
 }
 
 // Whether any of a brick's samples has a distance.
@@ -127,17 +127,17 @@ static inline bool has_distances(__global const Minimum* minimum) {
 
 // Row (y, z) of a brick's samples, out of its sub-blocks.
 INLINE uint8 squares_of_row(__global const Minimum* minimum, uint y, uint z) {
-    __global const Least* half_row = (__global const Least*)minimum->least + (PLACE_OF_Y(y) | PLACE_OF_Z(z));
+    __global const Least* half_row = (__global const Least*)minimum->least + (INDEX_OF_Y(y) | INDEX_OF_Z(z));
 #ifdef NEAREST
-    return (uint8)(as_uint8(vload4(0, half_row)).odd, as_uint8(vload4(0, half_row + PLACE_OF_X(4u))).odd);
+    return (uint8)(as_uint8(vload4(0, half_row)).odd, as_uint8(vload4(0, half_row + INDEX_OF_X(4u))).odd);
 #else
-    return as_uint8((float8)(vload4(0, half_row), vload4(0, half_row + PLACE_OF_X(4u))));
+    return as_uint8((float8)(vload4(0, half_row), vload4(0, half_row + INDEX_OF_X(4u))));
 #endif
 }
 #ifdef NEAREST
 INLINE uint8 polyhedra_of_row(__global const Minimum* minimum, uint y, uint z) {
-    __global const Least* half_row = (__global const Least*)minimum->least + (PLACE_OF_Y(y) | PLACE_OF_Z(z));
-    return (uint8)(as_uint8(vload4(0, half_row)).even, as_uint8(vload4(0, half_row + PLACE_OF_X(4u))).even);
+    __global const Least* half_row = (__global const Least*)minimum->least + (INDEX_OF_Y(y) | INDEX_OF_Z(z));
+    return (uint8)(as_uint8(vload4(0, half_row)).even, as_uint8(vload4(0, half_row + INDEX_OF_X(4u))).even);
 }
 #endif
 

@@ -1,6 +1,6 @@
 // The seven-site distance of every sample near the mesh, for GPUs.
 //
-// brick_caps, a work-group for each coarse brick: an upper bound (cap) of the distances in each of its 64 bricks.
+// brick_bounds, a work-group for each coarse brick: an upper bound of the distances in each of its 64 bricks.
 //
 // brick_masks, several work-groups for each coarse brick: for each polyhedron of its list the bricks that it overlaps,
 // 64 bits.
@@ -8,11 +8,11 @@
 // bricks_by_group, a work-group for each brick of 8 x 8 x 8 samples:
 // 1. The polyhedra of the coarse brick's list that overlap the brick are chosen into local memory, in the order of the
 //    list.
-// 2. When that is full, or the list ends: a cap for each of the brick's 64 sub-blocks of 2 x 2 x 2 samples.
+// 2. When that is full, or the list ends: a bound for each of the brick's 64 sub-blocks of 2 x 2 x 2 samples.
 // 3. BATCH polyhedra at a time: which octants of the brick does each of them overlap, and which of their sub-blocks?
 //    The answers are bits, by sub-block.
 // 4. The eight work-items of a sub-block take its polyhedra one after the other, each at its own sample. If there are
-//    more batches, the caps are lowered to the distances that were found.
+//    more batches, the bounds are lowered to the distances that were found.
 //
 // Atomics in local memory only set bits and take minima and maxima, and every group keeps the order of its list. So the
 // result does not depend on the order in which groups and work-items run.
@@ -82,27 +82,29 @@ static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_b
 }
 
 // The bricks of a coarse brick that a polyhedron overlaps, 64 bits.
-static inline ulong touched_bricks(__global const Polyhedron* p, int3 coarse, __local const float* caps, float slack) {
+static inline ulong overlapped_bricks(__global const Polyhedron* p, int3 coarse, __local const float* bounds,
+                                      float slack) {
     const int3 first = coarse * CLSDF_COARSE;
-    const Place place = place_at(p, first.x, first.y, first.z, COARSE_CENTRE);
-    const Reach reach = widened(reach_of_cube(p, BRICK_CENTRE), slack);
-    ulong touched = 0;
+    const FramePosition position = frame_position_at(p, first.x, first.y, first.z, COARSE_CENTRE);
+    const Extent extent = widened(extent_of_cube(p, BRICK_CENTRE), slack);
+    ulong overlapped = 0;
     for (uint b = 0; b < BRICKS; ++b) {
         const float3 centre = (convert_float3(four_cubed(b)) - 1.5f) * CLSDF_BRICK;
-        touched |= (ulong)touched_blocks(p, place, centres_of(p, place, centre.x, centre.y, centre.z), reach, caps[b])
-                   << b;
+        overlapped |= (ulong)overlapped_blocks(p, position, centres_of(p, position, centre.x, centre.y, centre.z),
+                                               extent, bounds[b])
+                      << b;
     }
-    return touched;
+    return overlapped;
 }
 
-// Global size: a group for each coarse brick order[begin, ...) of the launch. brick_caps: BRICKS for each of `order`.
-__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_caps(
+// Global size: a group for each coarse brick order[begin, ...) of the launch. brick_bounds: BRICKS for each of `order`.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_bounds(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
-    __global const uint* restrict entries, __global const float* restrict coarse_caps,
-    __global const Polyhedron* restrict polyhedra, __global float* restrict caps) {
+    __global const uint* restrict entries, __global const float* restrict coarse_bounds,
+    __global const Polyhedron* restrict polyhedra, __global float* restrict bounds) {
     __local float3 feet[GROUP];
     __local float least_squares[GROUP];
-    const uint item = get_local_id(0), turn = begin + get_group_id(0), number = order[turn];
+    const uint item = get_local_id(0), slot = begin + get_group_id(0), number = order[slot];
     const int3 coarse = coarse_brick_at(layout, number);
     least_squares[item] = least_square_of_feet(layout, coarse, starts[number * parts], starts[(number + 1) * parts],
                                                entries, polyhedra, feet);
@@ -111,27 +113,27 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_caps(
         float least = least_squares[item];
         for (uint other = item + BRICKS; other < GROUP; other += BRICKS) least = LESSER(least_squares[other], least);
         const float bound = sqrt(least) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
-        const float coarse_cap = coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)];
-        caps[turn * BRICKS + item] = LESSER(bound, coarse_cap);
+        const float coarse_bound = coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)];
+        bounds[slot * BRICKS + item] = LESSER(bound, coarse_bound);
     }
 }
 
 // Global size: `groups` groups for each coarse brick order[begin, ...) of the launch. masks: as entries.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_masks(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
-    __global const uint* restrict entries, __global const float* restrict coarse_caps,
-    __global const Polyhedron* restrict polyhedra, __global const float* restrict caps, uint groups,
+    __global const uint* restrict entries, __global const float* restrict coarse_bounds,
+    __global const Polyhedron* restrict polyhedra, __global const float* restrict bounds, uint groups,
     __global ulong* restrict masks) {
-    __local float brick_caps[BRICKS];
-    const uint item = get_local_id(0), turn = begin + get_group_id(0) / groups, number = order[turn];
-    if (item < BRICKS) brick_caps[item] = caps[turn * BRICKS + item];
+    __local float brick_bounds[BRICKS];
+    const uint item = get_local_id(0), slot = begin + get_group_id(0) / groups, number = order[slot];
+    if (item < BRICKS) brick_bounds[item] = bounds[slot * BRICKS + item];
     barrier(CLK_LOCAL_MEM_FENCE);
     const int3 coarse = coarse_brick_at(layout, number);
-    const float slack =
-        coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)] * layout.slack_rate + layout.brick_slack;
+    const float slack = coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)] * layout.slack_rate +
+                        layout.brick_slack;
     const uint list_end = starts[(number + 1) * parts];
     for (uint e = starts[number * parts] + get_group_id(0) % groups * GROUP + item; e < list_end; e += groups * GROUP)
-        masks[e] = touched_bricks(polyhedra + entries[e], coarse, brick_caps, slack);
+        masks[e] = overlapped_bricks(polyhedra + entries[e], coarse, brick_bounds, slack);
 }
 
 // Sample `lane` of sub-block b, from the brick's first sample.
@@ -168,7 +170,7 @@ typedef struct Batch {
     float3 feet[BATCH];      // from the foot of the altitude to the brick's centre
     Offsets offsets[BATCH];  // at the brick's centre
     Steps steps[BATCH];
-    Reach reach[BATCH];  // of a sub-block, without slack
+    Extent extent[BATCH];  // of a sub-block, without slack
 } Batch;
 
 #ifdef NEAREST
@@ -182,10 +184,10 @@ typedef struct Found {
 
 // A brick's work in local memory.
 typedef struct Work {
-    uint chosen[ROOM];                      // polyhedra
-    uint words[WINDOW_WORDS];               // bits of a window's entries
-    uint caps[SUBBLOCKS];                   // floats as bits, so that atomics know them
-    uint touched[SUBBLOCKS * BATCH_WORDS];  // by sub-block, bits of a batch's polyhedra
+    uint chosen[ROOM];                         // polyhedra
+    uint words[WINDOW_WORDS];                  // bits of a window's entries
+    uint bounds[SUBBLOCKS];                    // floats as bits, so that atomics know them
+    uint overlapped[SUBBLOCKS * BATCH_WORDS];  // by sub-block, bits of a batch's polyhedra
     union {
         Batch batch;
 #ifdef NEAREST
@@ -200,7 +202,7 @@ typedef struct Work {
 typedef struct Brick {
     int3 first;  // sample
     float3 spacing;
-    float cap, slack;
+    float bound, slack;
     float radius;  // of a sub-block, with slack
 } Brick;
 
@@ -221,9 +223,9 @@ static inline uint choose(uint begin, uint end, uint b, __global const ulong* ma
     return all;
 }
 
-// Lowers the sub-blocks' caps by the feet of the chosen polyhedra.
-static inline void lower_caps_by_feet(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
-                                      __local Work* work) {
+// Lowers the sub-blocks' bounds by the feet of the chosen polyhedra.
+static inline void lower_bounds_by_feet(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
+                                        __local Work* work) {
     const uint item = get_local_id(0), b = item % SUBBLOCKS;
     const float3 centre = subblock_centre(b) * brick.spacing;
     float least = INFINITY;
@@ -240,7 +242,7 @@ static inline void lower_caps_by_feet(Layout layout, Brick brick, uint count, __
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }
-    atomic_min(work->caps + b, as_uint(sqrt(least) * (1.0f + 1.0e-5f) + brick.radius));
+    atomic_min(work->bounds + b, as_uint(sqrt(least) * (1.0f + 1.0e-5f) + brick.radius));
 }
 
 // Prepares `length` chosen polyhedra for tests and distances.
@@ -253,16 +255,16 @@ static inline void load_batch(Brick brick, __local const uint* chosen, uint leng
         work->room.batch.offsets[item] =
             offsets_at(p, brick.first.x + centre, brick.first.y + centre, brick.first.z + centre);
         work->room.batch.steps[item] = steps_of(p);
-        work->room.batch.reach[item] = reach_of_cube(p, 0.5f);
+        work->room.batch.extent[item] = extent_of_cube(p, 0.5f);
     }
-    for (uint n = item; n < SUBBLOCKS * BATCH_WORDS; n += GROUP) work->touched[n] = 0;
+    for (uint n = item; n < SUBBLOCKS * BATCH_WORDS; n += GROUP) work->overlapped[n] = 0;
     for (uint n = item; n < PAIRS / 32; n += GROUP) work->octants[n] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-INLINE Reach scaled(Reach r, float factor) {
-    const Reach product = {factor * r.x,    factor * r.y,         factor * r.z,        factor * r.right,
-                           factor * r.left, factor * r.right_end, factor * r.left_end, factor * r.apex};
+INLINE Extent scaled(Extent r, float factor) {
+    const Extent product = {factor * r.x,    factor * r.y,         factor * r.z,        factor * r.right,
+                            factor * r.left, factor * r.right_end, factor * r.left_end, factor * r.apex};
     return product;
 }
 
@@ -274,13 +276,14 @@ static inline uint list_octants(Brick brick, __local const uint* chosen, uint le
     for (uint pair = item; pair < length * OCTANTS; pair += GROUP) {
         const uint n = pair / OCTANTS, octant = pair % OCTANTS;
         __global const Polyhedron* p = polyhedra + chosen[n];
-        const Place place = place_of(work->room.batch.offsets[n]);
-        const Reach reach = scaled(work->room.batch.reach[n], 3.0f);
+        const FramePosition position = frame_position_of(work->room.batch.offsets[n]);
+        const Extent extent = scaled(work->room.batch.extent[n], 3.0f);
         const float3 centre = subblock_centre(first_subblock(octant)) + 1.0f;
-        const Centres c = centres_of(p, place, centre.x, centre.y, centre.z);
-        float cap = 0.0f;
-        for (uint b = 0; b < 8; ++b) cap = GREATER(as_float(work->caps[subblock_of(octant, b)]), cap);
-        if (touched_near_blocks(p, place, slopes_of(p, c.z, reach.z, brick.slack), c, widened(reach, brick.slack), cap))
+        const Centres c = centres_of(p, position, centre.x, centre.y, centre.z);
+        float bound = 0.0f;
+        for (uint b = 0; b < 8; ++b) bound = GREATER(as_float(work->bounds[subblock_of(octant, b)]), bound);
+        if (overlapped_near_blocks(p, position, slopes_of(p, c.z, extent.z, brick.slack), c,
+                                   widened(extent, brick.slack), bound))
             atomic_or(work->octants + pair / 32, 1u << pair % 32);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -296,17 +299,17 @@ static inline void find_subblocks(Brick brick, __local const uint* chosen, uint 
     for (uint listed = get_local_id(0); listed < pairs; listed += GROUP) {
         const uint n = work->pairs[listed] / OCTANTS, octant = work->pairs[listed] % OCTANTS;
         __global const Polyhedron* p = polyhedra + chosen[n];
-        const Place place = place_of(work->room.batch.offsets[n]);
-        const Reach reach = work->room.batch.reach[n], wide = widened(reach, brick.slack);
+        const FramePosition position = frame_position_of(work->room.batch.offsets[n]);
+        const Extent extent = work->room.batch.extent[n], wide = widened(extent, brick.slack);
         const float3 first = subblock_centre(first_subblock(octant));
-        const Centres middle = centres_of(p, place, first.x + 1.0f, first.y + 1.0f, first.z + 1.0f);
-        const Slopes slopes = slopes_of(p, middle.z, 3.0f * reach.z, brick.slack);
+        const Centres middle = centres_of(p, position, first.x + 1.0f, first.y + 1.0f, first.z + 1.0f);
+        const Slopes slopes = slopes_of(p, middle.z, 3.0f * extent.z, brick.slack);
         for (uint i = 0; i < 8; ++i) {
             const uint b = subblock_of(octant, i);
             const float3 at = subblock_centre(b);
-            if (touched_near_blocks(p, place, slopes, centres_of(p, place, at.x, at.y, at.z), wide,
-                                    as_float(work->caps[b])))
-                atomic_or(work->touched + b * BATCH_WORDS + n / 32, 1u << n % 32);
+            if (overlapped_near_blocks(p, position, slopes, centres_of(p, position, at.x, at.y, at.z), wide,
+                                       as_float(work->bounds[b])))
+                atomic_or(work->overlapped + b * BATCH_WORDS + n / 32, 1u << n % 32);
         }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -345,7 +348,7 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
         uint nearest = minimum->polyhedron[s];
 #endif
         for (uint w = 0; w < BATCH_WORDS; ++w)
-            for (uint rest = work->touched[b * BATCH_WORDS + w]; rest; rest &= rest - 1) {
+            for (uint rest = work->overlapped[b * BATCH_WORDS + w]; rest; rest &= rest - 1) {
                 const uint n = w * 32 + lowest_bit(rest);
                 const Offsets o = work->room.batch.offsets[n];
 #if defined(LONG_BRICKS) || defined(NEAREST) || defined(COUNT)
@@ -381,10 +384,10 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
     }
 }
 
-// Lowers the sub-blocks' caps to the distances that were found.
-static inline void lower_caps_by_minima(__private const Minimum* minimum, __local Work* work) {
+// Lowers the sub-blocks' bounds to the distances that were found.
+static inline void lower_bounds_by_minima(__private const Minimum* minimum, __local Work* work) {
     const uint item = get_local_id(0);
-    __local uint* greatest = work->touched;  // which has been evaluated
+    __local uint* greatest = work->overlapped;  // which has been evaluated
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < SUBBLOCKS) greatest[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -392,8 +395,8 @@ static inline void lower_caps_by_minima(__private const Minimum* minimum, __loca
         atomic_max(greatest + (s * GROUP + item) / SUBBLOCK_SAMPLES, as_uint(minimum->squared[s]));
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < SUBBLOCKS) {
-        const float reached = sqrt(as_float(greatest[item])), cap = as_float(work->caps[item]);
-        work->caps[item] = as_uint(LESSER(reached, cap));
+        const float reached = sqrt(as_float(greatest[item])), bound = as_float(work->bounds[item]);
+        work->bounds[item] = as_uint(LESSER(reached, bound));
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
@@ -406,9 +409,9 @@ static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __glo
                                    __private uint* counters
 #endif
 ) {
-    lower_caps_by_feet(layout, brick, count, polyhedra, work);
+    lower_bounds_by_feet(layout, brick, count, polyhedra, work);
     for (uint begin = 0; begin < count; begin += BATCH) {
-        if (begin > 0) lower_caps_by_minima(minimum, work);
+        if (begin > 0) lower_bounds_by_minima(minimum, work);
         const uint length = min(count - begin, (uint)BATCH);
         load_batch(brick, work->chosen + begin, length, polyhedra, work);
         const uint pairs = list_octants(brick, work->chosen + begin, length, polyhedra, work);
@@ -433,7 +436,7 @@ static inline void keep_found(__private const Minimum* minimum, __local Found* f
 }
 #endif
 
-// Writes the work-item's samples. relative_brick: the brick's place in the part.
+// Writes the work-item's samples. relative_brick: the brick's position in the part.
 static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, __global const uint* sign_bits,
                                  __private const Minimum* minimum, __global float* distance
 #ifdef NEAREST
@@ -478,7 +481,7 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
 // Global size: 64 groups for each coarse brick order[begin, ...) of the launch.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
-    __global const uint* restrict entries, __global const float* restrict brick_caps,
+    __global const uint* restrict entries, __global const float* restrict brick_bounds,
     __global const ulong* restrict masks, __global const Polyhedron* restrict polyhedra,
     __global const uint* restrict sign_bits, __global uchar* restrict computed, __global float* restrict distance
 #ifdef NEAREST
@@ -491,8 +494,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #endif
 ) {
     __local Work work;
-    const uint item = get_local_id(0), turn = begin + get_group_id(0) / BRICKS, b = get_group_id(0) % BRICKS;
-    const uint number = order[turn], list_end = starts[(number + 1) * parts];
+    const uint item = get_local_id(0), slot = begin + get_group_id(0) / BRICKS, b = get_group_id(0) % BRICKS;
+    const uint number = order[slot], list_end = starts[(number + 1) * parts];
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     const int3 at = coarse_brick_at(layout, number) * CLSDF_BRICKS_PER_COARSE + four_cubed(b);
     const int3 relative_brick = at - brick_first;
@@ -501,10 +504,10 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     Brick brick;
     brick.first = at * CLSDF_BRICK;
     brick.spacing = vload3(0, layout.spacing);
-    brick.cap = brick_caps[turn * BRICKS + b];
-    brick.slack = brick.cap * layout.slack_rate + layout.brick_slack;
+    brick.bound = brick_bounds[slot * BRICKS + b];
+    brick.slack = brick.bound * layout.slack_rate + layout.brick_slack;
     brick.radius = 0.5f * sqrt(dot(brick.spacing, brick.spacing)) * (1.0f + 1.0e-5f) + layout.brick_slack;
-    if (item < SUBBLOCKS) work.caps[item] = as_uint(brick.cap);
+    if (item < SUBBLOCKS) work.bounds[item] = as_uint(brick.bound);
     Minimum minimum;
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         minimum.squared[s] = INFINITY;

@@ -2,9 +2,9 @@
 // first, and carries each through all finer levels, so that lists of (polyhedron, brick) pairs never leave the cache.
 //
 // * coarse brick: the distances of slender polyhedra (slender_scan.h), which no finer level sees; for each
-//   brick an upper bound of the distance (cap), and masks of the other polyhedra that touch it;
-// * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they touch;
-// * sub-block: the distance to the triangle of each polyhedron that touches it, into the minimum.
+//   brick an upper bound of the distance, and masks of the other polyhedra that overlap it;
+// * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they overlap;
+// * sub-block: the distance to the triangle of each polyhedron that overlaps it, into the minimum.
 //
 // Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
 // minima wait in memory until the last of them.
@@ -17,7 +17,7 @@
 #include "brick_distance.h"
 #include "brick_lists.h"
 #include "lane_offsets.h"
-#include "request.h"
+#include "prefetch.h"
 #include "slender_scan.h"
 #include "write_bricks.h"
 
@@ -26,8 +26,8 @@
 
 // Upper bounds of the distance for the samples of each of a brick's sub-blocks: the distance of its centre to the
 // surface point nearest to the brick's centre, and its radius.
-static inline void subblock_caps(Layout layout, int3 first, __global const Polyhedron* nearest, float brick_cap,
-                                 __private float* caps) {
+static inline void subblock_bounds(Layout layout, int3 first, __global const Polyhedron* nearest, float brick_bound,
+                                   __private float* bounds) {
     const float3 spacing = vload3(0, layout.spacing);
     const float3 from_foot = from_foot_to(layout, nearest, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
     const float3 half_sides = 0.5f * (float3)(SUBBLOCK_X - 1, 1.0f, 1.0f) * spacing;
@@ -39,29 +39,29 @@ static inline void subblock_caps(Layout layout, int3 first, __global const Polyh
         for (uint plane = 0; plane < SUBBLOCK_PLANES; ++plane) {
             const float x = subblock_i(plane) * spacing.x + from_foot.x;
             const floatL bound = sqrt(squared + x * x) * (1.0f + 1.0e-5f) + radius;
-            store_lanes(LESSER(bound, brick_cap), v, caps + plane * SUBBLOCK_PLANE);
+            store_lanes(LESSER(bound, brick_bound), v, bounds + plane * SUBBLOCK_PLANE);
         }
     }
 }
 
-// Polyhedra that touch sub-blocks of a brick, until a vector is full: what evaluating them takes is prepared for LANES
-// at once. (Of a brick's list a third to two fifths touch none.) Fewer than LANES wait when enqueue() is called, which
-// stores a whole vector behind them.
+// Polyhedra that overlap sub-blocks of a brick, until a vector is full: what evaluating them takes is prepared for
+// LANES at once. Fewer than LANES wait when enqueue() is
+// called, which stores a whole vector behind them.
 typedef struct Queue {
     uint numbers[2 * LANES];
     SubblockMask masks[2 * LANES];
     uint count;
 } Queue;
 
-// The polyhedra numbers[0, LANES) as far as they touch any sub-block and `lanes` says that they count.
-INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __private const float* caps, float slack,
+// The polyhedra numbers[0, LANES) as far as they overlap any sub-block and `lanes` says that they count.
+INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __private const float* bounds, float slack,
                     __global const Polyhedron* polyhedra, __private Queue* queue) {
     const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, 0.5f * (CLSDF_BRICK - 1));
-    const uintL masks = touched_subblocks(&p, caps, slack);
-    const uint touching = lanes & lanes_to_bits(masks != 0);
-    store_lanes(packed(load_lanes(0, numbers), touching), 0, queue->numbers + queue->count);
-    store_lanes(packed(masks, touching), 0, queue->masks + queue->count);
-    queue->count += popcount(touching);
+    const uintL masks = overlapped_subblocks(&p, bounds, slack);
+    const uint overlapping = lanes & lanes_to_bits(masks != 0);
+    store_lanes(packed(load_lanes(0, numbers), overlapping), 0, queue->numbers + queue->count);
+    store_lanes(packed(masks, overlapping), 0, queue->masks + queue->count);
+    queue->count += popcount(overlapping);
 }
 
 // Takes the first LANES polyhedra of the queue, or all where there are fewer, into a brick's minima.
@@ -99,23 +99,23 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
     store_lanes(load_lanes(0, queue->masks + LANES), 0, queue->masks);
 }
 
-// Polyhedra of a brick's list into its minima. `cap` bounds the distance of its samples, or is the band's half width;
-// `nearest` is a polyhedron whose foot is near the brick.
-static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float cap,
+// Polyhedra of a brick's list into its minima. `bound`: an upper bound of the distances of its samples, or the band's
+// half width; `nearest` is a polyhedron whose foot is near the brick.
+static inline void evaluate_list(Layout layout, int3 brick, uint count, __global const uint* list, float bound,
                                  __global const Polyhedron* nearest, __global const Polyhedron* polyhedra,
                                  __global Minimum* minimum, __private ulong* counters) {
     const int3 first = brick * CLSDF_BRICK;
-    float caps[SUBBLOCKS];
-    subblock_caps(layout, first, nearest, cap, caps);
-    const float slack = cap * layout.slack_rate + layout.brick_slack;
+    float bounds[SUBBLOCKS];
+    subblock_bounds(layout, first, nearest, bound, bounds);
+    const float slack = bound * layout.slack_rate + layout.brick_slack;
     Queue queue;
     queue.count = 0;
     for (uint e = 0; e < count; e += LANES) {
         if (e % CHUNK == 0)
-            for (uint b = 0; b < SUBBLOCKS; ++b) caps[b] = cap_of_subblock(minimum, b, caps[b]);
+            for (uint b = 0; b < SUBBLOCKS; ++b) bounds[b] = bound_of_subblock(minimum, b, bounds[b]);
         uint numbers[LANES];
         load_numbers(list, e, count, numbers);
-        enqueue(first, numbers, lanes_in_list(e, count), caps, slack, polyhedra, &queue);
+        enqueue(first, numbers, lanes_in_list(e, count), bounds, slack, polyhedra, &queue);
         const uint wanted = e + LANES < count ? LANES : 1;  // at the end all of them
         while (queue.count >= wanted) evaluate_queue(layout, first, &queue, polyhedra, minimum, counters);
     }
@@ -125,15 +125,16 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
 }
 
 // One for each of a coarse brick's 64 bricks.
-typedef struct BrickCaps {
-    float cap[64];     // an upper bound of the distance of its samples
+typedef struct BrickBounds {
+    float bound[64];   // an upper bound of the distance of its samples
     uint nearest[64];  // the polyhedron whose foot gave it
-} BrickCaps;
+} BrickBounds;
 
 // The distance of the brick's centre to the nearest of the surface points it knows (the feet of the altitudes), and the
 // brick's radius.
-static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                                   __global const Polyhedron* polyhedra, float coarse_cap, __private BrickCaps* caps) {
+static inline void find_brick_bounds(Layout layout, int3 coarse, uint count, __global const uint* entries,
+                                     __global const Polyhedron* polyhedra, float coarse_bound,
+                                     __private BrickBounds* bounds) {
     floatL least[64 / LANES];
     uintL nearest[64 / LANES];
     for (uint v = 0; v < 64 / LANES; ++v) {
@@ -147,7 +148,7 @@ static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __glo
     // Any of the points bound the distance; of a long list a part is enough.
     const uint stride = max(count > 256 ? 2u : 1u, count / 2048);
     for (uint e = 0; e < count; e += stride) {
-        if (e + 16 * stride < count) request_foot(polyhedra + entries[e + 16 * stride]);
+        if (e + 16 * stride < count) prefetch_foot(polyhedra + entries[e + 16 * stride]);
         const float3 from_foot =
             from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
         const floatL x = i + from_foot.x;
@@ -167,8 +168,8 @@ static inline void find_brick_caps(Layout layout, int3 coarse, uint count, __glo
     }
     for (uint v = 0; v < 64 / LANES; ++v) {
         const floatL bound = sqrt(least[v]) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
-        store_lanes(LESSER(bound, coarse_cap), v, caps->cap);
-        store_lanes(nearest[v], v, caps->nearest);
+        store_lanes(LESSER(bound, coarse_bound), v, bounds->bound);
+        store_lanes(nearest[v], v, bounds->nearest);
     }
 }
 
@@ -201,56 +202,58 @@ static inline ulong bricks_of_part(Layout layout, int3 coarse, Output output) {
     return in_part;
 }
 
-// Which bricks the polyhedra of a part of a list touch; of each brick, which of them.
+// Which bricks the polyhedra of a part of a list overlap; of each brick, which of them.
 static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                                __private const float* caps, float slack, __global const Polyhedron* polyhedra,
+                                __private const float* bounds, float slack, __global const Polyhedron* polyhedra,
                                 __global LaneMask* masks) {
     ulong any = 0;
     for (uint e = 0; e < count; e += LANES) {
         uint numbers[LANES];
         load_numbers(entries, e, count, numbers);
-        for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead) request(polyhedra + entries[ahead]);
+        for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead)
+            prefetch_record(polyhedra + entries[ahead]);
         const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, coarse * CLSDF_COARSE, 0.5f * (CLSDF_COARSE - 1));
-        any |= touched_bricks(&p, caps, slack, lanes_in_list(e, count), masks + e / LANES, CLSDF_LIST_PART / LANES);
+        any |=
+            overlapped_bricks(&p, bounds, slack, lanes_in_list(e, count), masks + e / LANES, CLSDF_LIST_PART / LANES);
     }
     return any;
 }
 
 // Polyhedra of a coarse brick's list into the minima of its bricks `in_part`.
 static inline void evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
-                                   float slack, __private BrickCaps* caps, __global const Polyhedron* polyhedra,
+                                   float slack, __private BrickBounds* bounds, __global const Polyhedron* polyhedra,
                                    __global Scratch* scratch, __global Minimum* minima, __private ulong* counters) {
-    for (uint b = 0; b < 64; ++b) caps->cap[b] = cap_of_brick(minima + b, caps->cap[b]);
-    ulong rest = in_part & list_bricks(layout, coarse, count, entries, caps->cap, slack, polyhedra, scratch->masks);
+    for (uint b = 0; b < 64; ++b) bounds->bound[b] = bound_of_brick(minima + b, bounds->bound[b]);
+    ulong rest = in_part & list_bricks(layout, coarse, count, entries, bounds->bound, slack, polyhedra, scratch->masks);
     for (; rest; rest &= rest - 1) {
         const uint b = lowest_bit_of_long(rest);
         const uint chosen = choose(count, entries, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
-        evaluate_list(layout, brick_of_coarse(coarse, b), chosen, scratch->list, caps->cap[b],
-                      polyhedra + caps->nearest[b], polyhedra, minima + b, counters);
+        evaluate_list(layout, brick_of_coarse(coarse, b), chosen, scratch->list, bounds->bound[b],
+                      polyhedra + bounds->nearest[b], polyhedra, minima + b, counters);
     }
 }
 
 // The minima are clear before and after.
 static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                                        float coarse_cap, __global const Polyhedron* polyhedra,
+                                        float coarse_bound, __global const Polyhedron* polyhedra,
                                         __global Scratch* scratch, __global Minimum* minima, Output output,
                                         __private ulong* counters) {
     const ulong in_part = bricks_of_part(layout, coarse, output);
-    const float slack = coarse_cap * layout.slack_rate + layout.brick_slack;
-    BrickCaps caps;
-    bool has_caps = false;
+    const float slack = coarse_bound * layout.slack_rate + layout.brick_slack;
+    BrickBounds bounds;
+    bool has_bounds = false;
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
         __global const uint* some = entries + begin;
         uint length = min(count - begin, (uint)CLSDF_LIST_PART);
 #ifndef LONG_BRICKS
-        length = scan_slender_polyhedra(layout, coarse, length, some, coarse_cap, slack, polyhedra, minima,
+        length = scan_slender_polyhedra(layout, coarse, length, some, coarse_bound, slack, polyhedra, minima,
                                         scratch->others, counters);
         some = scratch->others;
 #endif
         if (length == 0) continue;
-        if (!has_caps) find_brick_caps(layout, coarse, count, entries, polyhedra, coarse_cap, &caps);
-        has_caps = true;
-        evaluate_bricks(layout, coarse, in_part, length, some, slack, &caps, polyhedra, scratch, minima, counters);
+        if (!has_bounds) find_brick_bounds(layout, coarse, count, entries, polyhedra, coarse_bound, &bounds);
+        has_bounds = true;
+        evaluate_bricks(layout, coarse, in_part, length, some, slack, &bounds, polyhedra, scratch, minima, counters);
     }
     ulong used = 0;
     for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
@@ -260,10 +263,10 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
 }
 
 // Global size: as many as there are scratch and minima for. Work-items take coarse bricks order[begin +
-// turns[launch]++] until `end`; turns are 0 at first.
-__kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end, __global uint* turns,
+// queue[launch]++] until `end`; the queue is 0 at first.
+__kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end, __global uint* queue,
                                __global const uint* order, __global const uint* starts, uint parts,
-                               __global const uint* entries, __global const float* coarse_caps,
+                               __global const uint* entries, __global const float* coarse_bounds,
                                __global const Polyhedron* polyhedra, __global const uint* sign_bits,
                                __global uchar* computed, __global Scratch* all_scratch, __global Minimum* all_minima,
                                __global float* distance
@@ -295,14 +298,14 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
     output.sign_bits = sign_bits;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     for (;;) {
-        const uint turn = begin + atomic_inc(turns + launch);
-        if (turn >= end) break;
-        const uint number = order[turn];
+        const uint slot = begin + atomic_inc(queue + launch);
+        if (slot >= end) break;
+        const uint number = order[slot];
         const uint list = starts[number * parts], count = starts[(number + 1) * parts] - list;
         const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
         compute_coarse_brick(layout, coarse, count, entries + list,
-                             coarse_caps[coarse_cap_place(layout, coarse.x, coarse.y, coarse.z)], polyhedra, scratch,
-                             minima, output, counters);
+                             coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)], polyhedra,
+                             scratch, minima, output, counters);
     }
     finish_lines();
 #ifdef COUNT

@@ -29,25 +29,25 @@ typedef struct SurfacePoint {
     float foot[3];          // from there, in units
 } SurfacePoint;
 
-// Which polyhedra of a cluster touch a coarse brick.
-typedef struct Touch {
+// Which polyhedra of a cluster overlap a coarse brick.
+typedef struct ClusterPair {
     clsdf_uint32 cluster;
     clsdf_uint32 brick;  // its number among the part's coarse bricks
     clsdf_uint32 lanes;  // bit l: polyhedron l of the cluster
-} Touch;
+} ClusterPair;
 
 // A polyhedron and a coarse brick that overlap, for the group body.
 typedef struct CoarsePair {
     clsdf_uint32 brick;  // its number among the part's coarse bricks, or CLSDF_NO_BRICK
     clsdf_uint32 polyhedron;
-    clsdf_uint32 place;  // among the pairs of the brick and of the polyhedron's segment, in no order
+    clsdf_uint32 index;  // among the pairs of the brick and of the polyhedron's segment, in no order
 } CoarsePair;
 // A work-item takes room for so many pairs at a time; those left over have no brick.
 #define CLSDF_PAIR_BLOCK 8
 #define CLSDF_NO_BRICK 0xFFFFFFFFu
 
 #ifndef __OPENCL_VERSION__
-static_assert(sizeof(SurfacePoint) == 24 && sizeof(Touch) == 12 && sizeof(CoarsePair) == 12);
+static_assert(sizeof(SurfacePoint) == 24 && sizeof(ClusterPair) == 12 && sizeof(CoarsePair) == 12);
 }  // namespace clsdf
 #endif
 

@@ -1,6 +1,6 @@
-// Which coarse bricks LANES polyhedra that follow each other, a cluster, touch. They are neighbours, because polyhedra
-// are in Morton order: most bricks are too far from all of them together. Only the others are tested one by one, each
-// against the cluster's polyhedra, one a lane.
+// Which coarse bricks LANES polyhedra that follow each other, a cluster, overlap. They are neighbours, because
+// polyhedra are in Morton order: most bricks are too far from all of them together. Only the others are tested one by
+// one, each against the cluster's polyhedra, one a lane.
 //
 // What a test says depends on the cluster and on a group of 4 x 4 x 4 bricks, never on the part that is computed or on
 // how the work is divided: clusters begin at multiples of LANES, and groups where the lattice or the cluster says.
@@ -64,16 +64,16 @@ INLINE int3 index_below(int3 origin, float3 offset) {
     return clamp(add_sat(origin, below), (int3)(-0x7FFFFF00), (int3)(0x7FFFFF00));
 }
 
-// The coarse bricks of the lattice that the cluster's box, enlarged by a reach, overlaps; limits included.
+// The coarse bricks of the lattice that the cluster's box, enlarged by an extent, overlaps; limits included.
 typedef struct CoarseRange {
     int3 low, high;
 } CoarseRange;
 
-INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float reach) {
+INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float extent) {
     const float3 per_sample = 1.0f / vload3(0, layout.spacing);
     CoarseRange range;
-    range.low = (index_below(cluster.sample, (cluster.from - reach) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
-    range.high = (index_below(cluster.sample, (cluster.to + reach) * per_sample) + 1) >> 5;
+    range.low = (index_below(cluster.sample, (cluster.from - extent) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
+    range.high = (index_below(cluster.sample, (cluster.to + extent) * per_sample) + 1) >> 5;
     return range;
 }
 
@@ -107,8 +107,8 @@ INLINE float3 first_centre(Layout layout, Cluster cluster, int3 start) {
     return (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * vload3(0, layout.spacing);
 }
 
-// Those of the `wanted` bricks of a group of which some sample may lie within the brick's cap of the cluster.
-INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wanted, __private const float* caps) {
+// Those of the `wanted` bricks of a group of which some sample may lie within the brick's bound of the cluster.
+INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wanted, __private const float* bounds) {
     const float3 spacing = vload3(0, layout.spacing), side = CLSDF_COARSE * spacing;
     const float3 half_lengths = 0.5f * (cluster.to - cluster.from) + COARSE_CENTRE * spacing;
     const float3 middles = first_centre(layout, cluster, start) - 0.5f * (cluster.from + cluster.to);
@@ -119,8 +119,8 @@ INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wante
         const floatL x = gap_between(convert_floatL(block & 3u) * side.x + middles.x, half_lengths.x),
                      y = gap_between(convert_floatL(block >> 2 & 3u) * side.y + middles.y, half_lengths.y),
                      z = gap_between(convert_floatL(block >> 4) * side.z + middles.z, half_lengths.z);
-        const floatL reach = load_lanes(0, caps + first) + layout.coarse_slack;
-        near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= reach * reach) << first;
+        const floatL extent = load_lanes(0, bounds + first) + layout.coarse_slack;
+        near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= extent * extent) << first;
     }
     return near & wanted;
 }
@@ -129,31 +129,32 @@ INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wante
 #if LANES == 1
 typedef struct ClusterAtGroup {
     __global const Polyhedron* polyhedron;
-    Place place;
-    Reach reach;
+    FramePosition position;
+    Extent extent;
 } ClusterAtGroup;
 
 INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start,
                                        float slack) {
     ClusterAtGroup at;
     at.polyhedron = polyhedra + cluster.first;
-    at.place = place_at(at.polyhedron, start.x * CLSDF_COARSE, start.y * CLSDF_COARSE, start.z * CLSDF_COARSE,
-                        2.0f * CLSDF_COARSE - 0.5f);
-    at.reach = widened(reach_of_cube(at.polyhedron, COARSE_CENTRE), slack);
+    at.position = frame_position_at(at.polyhedron, start.x * CLSDF_COARSE, start.y * CLSDF_COARSE,
+                                    start.z * CLSDF_COARSE, 2.0f * CLSDF_COARSE - 0.5f);
+    at.extent = widened(extent_of_cube(at.polyhedron, COARSE_CENTRE), slack);
     return at;
 }
 
-// Bit l: whether polyhedron l touches brick b of the group.
-INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
+// Bit l: whether polyhedron l overlaps brick b of the group.
+INLINE uint overlapping_lanes(const ClusterAtGroup* at, uint b, float bound) {
     const float i = ((float)(b & 3u) - 1.5f) * CLSDF_COARSE, j = ((float)(b >> 2 & 3u) - 1.5f) * CLSDF_COARSE,
                 k = ((float)(b >> 4) - 1.5f) * CLSDF_COARSE;
-    return touched_blocks(at->polyhedron, at->place, centres_of(at->polyhedron, at->place, i, j, k), at->reach, cap);
+    return overlapped_blocks(at->polyhedron, at->position, centres_of(at->polyhedron, at->position, i, j, k),
+                             at->extent, bound);
 }
 #else
 typedef struct ClusterAtGroup {
     LanePolyhedra polyhedra;
-    Bounds first;            // at the centre of the group's first brick, without reach
-    LaneReach reach;         // of a coarse brick, with slack
+    Bounds first;            // at the centre of the group's first brick, without extent
+    LaneExtent extent;       // of a coarse brick, with slack
     floatL x, y, z, radius;  // of the balls, from there
     float3 side;             // of a coarse brick, in units
     uint lanes;
@@ -166,8 +167,8 @@ INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron*
     const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, start * CLSDF_COARSE, COARSE_CENTRE);
     ClusterAtGroup at;
     at.polyhedra = p;
-    at.reach = reach_of_lanes(&p, COARSE_CENTRE, COARSE_CENTRE, COARSE_CENTRE, slack);
-    at.first = without_reach(p.at, &at.reach);
+    at.extent = extent_of_lanes(&p, COARSE_CENTRE, COARSE_CENTRE, COARSE_CENTRE, slack);
+    at.first = without_extent(p.at, &at.extent);
     at.side = CLSDF_COARSE * vload3(0, layout.spacing);
     const float3 centre = first_centre(layout, cluster, start);
     at.x = load_lanes(0, cluster.x) - centre.x;
@@ -178,16 +179,16 @@ INLINE ClusterAtGroup cluster_at_group(Layout layout, __global const Polyhedron*
     return at;
 }
 
-// Bit l: whether polyhedron l touches brick b of the group: by the distance of its triangle's ball, and by the planes
+// Bit l: whether polyhedron l overlaps brick b of the group: by the distance of its triangle's ball, and by the planes
 // that bound it.
-INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
+INLINE uint overlapping_lanes(const ClusterAtGroup* at, uint b, float bound) {
     const LanePolyhedra* p = &at->polyhedra;
     const float bx = (float)(b & 3u), by = (float)(b >> 2 & 3u), bz = (float)(b >> 4);
     const float half_side = COARSE_CENTRE / CLSDF_COARSE;
     const floatL x = gap_between(at->x - bx * at->side.x, half_side * at->side.x),
                  y = gap_between(at->y - by * at->side.y, half_side * at->side.y),
                  z = gap_between(at->z - bz * at->side.z, half_side * at->side.z);
-    const floatL far = at->radius + cap;
+    const floatL far = at->radius + bound;
     const intL near = (x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= far * far;
 
     const float i = bx * CLSDF_COARSE, j = by * CLSDF_COARSE, k = bz * CLSDF_COARSE;
@@ -195,8 +196,8 @@ INLINE uint touching_lanes(const ClusterAtGroup* at, uint b, float cap) {
     const Bounds brick = {AT(z), AT(base), AT(right), AT(left)};
 #undef AT
     floatL slopes[3];
-    slopes_at(p, brick.z, at->reach.z, slopes);
-    return at->lanes & lanes_to_bits(near & touches(p, brick, slopes, &at->reach, cap));
+    slopes_at(p, brick.z, at->extent.z, slopes);
+    return at->lanes & lanes_to_bits(near & overlaps(p, brick, slopes, &at->extent, bound));
 }
 #endif
 

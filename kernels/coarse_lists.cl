@@ -6,17 +6,17 @@
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 // The first pass counts the overlaps and keeps them; the second fills the lists from them.
 
-#include "coarse_caps.h"
+#include "coarse_bounds.h"
 #include "face_sources.h"
-#include "request.h"
+#include "prefetch.h"
 
 INLINE uint share_of(uint count, uint number, uint numbers) {
     return (uint)((ulong)count * number / numbers);
 }
 
-// What a part has found: `count` touches, of which those are kept that there is room for.
+// What a part has found: `count` pairs, of which those are kept that there is room for.
 typedef struct Found {
-    __global Touch* touches;
+    __global ClusterPair* pairs;
     uint room, count;
     __global uint* histogram;  // of the part: a counter for each coarse brick
 } Found;
@@ -29,55 +29,56 @@ INLINE uint first_of_cluster(__global const uint* groups, int has_groups, uint c
 
 // Of a cluster and those bricks of a group, which starts at `start`, that are `near`. base: the number of the group's
 // first brick in the part, negative if it lies before.
-INLINE void find_touches(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
-                         __private const float* caps, float slack, int base, int2 size, __private Found* found) {
+INLINE void find_pairs(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
+                       __private const float* bounds, float slack, int base, int2 size, __private Found* found) {
     const ClusterAtGroup at = cluster_at_group(layout, polyhedra, cluster, start, slack);
     for (; near; near &= near - 1) {
         const uint b = lowest_bit_of_long(near);
-        const uint lanes = touching_lanes(&at, b, caps[b]);
+        const uint lanes = overlapping_lanes(&at, b, bounds[b]);
         const uint brick = (uint)(base + ((int)(b >> 4) * size.y + (int)(b >> 2 & 3u)) * size.x + (int)(b & 3u));
         found->histogram[brick] += popcount(lanes);
-        // What touches nothing is overwritten: a branch that cannot be foreseen costs more.
+        // What overlaps nothing is overwritten: a branch that cannot be foreseen costs more.
         if (found->count < found->room) {
-            const Touch touch = {cluster.first / LANES, brick, lanes};
-            found->touches[found->count] = touch;
+            const ClusterPair pair = {cluster.first / LANES, brick, lanes};
+            found->pairs[found->count] = pair;
         }
         found->count += lanes != 0;
     }
 }
 
-// Counts each part's entries of each brick, and finds its touches. Launch `step` of `steps` takes its share of each
+// Counts each part's entries of each brick, and finds its pairs. Launch `step` of `steps` takes its share of each
 // part. count: of all records; clusters: of those that are looked at. has_groups: those of `groups` are, else all.
-// `uniform_caps`: no cap is below the half width.
+// `uniform_bounds`: no bound is below the half width.
 __kernel void coarse_count(Layout layout, uint count, uint clusters, __global const Polyhedron* polyhedra,
-                           int has_groups, __global const uint* groups, __global const float* caps, int uniform_caps,
-                           __global const uint* touch_starts, __global Touch* touches, __global uint* touch_counts,
-                           __global uint* histograms, __global uint* counts, uint step, uint steps) {
+                           int has_groups, __global const uint* groups, __global const float* bounds,
+                           int uniform_bounds, __global const uint* pair_starts, __global ClusterPair* pairs,
+                           __global uint* pair_counts, __global uint* histograms, __global uint* counts, uint step,
+                           uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const size_t bricks = coarse_brick_count(layout);
-    Found found = {touches + touch_starts[part], touch_starts[part + 1] - touch_starts[part],
-                   step == 0 ? 0 : touch_counts[part], histograms + part * bricks};
+    Found found = {pairs + pair_starts[part], pair_starts[part + 1] - pair_starts[part],
+                   step == 0 ? 0 : pair_counts[part], histograms + part * bricks};
     if (step == 0)
         for (size_t brick = 0; brick < bricks; ++brick) found.histogram[brick] = 0;
 
-    const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
-    float group_caps[CLSDF_COARSE_GROUP];
+    const float extent = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
+    float group_bounds[CLSDF_COARSE_GROUP];
     float greatest = layout.half_width;
-    for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) store_lanes((floatL)layout.half_width, v, group_caps);
+    for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) store_lanes((floatL)layout.half_width, v, group_bounds);
 
     const uint begin = share_of(clusters, part, parts), own = share_of(clusters, part + 1, parts) - begin;
     const uint end = begin + share_of(own, step + 1, steps);
     for (uint c = begin + share_of(own, step, steps); c < end; ++c) {
         const uint ahead = first_of_cluster(groups, has_groups, min(c + 2, clusters - 1));
-        for (uint lane = 0; lane < LANES; ++lane) request(polyhedra + min(ahead + lane, count - 1));
+        for (uint lane = 0; lane < LANES; ++lane) prefetch_record(polyhedra + min(ahead + lane, count - 1));
         const uint n = first_of_cluster(groups, has_groups, c);
         if (n >= count) continue;  // the last group may have fewer records
         Cluster cluster;
         find_cluster(layout, polyhedra, n, min(count - n, (uint)LANES), &cluster);
-        CoarseRange range = bricks_within(layout, cluster, reach);
-        // Groups begin with the range, or, where each brick has its own cap, where the caps' groups do.
-        int3 start = uniform_caps ? range.low : range.low & ~3;
+        CoarseRange range = bricks_within(layout, cluster, extent);
+        // Groups begin with the range, or, where each brick has its own bound, where the bounds' groups do.
+        int3 start = uniform_bounds ? range.low : range.low & ~3;
         range.low = max(range.low, first);
         range.high = min(range.high, first + size - 1);
         start += (max(start, first) - start) & ~3;
@@ -85,35 +86,35 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
             for (int y = start.y; y <= range.high.y; y += 4)
                 for (int x = start.x; x <= range.high.x; x += 4) {
                     const int3 group = (int3)(x, y, z), relative = group - first;
-                    if (!uniform_caps) greatest = load_caps(caps + coarse_cap_place(layout, x, y, z), group_caps);
-                    const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_caps);
+                    if (!uniform_bounds)
+                        greatest = load_bounds(bounds + coarse_bound_index(layout, x, y, z), group_bounds);
+                    const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_bounds);
                     if (!near) continue;
                     const float slack = greatest * layout.slack_rate + layout.coarse_slack;
                     const int base = (relative.z * size.y + relative.y) * size.x + relative.x;
-                    find_touches(layout, polyhedra, cluster, group, near, group_caps, slack, base, size.xy, &found);
+                    find_pairs(layout, polyhedra, cluster, group, near, group_bounds, slack, base, size.xy, &found);
                 }
     }
-    touch_counts[part] = found.count;
+    pair_counts[part] = found.count;
     if (step + 1 == steps)
         for (size_t brick = 0; brick < bricks; ++brick) counts[brick * parts + part] = found.histogram[brick];
 }
 
 // Writes the entries. Launch `step` of `steps` takes its share of each part. histograms: a part's next entries.
-__kernel void coarse_fill(Layout layout, __global const uint* touch_starts, __global const Touch* touches,
-                          __global const uint* touch_counts, __global const uint* starts, __global uint* histograms,
+__kernel void coarse_fill(Layout layout, __global const uint* pair_starts, __global const ClusterPair* pairs,
+                          __global const uint* pair_counts, __global const uint* starts, __global uint* histograms,
                           __global uint* entries, uint step, uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const size_t bricks = coarse_brick_count(layout);
     __global uint* next = histograms + part * bricks;
     if (step == 0)
         for (size_t brick = 0; brick < bricks; ++brick) next[brick] = starts[brick * parts + part];
-    const uint count = touch_counts[part], end = share_of(count, step + 1, steps);
+    const uint count = pair_counts[part], end = share_of(count, step + 1, steps);
     for (uint n = share_of(count, step, steps); n < end; ++n) {
-        const Touch touch = touches[touch_starts[part] + n];
-        __global uint* own = next + touch.brick;
+        const ClusterPair pair = pairs[pair_starts[part] + n];
+        __global uint* own = next + pair.brick;
         uint entry = *own;
-        for (uint rest = touch.lanes; rest; rest &= rest - 1)
-            entries[entry++] = touch.cluster * LANES + lowest_bit(rest);
+        for (uint rest = pair.lanes; rest; rest &= rest - 1) entries[entry++] = pair.cluster * LANES + lowest_bit(rest);
         *own = entry;
     }
 }

@@ -2,12 +2,12 @@
 //
 // coarse_pairs finds the pairs of a polyhedron and a coarse brick that overlap, in no order: work-items take room
 // for CLSDF_PAIR_BLOCK pairs at a time from a shared counter. Polyhedra that follow each other form segments; a counter
-// of each brick and segment gives a pair its place among theirs. The counts scanned,
+// of each brick and segment gives a pair its index among theirs. The counts scanned,
 //   starts[brick * segments + segment]
 // is where a segment's entries of a brick begin. coarse_scatter moves the pairs there, and coarse_sort orders each
 // segment: the lists are in the order of the polyhedra, however work-items are scheduled.
 
-#include "coarse_caps.h"
+#include "coarse_bounds.h"
 
 // Where a work-item's pairs go: pairs [next, end) are its own.
 typedef struct PairWriter {
@@ -24,9 +24,9 @@ INLINE void write_pair(__private PairWriter* writer, uint brick, uint polyhedron
         writer->next = atomic_add(writer->taken, CLSDF_PAIR_BLOCK);
         writer->end = writer->next + CLSDF_PAIR_BLOCK;
     }
-    const uint place = atomic_inc(writer->counts + (size_t)brick * writer->segments);
+    const uint index = atomic_inc(writer->counts + (size_t)brick * writer->segments);
     if (writer->next < writer->capacity) {
-        const CoarsePair pair = {brick, polyhedron, place};
+        const CoarsePair pair = {brick, polyhedron, index};
         writer->pairs[writer->next] = pair;
     }
     ++writer->next;
@@ -35,34 +35,34 @@ INLINE void write_pair(__private PairWriter* writer, uint brick, uint polyhedron
 // The pairs of a polyhedron and those bricks of a group, which starts at `start`, that are `near`. base: the number of
 // the group's first brick in the part, negative if it lies before.
 INLINE void find_pairs(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
-                       __private const float* caps, float slack, int base, int2 size, __private PairWriter* writer) {
+                       __private const float* bounds, float slack, int base, int2 size, __private PairWriter* writer) {
     const ClusterAtGroup at = cluster_at_group(layout, polyhedra, cluster, start, slack);
     for (; near; near &= near - 1) {
         const uint b = lowest_bit_of_long(near);
-        if (!touching_lanes(&at, b, caps[b])) continue;
+        if (!overlapping_lanes(&at, b, bounds[b])) continue;
         const uint brick = (uint)(base + ((int)(b >> 4) * size.y + (int)(b >> 2 & 3u)) * size.x + (int)(b & 3u));
         write_pair(writer, brick, cluster.first);
     }
 }
 
-// Polyhedra [begin, end), one a work-item. `uniform_caps`: no cap is below the half width. `per_segment`: polyhedra.
-// counts and taken are 0 at first.
+// Polyhedra [begin, end), one a work-item. `uniform_bounds`: no bound is below the half width. `per_segment`:
+// polyhedra. counts and taken are 0 at first.
 __kernel void coarse_pairs(Layout layout, uint begin, uint end, __global const Polyhedron* polyhedra,
-                           __global const float* caps, int uniform_caps, uint per_segment, uint segments,
+                           __global const float* bounds, int uniform_bounds, uint per_segment, uint segments,
                            __global uint* counts, __global uint* taken, uint capacity, __global CoarsePair* pairs) {
     const uint polyhedron = begin + get_global_id(0);
     if (polyhedron >= end) return;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     PairWriter writer = {pairs, capacity, taken, counts + polyhedron / per_segment, segments, 0, 0};
-    const float reach = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
-    float group_caps[CLSDF_COARSE_GROUP];
+    const float extent = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
+    float group_bounds[CLSDF_COARSE_GROUP];
     float greatest = layout.half_width;
-    for (uint b = 0; b < CLSDF_COARSE_GROUP; ++b) group_caps[b] = greatest;
+    for (uint b = 0; b < CLSDF_COARSE_GROUP; ++b) group_bounds[b] = greatest;
     Cluster cluster;
     find_cluster(layout, polyhedra, polyhedron, 1, &cluster);
-    CoarseRange range = bricks_within(layout, cluster, reach);
-    // Groups begin with the range, or, if each brick has its own cap, where the caps' groups do.
-    int3 start = uniform_caps ? range.low : range.low & ~3;
+    CoarseRange range = bricks_within(layout, cluster, extent);
+    // Groups begin with the range, or, if each brick has its own bound, where the bounds' groups do.
+    int3 start = uniform_bounds ? range.low : range.low & ~3;
     range.low = max(range.low, first);
     range.high = min(range.high, first + size - 1);
     start += (max(start, first) - start) & ~3;
@@ -70,12 +70,12 @@ __kernel void coarse_pairs(Layout layout, uint begin, uint end, __global const P
         for (int y = start.y; y <= range.high.y; y += 4)
             for (int x = start.x; x <= range.high.x; x += 4) {
                 const int3 group = (int3)(x, y, z), relative = group - first;
-                if (!uniform_caps) greatest = load_caps(caps + coarse_cap_place(layout, x, y, z), group_caps);
-                const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_caps);
+                if (!uniform_bounds) greatest = load_bounds(bounds + coarse_bound_index(layout, x, y, z), group_bounds);
+                const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_bounds);
                 if (!near) continue;
                 const float slack = greatest * layout.slack_rate + layout.coarse_slack;
                 const int base = (relative.z * size.y + relative.y) * size.x + relative.x;
-                find_pairs(layout, polyhedra, cluster, group, near, group_caps, slack, base, size.xy, &writer);
+                find_pairs(layout, polyhedra, cluster, group, near, group_bounds, slack, base, size.xy, &writer);
             }
     for (; writer.next != writer.end; ++writer.next)
         if (writer.next < capacity) pairs[writer.next].brick = CLSDF_NO_BRICK;
@@ -95,10 +95,10 @@ __kernel void coarse_scatter(uint begin, uint end, __global const CoarsePair* pa
     const CoarsePair pair = pairs[n];
     if (pair.brick == CLSDF_NO_BRICK) return;
     const size_t segment = (size_t)pair.brick * segments + pair.polyhedron / per_segment;
-    scattered[starts[segment] + pair.place] = pair.polyhedron;
+    scattered[starts[segment] + pair.index] = pair.polyhedron;
 }
 
-// Writes the entries of pairs [begin, end): how many of its segment come before it is a pair's place.
+// Writes the entries of pairs [begin, end): how many of its segment come before it is a pair's index.
 __kernel void coarse_sort(uint begin, uint end, __global const CoarsePair* pairs, uint per_segment, uint segments,
                           __global const uint* starts, __global const uint* scattered, __global uint* entries) {
     const uint n = begin + get_global_id(0);

@@ -8,7 +8,7 @@
 #include "distance.h"
 #include "transpose.h"
 
-// A table's numbers are those of the regions right above, right below, left below, left above: a region's place follows
+// A table's numbers are those of the regions right above, right below, left below, left above: a region's index follows
 // from the signs of X and Y by a shift each and an exclusive or.
 //
 // Of LANES polyhedra, by the region's edge: the components of its outward normal, away from the altitude and along Y;
@@ -44,21 +44,21 @@ INLINE floatL repeated(float4 table) {
 }
 
 INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
-    const uint place = table_of_lane(lane);
+    const uint index = table_of_lane(lane);
     EdgeTable table;
-    table.along = repeated(vload4(place, all->along));
-    table.across = repeated(vload4(place, all->across));
-    table.outward = repeated(vload4(place, all->outward));
-    table.before = repeated(vload4(place, all->before));
-    table.past = repeated(vload4(place, all->past));
+    table.along = repeated(vload4(index, all->along));
+    table.across = repeated(vload4(index, all->across));
+    table.outward = repeated(vload4(index, all->outward));
+    table.before = repeated(vload4(index, all->before));
+    table.past = repeated(vload4(index, all->past));
     return table;
 }
 
-// Of each four lanes' table the numbers at `places`, of which the lowest two bits matter.
+// Of each four lanes' table the numbers at `indices`, of which the lowest two bits matter.
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps512)
-#define SHUFFLED(table, places) __builtin_ia32_vpermilvarps512(table, as_int16(places))
+#define SHUFFLED(table, indices) __builtin_ia32_vpermilvarps512(table, as_int16(indices))
 #elif LANES == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps256)
-#define SHUFFLED(table, places) __builtin_ia32_vpermilvarps256(table, as_int8(places))
+#define SHUFFLED(table, indices) __builtin_ia32_vpermilvarps256(table, as_int8(indices))
 #endif
 
 // As squared_distance_displaced in distance.h, of samples at (x, y) along X and Y, displaced by (dx, dy) from the point

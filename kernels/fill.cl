@@ -1,10 +1,10 @@
-// Bricks that no polyhedron touches: the band's limit with the sample's sign.
+// Bricks that no polyhedron overlaps: the band's limit with the sample's sign.
 
 #include "bits.h"
 #include "field_lines.h"
 #include "inline.h"
 #include "layout.h"
-#include "request.h"
+#include "prefetch.h"
 
 // A run of one value, kept back: where the next one follows it, as rows follow each other, they are stored as one.
 typedef struct Run {
@@ -35,10 +35,10 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
 
 // Asks for a row of bricks' sign bits in one slice of samples, or for what lies behind them: what is loaded among
 // stores past the caches waits for them.
-INLINE void request_signs(Layout layout, __global const uint* sign_bits, int brick_y, int from_z) {
+INLINE void prefetch_signs(Layout layout, __global const uint* sign_bits, int brick_y, int from_z) {
     __global const uint* bits =
         sign_bits + ((size_t)from_z * layout.bricks[1] + brick_y) * CLSDF_BRICK * layout.sign_words;
-    for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE_NUMBERS) request_line_for_soon(bits + word);
+    for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE_NUMBERS) prefetch_line_to_l1(bits + word);
 }
 
 // Where a row of bricks lies in one slice of samples.
@@ -76,7 +76,7 @@ INLINE bool next_empty(Layout layout, BrickRow row, int end_brick, __private int
 INLINE void fill_bricks(Layout layout, int brick, int end_brick, int brick_y, int z, __global const uchar* computed,
                         __global const uint* sign_bits, __global uint* distance) {
     const BrickRow row = brick_row(layout, brick_y, z, computed);
-    request_signs(layout, sign_bits, brick_y, row.from_z + 1);  // for the next work-item of the group
+    prefetch_signs(layout, sign_bits, brick_y, row.from_z + 1);  // for the next work-item of the group
     Run distances = {distance, distance, 0};
     for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
         for (int y = row.begin_y; y < row.end_y; ++y) {

@@ -52,35 +52,35 @@ INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, doub
 }
 
 // What a test with slack needs of the frame at a point.
-typedef struct Place {
+typedef struct FramePosition {
     float y, z;
     float beyond_right, beyond_left;
     float outward_right, outward_left;
-} Place;
+} FramePosition;
 
-INLINE Place place_of(Offsets o) {
-    const Place place = {o.y, o.z, o.beyond_right, o.beyond_left, o.outward_right, o.outward_left};
-    return place;
+INLINE FramePosition frame_position_of(Offsets o) {
+    const FramePosition position = {o.y, o.z, o.beyond_right, o.beyond_left, o.outward_right, o.outward_left};
+    return position;
 }
 
 // At the point `centre` samples along each axis from sample (x, y, z).
-INLINE Place place_at(__global const Polyhedron* p, int x, int y, int z, float centre) {
+INLINE FramePosition frame_position_at(__global const Polyhedron* p, int x, int y, int z, float centre) {
     if (!(p->flags & CLSDF_POLYHEDRON_NEAR))
-        return place_of(offsets_at(p, x + (double)centre, y + (double)centre, z + (double)centre));
+        return frame_position_of(offsets_at(p, x + (double)centre, y + (double)centre, z + (double)centre));
     const float i = (float)(x - p->origin_x) + centre, j = (float)(y - p->origin_y) + centre,
                 k = (float)(z - p->origin_z) + centre;
     const float4 frame =
         vload4(0, p->gradient_x) * i +
         (vload4(0, p->gradient_y) * j + (vload4(0, p->gradient_z) * k + vload4(0, p->constant_at_origin)));
     const float4 normal = vload4(0, p->normal_along);  // along right, left, across right, left
-    Place place;
-    place.y = frame.y;
-    place.z = frame.z;
-    place.beyond_right = frame.x - p->base[CLSDF_HALF_RIGHT];
-    place.beyond_left = -frame.x - p->base[CLSDF_HALF_LEFT];
-    place.outward_right = normal.x * place.beyond_right + normal.z * frame.y;
-    place.outward_left = normal.y * place.beyond_left + normal.w * frame.y;
-    return place;
+    FramePosition position;
+    position.y = frame.y;
+    position.z = frame.z;
+    position.beyond_right = frame.x - p->base[CLSDF_HALF_RIGHT];
+    position.beyond_left = -frame.x - p->base[CLSDF_HALF_LEFT];
+    position.outward_right = normal.x * position.beyond_right + normal.z * frame.y;
+    position.outward_left = normal.y * position.beyond_left + normal.w * frame.y;
+    return position;
 }
 
 INLINE float longest_spacing(Layout layout) {

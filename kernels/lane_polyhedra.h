@@ -1,12 +1,12 @@
-// LANES polyhedra of a list at once, one a lane: which of a group of blocks each of them touches.
+// LANES polyhedra of a list at once, one a lane: which of a group of blocks each of them overlaps.
 //
 // The records are read as vectors and transposed. The blocks of a group are passed one after the other; a polyhedron's
 // numbers then stay in registers, the step from block to block is one addition for each bound, and the answer is a mask
 // of lanes, which picks the block's list out of a vector of numbers. (One polyhedron against LANES blocks would
 // broadcast all numbers of the polyhedron for one or a few vectors of blocks, more than twice the work.)
 //
-// The test is that of blocks.h, but for the ends of the base, where a cap bounds the polyhedron: they are bounded by
-// the planes of the corners, which slivers hardly reach.
+// The test is that of blocks.h, but for the ends of the base, where the upper bound limits the polyhedron: they are
+// bounded by the planes of the corners, which hardly concern slivers.
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 
@@ -99,11 +99,12 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     if (lanes_to_bits((flags & (int)CLSDF_POLYHEDRON_NEAR) == 0)) {  // where sums in float round too coarsely
         float values[4][LANES];
         for (uint lane = 0; lane < LANES; ++lane) {
-            const Place place = place_at(polyhedra + numbers[lane], first.x, first.y, first.z, centre);
-            values[0][lane] = place.z;
-            values[1][lane] = -place.y;
-            values[2][lane] = place.outward_right;
-            values[3][lane] = place.outward_left;
+            const FramePosition position =
+                frame_position_at(polyhedra + numbers[lane], first.x, first.y, first.z, centre);
+            values[0][lane] = position.z;
+            values[1][lane] = -position.y;
+            values[2][lane] = position.outward_right;
+            values[3][lane] = position.outward_left;
         }
         p.at.z = load_lanes(0, values[0]);
         p.at.base = load_lanes(0, values[1]);
@@ -127,101 +128,102 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     return p;
 }
 
-// How far blocks reach from their centres along each bound, with slack.
-typedef struct LaneReach {
+// The half widths of blocks along each bound, with slack.
+typedef struct LaneExtent {
     floatL z, base, right, left;
-    // At a corner: what the two planes that meet there reach together, less the corner's own reach.
+    // At a corner: the extents along the two planes that meet there together, less the corner's own extent.
     floatL past_right_end, past_left_end, past_apex;
-} LaneReach;
+} LaneExtent;
 
 // Of blocks that extend half_x, half_y and half_z samples from their centres.
-INLINE LaneReach reach_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z, float slack) {
-    LaneReach reach;
-#define REACH(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))
-#define REACH_OF(bound) REACH(p->step_x.bound, p->step_y.bound, p->step_z.bound)
-    const floatL x = REACH(p->gradient_x, p->gradient_y, p->gradient_z), y = REACH_OF(base);
-    reach.z = REACH_OF(z) + slack;
-    reach.base = y + slack;
-    reach.right = REACH_OF(right) + slack;
-    reach.left = REACH_OF(left) + slack;
+INLINE LaneExtent extent_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z, float slack) {
+    LaneExtent extent;
+#define EXTENT(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))
+#define EXTENT_OF(bound) EXTENT(p->step_x.bound, p->step_y.bound, p->step_z.bound)
+    const floatL x = EXTENT(p->gradient_x, p->gradient_y, p->gradient_z), y = EXTENT_OF(base);
+    extent.z = EXTENT_OF(z) + slack;
+    extent.base = y + slack;
+    extent.right = EXTENT_OF(right) + slack;
+    extent.left = EXTENT_OF(left) + slack;
     // The slack of a sum of two bounds, with factors of at most one, is twice theirs.
-    reach.past_right_end = reach.right + p->across_right * reach.base - (p->along_right * x + 2.0f * slack);
-    reach.past_left_end = reach.left + p->across_left * reach.base - (p->along_left * x + 2.0f * slack);
-    reach.past_apex = p->along_left * reach.right + p->along_right * reach.left -
-                      ((p->along_left * p->across_right + p->along_right * p->across_left) * y + 2.0f * slack);
-#undef REACH_OF
-#undef REACH
-    return reach;
+    extent.past_right_end = extent.right + p->across_right * extent.base - (p->along_right * x + 2.0f * slack);
+    extent.past_left_end = extent.left + p->across_left * extent.base - (p->along_left * x + 2.0f * slack);
+    extent.past_apex = p->along_left * extent.right + p->along_right * extent.left -
+                       ((p->along_left * p->across_right + p->along_right * p->across_left) * y + 2.0f * slack);
+#undef EXTENT_OF
+#undef EXTENT
+    return extent;
 }
 
-INLINE Bounds without_reach(Bounds at, const LaneReach* reach) {
-    at.base -= reach->base;
-    at.right -= reach->right;
-    at.left -= reach->left;
+INLINE Bounds without_extent(Bounds at, const LaneExtent* extent) {
+    at.base -= extent->base;
+    at.right -= extent->right;
+    at.left -= extent->left;
     return at;
 }
 
-// Slopes of the lateral planes for blocks whose heights over the face differ by at most `reach` from z: of the side on
+// Slopes of the lateral planes for blocks whose heights over the face differ by at most `extent` from z: of the side on
 // which they lie; where they may lie on both, the greater ones, which bound both.
-INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL reach, floatL* slopes) {
-    const intL is_above = z > reach, is_below = -z > reach;
+INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL extent, floatL* slopes) {
+    const intL is_above = z > extent, is_below = -z > extent;
 #pragma unroll
     for (uint edge = 0; edge < 3; ++edge)
         slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : p->greater[edge];
 }
 
-// Whether a block is touched: the sign bit of each lane, the others are of no meaning. (Comparisons take as long as
-// additions, of which a processor does half as many at a time as of logical operations.) at: at its centre, without
-// reach; slopes: of the lateral planes there.
+// Whether a block is overlapped: the sign bit of each lane; its other bits have no meaning. (Comparisons take as long
+// as additions, of which a processor does half as many at a time as of logical operations.) at: at its centre, without
+// extent; slopes: of the lateral planes there.
 //
-// Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet touch both. The
+// Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet overlap both. The
 // polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of
 // the planes' own, each times a normal's component.
-INLINE intL touches(const LanePolyhedra* p, Bounds at, const floatL* slopes, const LaneReach* reach, float cap) {
-    const floatL height = fabs(at.z), wide = height + reach->z;
+INLINE intL overlaps(const LanePolyhedra* p, Bounds at, const floatL* slopes, const LaneExtent* extent, float bound) {
+    const floatL height = fabs(at.z), wide = height + extent->z;
     floatL past_base, past_right, past_left;
-    intL in = as_intL(height - reach->z - cap);
+    intL in = as_intL(height - extent->z - bound);
     if (p->all_compact) {
         past_base = at.base - slopes[CLSDF_EDGE_BASE] * wide;
         past_right = at.right - slopes[CLSDF_EDGE_RIGHT] * wide;
         past_left = at.left - slopes[CLSDF_EDGE_LEFT] * wide;
     } else {
-        past_base = at.base - LESSER(slopes[CLSDF_EDGE_BASE] * wide, cap);
-        past_right = at.right - LESSER(slopes[CLSDF_EDGE_RIGHT] * wide, cap);
-        past_left = at.left - LESSER(slopes[CLSDF_EDGE_LEFT] * wide, cap);
-        in &= as_intL(at.right + (p->across_right * at.base + (reach->past_right_end - p->along_right * cap))) &
-              as_intL(at.left + (p->across_left * at.base + (reach->past_left_end - p->along_left * cap)));
+        past_base = at.base - LESSER(slopes[CLSDF_EDGE_BASE] * wide, bound);
+        past_right = at.right - LESSER(slopes[CLSDF_EDGE_RIGHT] * wide, bound);
+        past_left = at.left - LESSER(slopes[CLSDF_EDGE_LEFT] * wide, bound);
+        in &= as_intL(at.right + (p->across_right * at.base + (extent->past_right_end - p->along_right * bound))) &
+              as_intL(at.left + (p->across_left * at.base + (extent->past_left_end - p->along_left * bound)));
     }
     return in & as_intL(past_base) & as_intL(past_right) & as_intL(past_left) &
-           as_intL(past_right + (p->across_right * past_base + reach->past_right_end)) &
-           as_intL(past_left + (p->across_left * past_base + reach->past_left_end)) &
-           as_intL(p->along_left * past_right + (p->along_right * past_left + reach->past_apex));
+           as_intL(past_right + (p->across_right * past_base + extent->past_right_end)) &
+           as_intL(past_left + (p->across_left * past_base + extent->past_left_end)) &
+           as_intL(p->along_left * past_right + (p->along_right * past_left + extent->past_apex));
 }
 
 // Where all blocks of a group lie on one side of all faces, the heights are affine too, and with them all that
-// touches() compares: a step from block to block is seven additions, and only the cap remains to be subtracted. Not for
-// polyhedra whose caps bound them at the sides.
+// overlaps() compares: a step from block to block is seven additions, and only the bound remains to be subtracted. Not
+// for polyhedra that the upper bound limits at the sides.
 typedef struct OneSide {
-    floatL height, base, right, left;  // without reach
+    floatL height, base, right, left;  // without extent
     floatL right_end, left_end, apex;  // the corners
 } OneSide;
 
-// At a point, `at` being without reach but for z, whose reach is taken off here; or of a step, which has no reach:
-// `reach` null. side: 1 above the face, -1 below it.
-INLINE OneSide one_side(const LanePolyhedra* p, Bounds at, floatL side, const floatL* slopes, const LaneReach* reach) {
+// At a point, `at` being without extent but for z, whose extent is taken off here; or of a step, which has no extent:
+// `extent` null. side: 1 above the face, -1 below it.
+INLINE OneSide one_side(const LanePolyhedra* p, Bounds at, floatL side, const floatL* slopes,
+                        const LaneExtent* extent) {
     OneSide one;
-    const floatL height = side * at.z, wide = reach ? height + reach->z : height;
-    one.height = reach ? height - reach->z : height;
+    const floatL height = side * at.z, wide = extent ? height + extent->z : height;
+    one.height = extent ? height - extent->z : height;
     one.base = at.base - slopes[CLSDF_EDGE_BASE] * wide;
     one.right = at.right - slopes[CLSDF_EDGE_RIGHT] * wide;
     one.left = at.left - slopes[CLSDF_EDGE_LEFT] * wide;
     one.right_end = one.right + p->across_right * one.base;
     one.left_end = one.left + p->across_left * one.base;
     one.apex = p->along_left * one.right + p->along_right * one.left;
-    if (reach) {
-        one.right_end += reach->past_right_end;
-        one.left_end += reach->past_left_end;
-        one.apex += reach->past_apex;
+    if (extent) {
+        one.right_end += extent->past_right_end;
+        one.left_end += extent->past_left_end;
+        one.apex += extent->past_apex;
     }
     return one;
 }
@@ -237,10 +239,10 @@ INLINE OneSide one_side_sum(OneSide a, OneSide b) {
     return a;
 }
 
-// As touches().
-INLINE intL touches_one_side(OneSide at, float cap) {
-    return as_intL(at.height - cap) & as_intL(at.base) & as_intL(at.right) & as_intL(at.left) & as_intL(at.right_end) &
-           as_intL(at.left_end) & as_intL(at.apex);
+// As overlaps().
+INLINE intL overlaps_one_side(OneSide at, float bound) {
+    return as_intL(at.height - bound) & as_intL(at.base) & as_intL(at.right) & as_intL(at.left) &
+           as_intL(at.right_end) & as_intL(at.left_end) & as_intL(at.apex);
 }
 
 #endif

@@ -53,7 +53,7 @@ typedef struct Layout {
     float half_width;      // of the band, the larger side; a finite bound where the band is infinite
     float inside_squared;  // squared half widths, possibly infinite
     float outside_squared;
-    float slack_rate;  // slack of a test = slack of its level + slack_rate * cap
+    float slack_rate;  // slack of a test = slack of its level + slack_rate * bound
     float brick_slack;
     float coarse_slack;
     float brick_radius;  // distance from a brick's centre to its farthest sample

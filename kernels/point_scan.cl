@@ -11,7 +11,7 @@
 #include "frame.h"
 #include "point_distance.h"
 #include "point_groups.h"
-#include "request.h"
+#include "prefetch.h"
 
 #define PARTS (CLSDF_GROUP_WIDTH / LANES)
 
@@ -140,8 +140,8 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
                      hz = children->half_side[2][part];
         const floatL slack = children->slack[part], bound = children->bound[part];
 #define AT(at, x, y, z) (cx * (x) + (cy * (y) + (cz * (z) + (at))))
-#define REACH(x, y, z) (hx * fabs(x) + (hy * fabs(y) + (hz * fabs(z) + slack)))
-        const floatL height = AT(f.at.z, f.x.z, f.y.z, f.z.z), reach = REACH(f.x.z, f.y.z, f.z.z);
+#define EXTENT(x, y, z) (hx * fabs(x) + (hy * fabs(y) + (hz * fabs(z) + slack)))
+        const floatL height = AT(f.at.z, f.x.z, f.y.z, f.z.z), reach = EXTENT(f.x.z, f.y.z, f.z.z);
         const floatL above = reach + height, below = reach - height;
 #define WIDTH(edge) GREATER(p->slope_above[edge] * above, p->slope_below[edge] * below)
         floatL base = WIDTH(CLSDF_EDGE_BASE), right = WIDTH(CLSDF_EDGE_RIGHT), left = WIDTH(CLSDF_EDGE_LEFT);
@@ -151,13 +151,13 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
             base = LESSER(base, bound);
             right = LESSER(right, bound);
             left = LESSER(left, bound);
-            const floatL x = AT(f.at.x, f.x.x, f.y.x, f.z.x), widened = REACH(f.x.x, f.y.x, f.z.x) + bound;
+            const floatL x = AT(f.at.x, f.x.x, f.y.x, f.z.x), widened = EXTENT(f.x.x, f.y.x, f.z.x) + bound;
             in &= (x - f.base.x <= widened) & (-x - f.base.y <= widened);
         }
-        in &= (AT(-f.at.y, -f.x.y, -f.y.y, -f.z.y) <= base + REACH(f.x.y, f.y.y, f.z.y)) &
-              (AT(right_at, right_x, right_y, right_z) <= right + REACH(right_x, right_y, right_z)) &
-              (AT(left_at, left_x, left_y, left_z) <= left + REACH(left_x, left_y, left_z));
-#undef REACH
+        in &= (AT(-f.at.y, -f.x.y, -f.y.y, -f.z.y) <= base + EXTENT(f.x.y, f.y.y, f.z.y)) &
+              (AT(right_at, right_x, right_y, right_z) <= right + EXTENT(right_x, right_y, right_z)) &
+              (AT(left_at, left_x, left_y, left_z) <= left + EXTENT(left_x, left_y, left_z));
+#undef EXTENT
 #undef AT
         bits |= lanes_to_bits(in) << part * LANES;
     }
@@ -167,8 +167,8 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
 // Asks for a record of a list that comes later.
 INLINE void request_later(__global const uint* list, uint i, uint count, __global const ScanRecord* records) {
     __global const ScanRecord* later = records + list[LESSER(i + 8u, count - 1u)];
-    request_line_for_soon(later);
-    request_line_for_soon(&later->slope_above[1]);
+    prefetch_line_to_l1(later);
+    prefetch_line_to_l1(&later->slope_above[1]);
 }
 
 // Writes records, a work-item each, from polyhedra, of which those of point sites begin at first_site.
@@ -484,9 +484,9 @@ static uint choose(uint count, __global const uint* list, __global const ushort*
     return length;
 }
 
-// Work-items take blocks begin + turns[0]++ until `end`. lists: room for two lists of all polyhedra and one more number
+// Work-items take blocks begin + queue[0]++ until `end`. lists: room for two lists of all polyhedra and one more number
 // for each work-item; marks: for one.
-__kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __global const PointGroup* blocks,
+__kernel void nearest_by_groups(uint begin, uint end, __global uint* queue, __global const PointGroup* blocks,
                                 __global const PointGroup* bricks, __global const double* points, uint point_count,
                                 double most, ScanCounts counts, __global const ScanRecord* records,
                                 __global const Polyhedron* polyhedra, __global const FaceFrame* frames,
@@ -502,7 +502,7 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* turns, __gl
     __global ushort* marks = all_marks + get_global_id(0) * (size_t)all;
     __global PointBrick* brick = all_bricks + get_global_id(0);
     for (;;) {
-        const uint block = begin + atomic_inc(turns);
+        const uint block = begin + atomic_inc(queue);
         if (block >= end) break;
         const uint count = choose(all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
                                   block % CLSDF_GROUP_WIDTH, list);

@@ -9,7 +9,7 @@
 
 #include "finish.h"
 #include "point_distance.h"
-#include "request.h"
+#include "prefetch.h"
 
 // The nearest face so far.
 typedef struct Found {
@@ -244,9 +244,9 @@ __kernel void finish_points(__global const double* points, __global const uint* 
     SET_FINISHING(finishing)
     const uint place = places[i], face = faces[i], later = faces[min(i + 8u, end - 1u)];
     if (later != CLSDF_NO_FACE) {
-        request_line_for_soon(&polyhedra[later].exact_gradient_x);
-        request_line_for_soon(&polyhedra[later].exact_gradient_z[2]);
-        request_line_for_soon(&polyhedra[later].exact_altitude);
+        prefetch_line_to_l1(&polyhedra[later].exact_gradient_x);
+        prefetch_line_to_l1(&polyhedra[later].exact_gradient_z[2]);
+        prefetch_line_to_l1(&polyhedra[later].exact_altitude);
     }
     bool is_within = false;
     if (face != CLSDF_NO_FACE) {

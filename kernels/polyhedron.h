@@ -15,9 +15,10 @@
 // are formed, and rounded to float, for tests that have slack and, but in the scan by vectors, for steps within a
 // brick.
 //
-// The polyhedron, both sides of the face at once, with slack eta and height cap (docs/method.md, 'Rounding and slack'):
-//   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), cap) + eta,
-//   |Z| <= cap + eta,  -base[left] - cap - eta <= X <= base[right] + cap + eta.
+// The polyhedron, both sides of the face at once, with slack eta and height bound (docs/method.md, 'Rounding and
+// slack'):
+//   outward distance from edge j <= min(max(slope_above[j] (Z + eta), slope_below[j] (eta - Z)), bound) + eta,
+//   |Z| <= bound + eta,  -base[left] - bound - eta <= X <= base[right] + bound + eta.
 #ifndef CLSDF_POLYHEDRON_H
 #define CLSDF_POLYHEDRON_H
 
@@ -47,7 +48,7 @@ using clsdf_uint8 = std::uint8_t;
 #define CLSDF_OPEN_SLOPE 1.0e6f
 
 // No slope above 1 and no slanted edge steeper than 0.15 to the base: the lateral planes alone bound the polyhedron
-// well, so the tests of X and of the caps on the lateral distances can be left out.
+// well, so the tests of X and of the bounds on the lateral distances can be left out.
 #define CLSDF_POLYHEDRON_COMPACT 1u
 // No side longer than CLSDF_NEAR_LENGTH units: tests with slack may be made in float from the integer origin, because
 // their rounding, at most 2^-24 (10 R + 15 L) for side lengths L and blocks at distances R, is below half of it.

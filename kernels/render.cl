@@ -87,34 +87,34 @@ static inline bool is_in_block(const RenderView* view, float3 p) {
 }
 
 // A part of a ray that is in the block and not cut away, and what its beginning is.
-typedef struct Stretch {
+typedef struct Interval {
     double begin, end;
     int kind;
-} Stretch;
+} Interval;
 
 // The ray in the block; `kind` is of the face that it comes in by.
-static inline Stretch in_block(const RenderView* view, const double* origin, const double* direction) {
-    Stretch stretch = {0, DBL_MAX, CLSDF_RENDER_BORDER};
+static inline Interval in_block(const RenderView* view, const double* origin, const double* direction) {
+    Interval interval = {0, DBL_MAX, CLSDF_RENDER_BORDER};
     for (int axis = 0; axis < 3; ++axis) {
         const double last = view->size[axis] - 1;
         if (direction[axis] == 0) {
-            if (origin[axis] < 0 || origin[axis] > last) stretch.end = -1;
+            if (origin[axis] < 0 || origin[axis] > last) interval.end = -1;
             continue;
         }
         const double one = -origin[axis] / direction[axis], other = (last - origin[axis]) / direction[axis];
         const double first = one < other ? one : other, second = one < other ? other : one;
-        if (first > stretch.begin) {
-            stretch.begin = first;
-            stretch.kind = CLSDF_RENDER_BORDER + axis;
+        if (first > interval.begin) {
+            interval.begin = first;
+            interval.kind = CLSDF_RENDER_BORDER + axis;
         }
-        if (second < stretch.end) stretch.end = second;
+        if (second < interval.end) interval.end = second;
     }
-    return stretch;
+    return interval;
 }
 
 // The ray in what is cut away, which is convex; `kind` is of the face that it goes out by. Empty: end < begin.
-static inline Stretch in_cut(const RenderView* view, const double* origin, const double* direction) {
-    Stretch stretch = {-DBL_MAX, DBL_MAX, CLSDF_RENDER_CUT};
+static inline Interval in_cut(const RenderView* view, const double* origin, const double* direction) {
+    Interval interval = {-DBL_MAX, DBL_MAX, CLSDF_RENDER_CUT};
     bool any = false;
     for (int axis = 0; axis < 3; ++axis) {
         const int side = view->cut_side[axis];
@@ -122,29 +122,29 @@ static inline Stretch in_cut(const RenderView* view, const double* origin, const
         any = true;
         const double depth = side * (view->cut[axis] - origin[axis]), speed = side * direction[axis];
         if (speed == 0) {
-            if (depth >= 0) stretch.end = -DBL_MAX;
+            if (depth >= 0) interval.end = -DBL_MAX;
         } else if (speed > 0) {
-            stretch.begin = fmax(stretch.begin, depth / speed);
-        } else if (depth / speed < stretch.end) {
-            stretch.end = depth / speed;
-            stretch.kind = CLSDF_RENDER_CUT + axis;
+            interval.begin = fmax(interval.begin, depth / speed);
+        } else if (depth / speed < interval.end) {
+            interval.end = depth / speed;
+            interval.kind = CLSDF_RENDER_CUT + axis;
         }
     }
-    if (!any || stretch.end < stretch.begin) stretch.end = -DBL_MAX;
-    return stretch;
+    if (!any || interval.end < interval.begin) interval.end = -DBL_MAX;
+    return interval;
 }
 
 // Whether the ray meets the solid between begin and end; then with the point and the kind of what it meets.
 static inline bool march(const RenderView* view, __global const float* samples, double3 origin, double3 direction,
-                         float rate, Stretch stretch, RenderHit* hit, float3* point) {
-    if (stretch.end <= stretch.begin) return false;
-    const double3 from = origin + stretch.begin * direction;
+                         float rate, Interval interval, RenderHit* hit, float3* point) {
+    if (interval.end <= interval.begin) return false;
+    const double3 from = origin + interval.begin * direction;
     const float3 start = convert_float3(from), way = convert_float3(direction);
-    const float length_of_way = (float)(stretch.end - stretch.begin);
+    const float length_of_way = (float)(interval.end - interval.begin);
     float t = 0, value = value_at(view, samples, start) - view->level;
     if (value < 0) {
         *point = start;
-        hit->kind = stretch.kind;
+        hit->kind = interval.kind;
         return true;
     }
     for (;;) {
@@ -244,8 +244,8 @@ __kernel void render_rays(RenderView given, int first_row, __global const float*
     const float rate = fmax(dot(fabs(convert_float3(direction * spacing)), triple(view.slope)), 1e-20f);
 
     const double o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
-    const Stretch block = in_block(&view, o, d), cut = in_cut(&view, o, d);
-    Stretch before = block, after = block;
+    const Interval block = in_block(&view, o, d), cut = in_cut(&view, o, d);
+    Interval before = block, after = block;
     if (cut.end > cut.begin) {
         before.end = fmin(block.end, cut.begin);
         if (cut.end > block.begin) {

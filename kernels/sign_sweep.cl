@@ -50,12 +50,12 @@ INLINE void write_crossing(__private Writer* writer, uint row, uint key) {
         writer->next = atomic_add(&writer->totals->records, CLSDF_RECORD_BLOCK);
         writer->end = writer->next + CLSDF_RECORD_BLOCK;
     }
-    const uint place = atomic_inc(writer->row_counts + row);
+    const uint index = atomic_inc(writer->row_counts + row);
     if (writer->next < writer->capacity) {
         __global SweepRecord* record = writer->records + writer->next;
         record->row = row;
         record->key = key;
-        record->place = place;
+        record->index = index;
     }
     ++writer->next;
 }
@@ -291,7 +291,7 @@ __kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* rec
                            __global uint* keys) {
     const uint n = begin + get_global_id(0);
     if (n >= end || records[n].row == CLSDF_NO_ROW) return;
-    keys[starts[records[n].row] + records[n].place] = records[n].key;
+    keys[starts[records[n].row] + records[n].index] = records[n].key;
 }
 
 // Sorts keys[0, count); rows have few crossings as a rule, and n log n operations where they have many.

@@ -15,7 +15,7 @@
 #include "record_numbers.h"
 
 // Sections of a slender polyhedron have room for this many samples at most. Far from the surface polyhedra overlap, and
-// the bricks' and sub-blocks' own caps save more than lists of samples do.
+// the bricks' and sub-blocks' own bounds save more than lists of samples do.
 #define SLENDER_SAMPLES_NEAR 30.0f
 #define SLENDER_SAMPLES_FAR 6.0f
 
@@ -25,7 +25,7 @@
 
 // Along each axis, how far the integer origin of a slender polyhedron is from a coarse brick's centre, at most, in
 // samples: sums that slender_samples.h takes for exact are.
-#define SLENDER_REACH 200.0f
+#define SLENDER_RANGE 200.0f
 
 // at + step m, of layer m.
 typedef struct Line {
@@ -81,7 +81,7 @@ typedef struct LaneTriangles {
     floatL length_right, length_left;  // of the slanted edges
     floatL x, y, z;                    // the frame's coordinates at the coarse brick's first sample
     floatL to_origin[3];               // from there to the integer origin, in samples
-    floatL height, reach;              // of the coarse brick's centre, over the face; how far its samples reach from it
+    floatL height, extent;  // of the coarse brick's centre, over the face; the half width of its samples there
 } LaneTriangles;
 
 INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
@@ -89,20 +89,20 @@ INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const
     load_words(polyhedra, numbers, t->words);
     const floatL* words = t->words;
     const int firsts[3] = {first.x, first.y, first.z};
-    floatL rise = 0.0f, reach = 0.0f;
+    floatL rise = 0.0f, extent = 0.0f;
 #pragma unroll
     for (uint axis = 0; axis < 3; ++axis) {
         const floatL gradient = words[NUMBER_GRADIENT_X + 3 * axis + 2];
         t->to_origin[axis] = convert_floatL(as_intL(words[WORD_ORIGIN + axis]) - firsts[axis]);
         rise += gradient;
-        reach += fabs(gradient);
+        extent += fabs(gradient);
     }
     const floatL i = -t->to_origin[0], j = -t->to_origin[1], k = -t->to_origin[2];
     t->x = FRAME_AT(words, 0, i, j, k);
     t->y = FRAME_AT(words, 1, i, j, k);
     t->z = FRAME_AT(words, 2, i, j, k);
     t->height = t->z + rise * (0.5f * (CLSDF_COARSE - 1));
-    t->reach = reach * (0.5f * (CLSDF_COARSE - 1));
+    t->extent = extent * (0.5f * (CLSDF_COARSE - 1));
     // From the longer half of the base: the other may be nothing.
     const intL right = words[NUMBER_BASE] >= words[NUMBER_BASE + 1];
     t->altitude = (right ? words[NUMBER_NORMAL_ALONG] : words[NUMBER_NORMAL_ALONG + 1]) *
@@ -118,9 +118,9 @@ INLINE float margin_of(float slack) {
     return 4.0f * slack;
 }
 
-// Half of how far a side reaches from its margin beneath the face to that above the cap.
-INLINE float half_height(float cap, float margin) {
-    return 0.5f * cap + margin;
+// Half of how far a side reaches from its margin beneath the face to that above the upper bound.
+INLINE float half_height(float bound, float margin) {
+    return 0.5f * bound + margin;
 }
 
 // The heights of a side within the coarse brick, counted from a margin beneath the face; none where the last is less
@@ -130,11 +130,11 @@ typedef struct Heights {
 } Heights;
 
 // side: 1 above the face, -1 below it.
-INLINE Heights heights_in_brick(const LaneTriangles* t, float side, float cap, float margin) {
+INLINE Heights heights_in_brick(const LaneTriangles* t, float side, float bound, float margin) {
     const floatL centre = side * t->height;
     Heights heights;
-    heights.first = GREATER(centre - t->reach, 0.0f);
-    heights.last = LESSER(centre + t->reach + 2.0f * margin, cap + 2.0f * margin);
+    heights.first = GREATER(centre - t->extent, 0.0f);
+    heights.last = LESSER(centre + t->extent + 2.0f * margin, bound + 2.0f * margin);
     return heights;
 }
 
@@ -161,11 +161,11 @@ static inline PartOfCoarse part_of_coarse(Layout layout, int3 coarse) {
     return part;
 }
 
-// Which triangles may be within the cap of a sample of the part: their balls are, around the feet of their altitudes.
-INLINE intL reaches_part(Layout layout, const LaneTriangles* t, const PartOfCoarse* part, float cap, float margin) {
+// Which triangles may be within the bound of a sample of the part: their balls are, around the feet of their altitudes.
+INLINE intL reaches_part(Layout layout, const LaneTriangles* t, const PartOfCoarse* part, float bound, float margin) {
     const floatL right = t->words[NUMBER_BASE + CLSDF_HALF_RIGHT], left = t->words[NUMBER_BASE + CLSDF_HALF_LEFT];
     const floatL longer = GREATER(right, left), slanted = 0.8661f * (right + left);
-    const floatL far = GREATER(longer, slanted) * (1.0f + 1.0e-4f) + (cap * (1.0f + 1.0e-4f) + margin);
+    const floatL far = GREATER(longer, slanted) * (1.0f + 1.0e-4f) + (bound * (1.0f + 1.0e-4f) + margin);
     const float from[3] = {part->from.x, part->from.y, part->from.z}, to[3] = {part->to.x, part->to.y, part->to.z};
     floatL squared = 0.0f;
 #pragma unroll
@@ -178,20 +178,21 @@ INLINE intL reaches_part(Layout layout, const LaneTriangles* t, const PartOfCoar
     return squared <= far * far;
 }
 
-// Which of a coarse brick's polyhedra are slender; `absent`: which have no samples in the part. cap: of its distances.
+// Which of a coarse brick's polyhedra are slender; `absent`: which have no samples in the part. bound: of its
+// distances.
 INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
-                           int3 first, const PartOfCoarse* part, float cap, float slack, uint* absent) {
+                           int3 first, const PartOfCoarse* part, float bound, float slack, uint* absent) {
     LaneTriangles t;
     load_triangles(polyhedra, numbers, first, &t);
     const float margin = margin_of(slack);
     const float spacing = longest_spacing(layout);
-    const float samples = cap <= 1.5f * layout.coarse_radius ? SLENDER_SAMPLES_NEAR : SLENDER_SAMPLES_FAR;
+    const float samples = bound <= 1.5f * layout.coarse_radius ? SLENDER_SAMPLES_NEAR : SLENDER_SAMPLES_FAR;
     const float most_area = samples * spacing * spacing, longest = SLENDER_LENGTH * spacing;
     const floatL base = t.words[NUMBER_BASE] + t.words[NUMBER_BASE + 1], twice_area = base * t.altitude;
     intL present = 0, wide = 0;
 #pragma unroll
     for (uint side = 0; side < 2; ++side) {
-        const Heights heights = heights_in_brick(&t, side == 0 ? 1.0f : -1.0f, cap, margin);
+        const Heights heights = heights_in_brick(&t, side == 0 ? 1.0f : -1.0f, bound, margin);
         const intL some = heights.first <= heights.last;
         floatL widths[3];
         widths_at(&t, side == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW, heights.last, margin, widths);
@@ -211,10 +212,10 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
     *absent = lanes_to_bits(regular & ~present);
 #pragma unroll
     for (uint axis = 0; axis < 3; ++axis)
-        regular &= fabs(t.to_origin[axis] - 0.5f * (CLSDF_COARSE - 1)) <= SLENDER_REACH;
+        regular &= fabs(t.to_origin[axis] - 0.5f * (CLSDF_COARSE - 1)) <= SLENDER_RANGE;
     const intL slender = regular & present & ~wide;
     if (part->is_whole) return lanes_to_bits(slender);
-    const intL near = reaches_part(layout, &t, part, cap, margin);
+    const intL near = reaches_part(layout, &t, part, bound, margin);
     *absent |= lanes_to_bits(slender & ~near);
     return lanes_to_bits(slender & near);
 }
@@ -345,8 +346,8 @@ INLINE void set_plane(const LaneTriangles* t, const LayerAxes* axes, float side,
 #undef SUM
 }
 
-INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side, uint slopes, float cap, float margin,
-                       __private Frustum* frustum) {
+INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side, uint slopes, float bound,
+                       float margin, __private Frustum* frustum) {
     const floatL* words = t->words;
     const floatL along[3] = {0.0f, words[NUMBER_NORMAL_ALONG], -words[NUMBER_NORMAL_ALONG + 1]};
     const floatL across[3] = {-1.0f, words[NUMBER_NORMAL_ACROSS], words[NUMBER_NORMAL_ACROSS + 1]};
@@ -355,13 +356,13 @@ INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side
     for (uint edge = 0; edge < 3; ++edge)
         set_plane(t, axes, side, margin, along[edge], across[edge], -words[slopes + edge], edges[edge] + margin,
                   frustum->planes + edge);
-    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(cap, margin), frustum->planes + 3);
+    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(bound, margin), frustum->planes + 3);
 }
 
 // What bounds slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more: those
 // that are slender have been packed since.)
 INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
-                          int3 first, float cap, float slack, __private SlenderPolyhedra* slender) {
+                          int3 first, float bound, float slack, __private SlenderPolyhedra* slender) {
     LaneTriangles t;
     load_triangles(polyhedra, numbers, first, &t);
     LayerAxes axes;
@@ -374,7 +375,7 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
         const float side = n == 0 ? 1.0f : -1.0f;
         const uint slopes = n == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW;
         __private Frustum* frustum = slender->sides + n;
-        const Heights heights = heights_in_brick(&t, side, cap, margin);
+        const Heights heights = heights_in_brick(&t, side, bound, margin);
         const intL some = heights.first <= heights.last;
         frustum->first = 0.0f;
         frustum->last = -1.0f;
@@ -383,7 +384,7 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
         set_corners(&t, &axes, side, slopes, heights.first, margin, 0, &corners);
         set_corners(&t, &axes, side, slopes, heights.last, margin, 1, &corners);
         set_boxes(&corners, some, frustum);
-        set_planes(&t, &axes, side, slopes, cap, margin, frustum);
+        set_planes(&t, &axes, side, slopes, bound, margin, frustum);
         present |= frustum->first <= frustum->last;
     }
     floatL layers[2];

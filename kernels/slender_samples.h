@@ -21,16 +21,16 @@ typedef struct Samples {
 } Samples;
 
 // Of samples (i, j, k) of a coarse brick, among its bricks' minima.
-INLINE uintL places_of(uintL i, uintL j, uintL k) {
+INLINE uintL indices_of(uintL i, uintL j, uintL k) {
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermi2vard512)
     // Looked up, by the five lowest bits, in tables of two vectors.
-#define LOOK_UP(PLACE, places)                                                               \
-    as_uint16(__builtin_ia32_vpermi2vard512(as_int16(PLACE(LANE_NUMBERS)), as_int16(places), \
-                                            as_int16(PLACE(LANE_NUMBERS + 16u))))
-    return LOOK_UP(PLACE_OF_X, i) | LOOK_UP(PLACE_OF_Y, j) | LOOK_UP(PLACE_OF_Z, k);
+#define LOOK_UP(INDEX, indices)                                                               \
+    as_uint16(__builtin_ia32_vpermi2vard512(as_int16(INDEX(LANE_NUMBERS)), as_int16(indices), \
+                                            as_int16(INDEX(LANE_NUMBERS + 16u))))
+    return LOOK_UP(INDEX_OF_X, i) | LOOK_UP(INDEX_OF_Y, j) | LOOK_UP(INDEX_OF_Z, k);
 #undef LOOK_UP
 #else
-    return PLACE_OF_X(i) | PLACE_OF_Y(j) | PLACE_OF_Z(k);
+    return INDEX_OF_X(i) | INDEX_OF_Y(j) | INDEX_OF_Z(k);
 #endif
 }
 
@@ -40,16 +40,16 @@ INLINE uintL places_of(uintL i, uintL j, uintL k) {
 #if LANES == 16 && !defined(NEAREST) && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && \
     HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
 #define ALL_LANES ((ushort)LANE_BITS)
-INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint number,
+INLINE void lower_minima(__global Minimum* minima, uintL indices, floatL squared, uint number,
                          __global const Polyhedron* polyhedra) {
     __private void* samples = (__private void*)(size_t)minima;
     const float16 least =
-        __builtin_ia32_gathersiv16sf((float16)(0.0f), samples, as_intL(places), ALL_LANES, sizeof(float));
-    __builtin_ia32_scattersiv16sf(samples, ALL_LANES, as_intL(places), LESSER(squared, least), sizeof(float));
+        __builtin_ia32_gathersiv16sf((float16)(0.0f), samples, as_intL(indices), ALL_LANES, sizeof(float));
+    __builtin_ia32_scattersiv16sf(samples, ALL_LANES, as_intL(indices), LESSER(squared, least), sizeof(float));
 }
 #undef ALL_LANES
 #else
-INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared, uint number,
+INLINE void lower_minima(__global Minimum* minima, uintL indices, floatL squared, uint number,
                          __global const Polyhedron* polyhedra) {
 #ifdef NEAREST
     const LeastL found = least_of(squared, number);
@@ -57,11 +57,11 @@ INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared,
     const LeastL found = squared;
 #endif
     LeastL least;
-    uint place[LANES];
-    store_lanes(places, 0, place);
+    uint index[LANES];
+    store_lanes(indices, 0, index);
 #pragma unroll
     for (uint lane = 0; lane < LANES; ++lane) {
-        __global Least* sample = (__global Least*)minima + place[lane];
+        __global Least* sample = (__global Least*)minima + index[lane];
         const Least of_lane = ((__private const Least*)&found)[lane], before = *sample;
         ((__private Least*)&least)[lane] = before;
         *sample = LESSER(of_lane, before);
@@ -69,7 +69,7 @@ INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared,
 #ifdef NEAREST
     for (uint lanes = equally_near(found, least); lanes; lanes &= lanes - 1) {
         const uint lane = lowest_bit(lanes);
-        ((__global ulong*)minima)[place[lane]] =
+        ((__global ulong*)minima)[index[lane]] =
             first_of(((__private const ulong*)&found)[lane], ((__private const ulong*)&least)[lane], polyhedra);
     }
 #endif
@@ -77,7 +77,7 @@ INLINE void lower_minima(__global Minimum* minima, uintL places, floatL squared,
 #endif
 
 // Numbers in two parts: multiples of 2^-14 of the power of two below the spacing, and what they lack. Of the first,
-// sums of products with integers are exact, as far as SLENDER_REACH.
+// sums of products with integers are exact, as far as SLENDER_RANGE.
 typedef struct Split {
     float4 high, low;
 } Split;
@@ -130,7 +130,7 @@ static inline void evaluate_samples(__global const Polyhedron* polyhedra, uint n
 #define SUM(part, axis) (i * along_x.part.axis + (j * along_y.part.axis + (k * along_z.part.axis + at_first.part.axis)))
         const floatL x = SUM(high, x) + SUM(low, x), y = SUM(high, y) + SUM(low, y), z = SUM(high, z) + SUM(low, z);
 #undef SUM
-        lower_minima(minima, places_of(sample_i, sample_j, sample_k), squared_distance_in_region(table, x, y, x, y, z),
+        lower_minima(minima, indices_of(sample_i, sample_j, sample_k), squared_distance_in_region(table, x, y, x, y, z),
                      number, polyhedra);
     }
 }

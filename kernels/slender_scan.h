@@ -5,7 +5,7 @@
 #ifndef CLSDF_SLENDER_SCAN_H
 #define CLSDF_SLENDER_SCAN_H
 
-#include "request.h"
+#include "prefetch.h"
 #include "slender_polyhedra.h"
 #include "slender_samples.h"
 
@@ -32,8 +32,9 @@ INLINE void evaluate_and_empty(const SlenderScan* scan, uint polyhedron, __priva
 
 #define LANE_OF(vectors, lane) (((__private const float*)&(vectors))[lane])
 
-// How far the boxes of a lane's layers reach beyond their first sample, in samples: a bound, which may be one too many.
-// Taken from the lines' ends it is known before the boxes are, so that loops need not wait for their greatest lane.
+// How far the boxes of a lane's layers extend beyond their first sample, in samples: a bound, which may be one too
+// many. Taken from the lines' ends it is known before the boxes are, so that loops need not wait for their greatest
+// lane.
 INLINE int widest(__private const Line* low, __private const Line* high, uint lane, float first, float last) {
     const float at = LANE_OF(high->at, lane) - LANE_OF(low->at, lane);
     const float step = LANE_OF(high->step, lane) - LANE_OF(low->step, lane);
@@ -180,12 +181,12 @@ typedef struct SlenderQueue {
 } SlenderQueue;
 
 // Takes the first LANES polyhedra of the queue, or all where there are fewer.
-static inline void scan_queue(const SlenderScan* scan, float cap, float slack, __private SlenderQueue* queue,
+static inline void scan_queue(const SlenderScan* scan, float bound, float slack, __private SlenderQueue* queue,
                               __global const Polyhedron* polyhedra, __private ulong* counters) {
     const uint count = min(queue->count, (uint)LANES);
     for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];  // lanes that nothing is made of
     SlenderPolyhedra slender;
-    uint present = bound_slender(scan->layout, polyhedra, queue->numbers, scan->first, cap, slack, &slender);
+    uint present = bound_slender(scan->layout, polyhedra, queue->numbers, scan->first, bound, slack, &slender);
     present &= (1u << count) - 1;
 #ifdef COUNT
     counters[CLSDF_COUNT_BRICK_PAIRS] += popcount(present);
@@ -201,12 +202,12 @@ static inline void scan_queue(const SlenderScan* scan, float cap, float slack, _
 // The slender polyhedra of a coarse brick's list into its bricks' minima; of the others, the numbers into `others`,
 // where there is room for a vector beyond them. Returns how many others there are.
 static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count, __global const uint* entries,
-                                          float cap, float slack, __global const Polyhedron* polyhedra,
+                                          float bound, float slack, __global const Polyhedron* polyhedra,
                                           __global Minimum* minima, __global uint* others, __private ulong* counters) {
     const SlenderScan scan = {layout,
                               coarse * CLSDF_COARSE,
                               splitting_rounder(longest_spacing(layout)),
-                              half_height(cap, margin_of(slack)),
+                              half_height(bound, margin_of(slack)),
                               polyhedra,
                               minima};
     const PartOfCoarse part = part_of_coarse(layout, coarse);
@@ -216,11 +217,12 @@ static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count
     for (uint e = 0; e < count; e += LANES) {
         uint numbers[LANES];
         load_numbers(entries, e, count, numbers);
-        for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead) request(polyhedra + entries[ahead]);
+        for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead)
+            prefetch_record(polyhedra + entries[ahead]);
         const uint in_list = lanes_in_list(e, count);
         uint absent;
         const uint chosen =
-            in_list & choose_slender(layout, polyhedra, numbers, scan.first, &part, cap, slack, &absent);
+            in_list & choose_slender(layout, polyhedra, numbers, scan.first, &part, bound, slack, &absent);
         const uint other = in_list & ~(chosen | absent);
         const uintL all = load_lanes(0, numbers);
         store_lanes(packed(all, other), 0, others + other_count);
@@ -228,7 +230,7 @@ static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count
         other_count += popcount(other);
         queue.count += popcount(chosen);
         const uint wanted = e + LANES < count ? LANES : 1;  // at the end all of them
-        while (queue.count >= wanted) scan_queue(&scan, cap, slack, &queue, polyhedra, counters);
+        while (queue.count >= wanted) scan_queue(&scan, bound, slack, &queue, polyhedra, counters);
     }
     return other_count;
 }

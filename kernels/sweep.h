@@ -27,7 +27,7 @@ typedef struct SweepVertex {
 typedef struct SweepRecord {
     clsdf_uint32 row;
     clsdf_uint32 key;    // 2 k + (1 where the surface faces -x there), see sign_sweep.cl
-    clsdf_uint32 place;  // among the row's crossings, in no order
+    clsdf_uint32 index;  // among the row's crossings, in no order
 } SweepRecord;
 
 // What the work-items add up.

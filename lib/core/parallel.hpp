@@ -32,25 +32,25 @@ void for_each_index(std::size_t count, const Function& f, std::size_t grain = us
         grain);
 }
 
-inline std::size_t stretch_count(std::size_t count, std::size_t size) {
+inline std::size_t chunk_count(std::size_t count, std::size_t size) {
     return (count + size - 1) / size;
 }
 
 /// The size of a sub-range, a multiple of `unit`: each core gets a few sub-ranges. With one core there is one
 /// sub-range.
-inline std::size_t stretch_for_all_cores(std::size_t count, std::size_t unit) {
+inline std::size_t chunk_for_all_cores(std::size_t count, std::size_t unit) {
     const auto cores = std::min(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()),
                                 tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-    const std::size_t units = stretch_count(count, unit);
-    return unit * std::max<std::size_t>(1, cores == 1 ? units : stretch_count(units, 4 * cores));
+    const std::size_t units = chunk_count(count, unit);
+    return unit * std::max<std::size_t>(1, cores == 1 ? units : chunk_count(units, 4 * cores));
 }
 
 /// Calls f(number, begin, end) for sub-ranges that cover [0, count), on all cores. All have the same size but the last
 /// one; they do not depend on the number of cores.
 template <typename Function>
-void for_each_stretch(std::size_t count, std::size_t size, const Function& f) {
-    tbb::parallel_for(std::size_t{0}, stretch_count(count, size),
-                      [&](std::size_t stretch) { f(stretch, stretch * size, std::min(count, (stretch + 1) * size)); });
+void for_each_chunk(std::size_t count, std::size_t size, const Function& f) {
+    tbb::parallel_for(std::size_t{0}, chunk_count(count, size),
+                      [&](std::size_t chunk) { f(chunk, chunk * size, std::min(count, (chunk + 1) * size)); });
 }
 
 }  // namespace clsdf

@@ -10,8 +10,8 @@ namespace clsdf::device {
 namespace {
 
 void copy_on_all_cores(const void* from, std::byte* to, std::size_t bytes) {
-    constexpr std::size_t stretch = std::size_t{128} << 10;
-    for_each_stretch(bytes, stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
+    constexpr std::size_t chunk = std::size_t{128} << 10;
+    for_each_chunk(bytes, chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
         std::memcpy(to + begin, static_cast<const std::byte*>(from) + begin, end - begin);
     });
 }
@@ -49,7 +49,7 @@ void PinnedReads::read(const cl::CommandQueue& queue, const cl::Buffer& from, st
         queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
         return;
     }
-    const std::size_t count = stretch_count(bytes, piece_bytes);
+    const std::size_t count = chunk_count(bytes, piece_bytes);
     const auto length = [&](std::size_t n) { return std::min(piece_bytes, bytes - n * piece_bytes); };
     const auto start = [&](std::size_t n) {
         Piece& piece = pieces_[n % pieces_.size()];

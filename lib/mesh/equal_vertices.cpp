@@ -54,21 +54,21 @@ HashGroups::HashGroups(std::span<const std::uint64_t> hashes) {
     const std::size_t groups = std::size_t{1} << bits;
     const auto group_of = [&](std::size_t v) { return bits == 0 ? 0 : hashes[v] >> (64 - bits); };
     // Sub-ranges of the vertices are sorted in parallel: first the number of each one's vertices per group.
-    const std::size_t stretch_size = std::max(group_size, hashes.size() / 64 + 1);
-    const std::size_t stretches = std::max<std::size_t>(1, stretch_count(hashes.size(), stretch_size));
+    const std::size_t chunk_size = std::max(group_size, hashes.size() / 64 + 1);
+    const std::size_t chunks = std::max<std::size_t>(1, chunk_count(hashes.size(), chunk_size));
     const auto for_each_vertex = [&](const auto& visit) {
-        for_each_stretch(hashes.size(), stretch_size, [&](std::size_t stretch, std::size_t begin, std::size_t end) {
-            for (std::size_t v = begin; v != end; ++v) visit(stretch, v);
+        for_each_chunk(hashes.size(), chunk_size, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+            for (std::size_t v = begin; v != end; ++v) visit(chunk, v);
         });
     };
-    std::vector<std::size_t> places(groups * stretches);
-    for_each_vertex([&](std::size_t s, std::size_t v) { ++places[group_of(v) * stretches + s]; });
+    std::vector<std::size_t> places(groups * chunks);
+    for_each_vertex([&](std::size_t s, std::size_t v) { ++places[group_of(v) * chunks + s]; });
     std::exclusive_scan(places.begin(), places.end(), places.begin(), std::size_t{0});
     start_.resize(groups + 1, hashes.size());
-    for (std::size_t g = 0; g < groups; ++g) start_[g] = places[g * stretches];
+    for (std::size_t g = 0; g < groups; ++g) start_[g] = places[g * chunks];
     vertices_.resize(hashes.size());
     for_each_vertex([&](std::size_t s, std::size_t v) {
-        vertices_[places[group_of(v) * stretches + s]++] = static_cast<std::uint32_t>(v);
+        vertices_[places[group_of(v) * chunks + s]++] = static_cast<std::uint32_t>(v);
     });
 }
 

@@ -166,14 +166,14 @@ EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_c
     std::optional<DirectedEdges> arriving;
     tbb::parallel_invoke([&] { leaving.emplace(triangles, vertex_count, Direction::from_lower); },
                          [&] { arriving.emplace(triangles, vertex_count, Direction::to_lower); });
-    constexpr std::size_t stretch = 4096;
-    std::vector<EdgeCounts> counts(stretch_count(vertex_count, stretch));
-    for_each_stretch(vertex_count, stretch, [&](std::size_t s, std::size_t begin, std::size_t end) {
+    constexpr std::size_t chunk = 4096;
+    std::vector<EdgeCounts> counts(chunk_count(vertex_count, chunk));
+    for_each_chunk(vertex_count, chunk, [&](std::size_t s, std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v != end; ++v)
             counts[s].add(static_cast<std::uint32_t>(v), leaving->at(v), arriving->at(v));
     });
     EdgeCounts all;
-    for (const EdgeCounts& of_stretch : counts) all.append(of_stretch);
+    for (const EdgeCounts& of_chunk : counts) all.append(of_chunk);
     return all;
 }
 

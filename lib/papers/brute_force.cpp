@@ -153,9 +153,7 @@ private:
     std::size_t bricks_of_layer() const {
         return static_cast<std::size_t>(layout_.bricks[0]) * static_cast<std::size_t>(layout_.bricks[1]);
     }
-    std::size_t chunk_count() const {
-        return stretch_count(static_cast<std::size_t>(layout_.bricks[2]), chunk_layers());
-    }
+    std::size_t chunk_count() const { return chunk_count(static_cast<std::size_t>(layout_.bricks[2]), chunk_layers()); }
     std::size_t chunk_layers() const { return static_cast<std::size_t>(chunk_layers_); }
     std::size_t launches_of_chunk() const { return brick_parts_ * record_parts_; }
 
@@ -174,8 +172,8 @@ private:
         constexpr std::size_t fewest_records = 256;
         bricks_at_once_ = std::clamp<std::size_t>(at_once / std::min(fewest_records, record_count_), 1, bricks);
         records_at_once_ = std::clamp<std::size_t>(at_once / bricks_at_once_, 1, record_count_);
-        brick_parts_ = stretch_count(bricks, bricks_at_once_);
-        record_parts_ = stretch_count(record_count_, records_at_once_);
+        brick_parts_ = chunk_count(bricks, bricks_at_once_);
+        record_parts_ = chunk_count(record_count_, records_at_once_);
     }
 
     void fill(CommandChain& chain, std::size_t samples) {

@@ -55,9 +55,9 @@ std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
 
 /// The box of the points, cut off at another one.
 Box box_within(std::span<const Vec3> points, const Box& most) {
-    const std::size_t ranges = stretch_count(points.size(), together);
+    const std::size_t ranges = chunk_count(points.size(), together);
     std::vector<Box> boxes(ranges);
-    for_each_stretch(points.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    for_each_chunk(points.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
         Box box{points[begin], points[begin]};
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -81,8 +81,8 @@ Box box_within(std::span<const Vec3> points, const Box& most) {
 /// Sorts by one digit of the keys and leaves equal ones as they are.
 void sort_by_digit(const UninitializedVector<Keyed>& from, UninitializedVector<Keyed>& to, std::uint32_t digit) {
     const auto bucket_of = [digit](const Keyed& keyed) { return keyed.key >> digit * digit_bits & (buckets - 1); };
-    std::vector<std::array<std::uint32_t, buckets>> places(stretch_count(from.size(), together));
-    for_each_stretch(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    std::vector<std::array<std::uint32_t, buckets>> places(chunk_count(from.size(), together));
+    for_each_chunk(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
         places[range].fill(0);
         for (std::size_t i = begin; i < end; ++i) ++places[range][bucket_of(from[i])];
     });
@@ -93,7 +93,7 @@ void sort_by_digit(const UninitializedVector<Keyed>& from, UninitializedVector<K
             of_range[bucket] = place;
             place += count;
         }
-    for_each_stretch(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
+    for_each_chunk(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) to[places[range][bucket_of(from[i])]++] = from[i];
     });
 }

@@ -55,7 +55,7 @@ PointTree shape_of(std::size_t faces) {
     tree.faces = static_cast<clsdf_uint32>(faces);
     clsdf_uint32 first = 0;
     for (std::size_t below = faces; tree.levels == 0 || below > 1;) {
-        below = stretch_count(below, width);
+        below = chunk_count(below, width);
         tree.first[tree.levels] = first;
         tree.count[tree.levels] = static_cast<clsdf_uint32>(below);
         first += tree.count[tree.levels++];
@@ -221,7 +221,7 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     const FaceWriter writer(result, {static_cast<PointLeaf*>(leaves.memory()), result.tree.count[0]},
                             {static_cast<FaceFrame*>(frames.memory()), result.face_count()},
                             {static_cast<Polyhedron*>(records.memory()), result.face_count()});
-    for_each_stretch(result.tree.count[0], width, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_chunk(result.tree.count[0], width, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t node = begin; node < end; ++node) writer.write(node);
     });
     fill_upper_levels(result);

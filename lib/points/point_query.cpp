@@ -122,7 +122,7 @@ public:
         in_launches(between, [&](std::size_t begin, std::size_t end) {
             kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
             kernel.setArg(nearest_end, static_cast<cl_uint>(end));
-            enqueue(kernel, stretch_count(end - begin, run()));
+            enqueue(kernel, chunk_count(end - begin, run()));
         });
     }
 

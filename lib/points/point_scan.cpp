@@ -47,7 +47,7 @@ enum MarkArgument : cl_uint {
 enum ScanArgument : cl_uint {
     scan_begin,
     scan_end,
-    scan_turns,
+    scan_queue,
     scan_blocks,
     scan_bricks,
     scan_points_argument,
@@ -112,9 +112,9 @@ struct Level {
 /// extent(i): of child i.
 template <typename ExtentOf>
 Level level_of(std::size_t children, const ExtentOf& extent_of) {
-    const std::size_t count = stretch_count(children, width);
+    const std::size_t count = chunk_count(children, width);
     Level level{UninitializedVector<PointGroup>(count), std::vector<Extent>(count)};
-    for_each_stretch(count, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_chunk(count, 16, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             std::array<Extent, width> of_children;
             const std::size_t size = std::min(width, children - i * width);
@@ -210,7 +210,7 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
 }
 
 PointGroups group_points(std::span<const Vec3> points) {
-    Level bricks = level_of(stretch_count(points.size(), width), [&](std::size_t vector) {
+    Level bricks = level_of(chunk_count(points.size(), width), [&](std::size_t vector) {
         Extent extent;
         for (std::size_t i = vector * width; i < std::min(points.size(), (vector + 1) * width); ++i)
             extent.add(points[i], points[i]);
@@ -264,7 +264,7 @@ public:
         mark.setArg(mark_most, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)));
         mark.setArg(mark_squares, *squares);
         mark.setArg(mark_marks, *marks_);
-        const std::size_t items = superblock_count_ * stretch_count(records, marked_together);
+        const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
         const auto step =
             static_cast<std::size_t>(job_.context.capabilities().launch_seconds * static_cast<double>(cores()) /
                                      (seconds_per_mark * marked_together)) +
@@ -285,9 +285,9 @@ public:
             job_.pool.lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
         const auto marks = job_.pool.lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
         const auto memory = job_.pool.lease(items * sizeof(PointBrick), "bricks of points in work");
-        const auto turns = job_.pool.lease(sizeof(cl_uint), "turns");
+        const auto queue = job_.pool.lease(sizeof(cl_uint), "queue");
         cl::Kernel kernel(program_, "nearest_by_groups");
-        kernel.setArg(scan_turns, *turns);
+        kernel.setArg(scan_queue, *queue);
         kernel.setArg(scan_blocks, *blocks_);
         kernel.setArg(scan_bricks, *bricks_);
         kernel.setArg(scan_points_argument, job_.points);
@@ -314,7 +314,7 @@ public:
             const std::size_t end = std::min(block_count_, begin + std::max(size, items));
             if (between) between(static_cast<double>(begin) / static_cast<double>(block_count_));
             const Stopwatch watch;
-            queue_.enqueueFillBuffer(*turns, cl_uint{0}, 0, sizeof(cl_uint));
+            queue_.enqueueFillBuffer(*queue, cl_uint{0}, 0, sizeof(cl_uint));
             kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
             kernel.setArg(scan_end, static_cast<cl_uint>(end));
             enqueue(kernel, items);

@@ -211,7 +211,7 @@ Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& 
 
 void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs) {
     constexpr std::size_t together = 256;
-    for_each_stretch(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for_each_chunk(points.order.size(), together, [&](std::size_t, std::size_t begin, std::size_t end) {
         KnownBalls balls;
         for (std::size_t i = begin; i < end; ++i) {
             if (signs[i] != CLSDF_POINT_UNDECIDED) continue;

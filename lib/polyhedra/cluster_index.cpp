@@ -84,11 +84,11 @@ void append(std::vector<RecordRange>& ranges, std::size_t begin, std::size_t end
 ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
     : face_count_(topology.order.size()),
       site_count_(frusta.sites.size()),
-      clusters_(stretch_count(face_count_, cluster), nothing),
-      blocks_(stretch_count(clusters_.size(), block), nothing),
-      sites_(stretch_count(site_count_, record_group), nothing) {
+      clusters_(chunk_count(face_count_, cluster), nothing),
+      blocks_(chunk_count(clusters_.size(), block), nothing),
+      sites_(chunk_count(site_count_, record_group), nothing) {
     const auto position = [&](std::uint32_t vertex) { return frusta.positions[vertex]; };
-    for_each_stretch(face_count_, cluster, [&](std::size_t number, std::size_t begin, std::size_t end) {
+    for_each_chunk(face_count_, cluster, [&](std::size_t number, std::size_t begin, std::size_t end) {
         for (std::size_t face = begin; face < end; ++face) {
             const auto& [a, b, c] = topology.faces.triangles[face];
             add(clusters_[number], box_of({position(a), position(b), position(c)}));

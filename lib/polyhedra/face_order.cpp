@@ -126,8 +126,8 @@ public:
         : count_(count),
           digit_bits_(digit_bits),
           digit_values_(std::size_t{1} << digit_bits),
-          block_(stretch_for_all_cores(count, std::size_t{1} << 13)),
-          places_(stretch_count(count, block_)) {}
+          block_(chunk_for_all_cores(count, std::size_t{1} << 13)),
+          places_(chunk_count(count, block_)) {}
 
     /// fill(begin, end) sets keyed[begin, end). Writes the triangles in the order of their codes; `other` has as much
     /// room as `keyed`.
@@ -147,7 +147,7 @@ public:
         for_each_block([&](Places& places, std::size_t begin, std::size_t end) {
             for (const Keyed& one : keyed.subspan(begin, end - begin)) other[places[digit(one, 2)]++] = one;
         });
-        for_each_stretch(digit_values_, digit_values_ / 64, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for_each_chunk(digit_values_, digit_values_ / 64, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t value = begin; value < end; ++value) {
                 const std::uint32_t some = first[value + 1] - first[value];
                 if (some > 0)
@@ -166,8 +166,8 @@ private:
 
     template <typename Function>
     void for_each_block(const Function& f) {
-        for_each_stretch(count_, block_,
-                         [&](std::size_t block, std::size_t begin, std::size_t end) { f(places_[block], begin, end); });
+        for_each_chunk(count_, block_,
+                       [&](std::size_t block, std::size_t begin, std::size_t end) { f(places_[block], begin, end); });
     }
 
     void count_digits(std::span<const Keyed> keyed, unsigned number, Places& counts) const {
@@ -237,7 +237,7 @@ class Numbering {
 public:
     Numbering(const Mesh& mesh, std::span<const std::uint32_t> order, OrderedFaces& faces)
         : mesh_(mesh), order_(order), faces_(faces), numbers_(mesh.vertices().size()) {
-        const std::size_t size = stretch_for_all_cores(order.size(), OrderedFaces::stretch);
+        const std::size_t size = chunk_for_all_cores(order.size(), OrderedFaces::chunk);
         for (std::size_t begin = 0; begin < order.size(); begin += size)
             parts_.push_back({begin, std::min(order.size(), begin + size)});
     }
@@ -245,7 +245,7 @@ public:
     void run() {
         for_each_index(numbers_.size(), [&](std::size_t vertex) { numbers_[vertex] = none; });
         faces_.triangles = UninitializedVector<Triangle>(order_.size());
-        faces_.first_vertices.resize(stretch_count(order_.size(), OrderedFaces::stretch) + 1);
+        faces_.first_vertices.resize(chunk_count(order_.size(), OrderedFaces::chunk) + 1);
         // With room for what is stored and not counted.
         faces_.vertices = UninitializedVector<std::uint32_t>(numbers_.size() + 1);
         std::uint32_t count = 0;
@@ -291,13 +291,13 @@ private:
 
     template <typename Function>
     void for_each_part(const Function& f) {
-        for_each_stretch(parts_.size(), 1, [&](std::size_t part, std::size_t, std::size_t) { f(parts_[part]); });
+        for_each_chunk(parts_.size(), 1, [&](std::size_t part, std::size_t, std::size_t) { f(parts_[part]); });
     }
 
     void list(Part& part, std::span<std::uint32_t> listed) {
         // A batch at a time: other cores have written to the lines where the vertices' numbers are, or they are far.
         constexpr std::size_t batch = 256;
-        static_assert(OrderedFaces::stretch % batch == 0);
+        static_assert(OrderedFaces::chunk % batch == 0);
         std::uint32_t next = part.list_begin();
         for (std::size_t begin = part.begin; begin < part.end; begin += batch) {
             const std::size_t end = std::min(part.end, begin + batch);
@@ -306,7 +306,7 @@ private:
                 for (const std::uint32_t vertex : triangle) prefetch(&numbers_[vertex]);
                 faces_.triangles[face] = triangle;
             }
-            if (begin % OrderedFaces::stretch == 0) faces_.first_vertices[begin / OrderedFaces::stretch] = next;
+            if (begin % OrderedFaces::chunk == 0) faces_.first_vertices[begin / OrderedFaces::chunk] = next;
             for (std::size_t face = begin; face < end; ++face)
                 for (std::uint32_t& vertex : faces_.triangles[face]) {
                     const std::atomic_ref number(numbers_[vertex]);
@@ -352,8 +352,8 @@ private:
                     listed[number] = next++;
                 }
             }
-            for (std::size_t face = part.begin; face < part.end; face += OrderedFaces::stretch) {
-                std::uint32_t& first = faces_.first_vertices[face / OrderedFaces::stretch];
+            for (std::size_t face = part.begin; face < part.end; face += OrderedFaces::chunk) {
+                std::uint32_t& first = faces_.first_vertices[face / OrderedFaces::chunk];
                 first = part.first + part.own_before(first);
             }
         });

@@ -25,7 +25,7 @@ std::size_t checked_face_count(std::size_t count);
 /// so neighbours in one list are near each other in the others.
 struct OrderedFaces {
     /// Faces of a sub-range; they fit the caches with all data that is made from them.
-    static constexpr std::size_t stretch = 3072;
+    static constexpr std::size_t chunk = 3072;
 
     UninitializedVector<Triangle> triangles;
     UninitializedVector<std::uint32_t> vertices;  ///< the mesh's index of each

@@ -22,10 +22,10 @@ void sort_and_unite(Numbers& numbers) {
 
 /// Collects f(part, begin, end), lists of numbers of sub-ranges, one after the other.
 template <typename Function>
-Numbers collected(std::size_t count, std::size_t stretch, const Function& f) {
-    std::vector<Numbers> parts(stretch_count(count, stretch));
-    for_each_stretch(count, stretch,
-                     [&](std::size_t part, std::size_t begin, std::size_t end) { f(begin, end, parts[part]); });
+Numbers collected(std::size_t count, std::size_t chunk, const Function& f) {
+    std::vector<Numbers> parts(chunk_count(count, chunk));
+    for_each_chunk(count, chunk,
+                   [&](std::size_t part, std::size_t begin, std::size_t end) { f(begin, end, parts[part]); });
     if (parts.size() == 1) return std::move(parts.front());
     Numbers all;
     for (const Numbers& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -34,8 +34,8 @@ Numbers collected(std::size_t count, std::size_t stretch, const Function& f) {
 
 /// The faces with an answer.
 Numbers answered_faces(std::span<const std::uint8_t> answers) {
-    constexpr std::size_t stretch = 1U << 16;
-    return collected(answers.size(), stretch, [&](std::size_t begin, std::size_t end, Numbers& found) {
+    constexpr std::size_t chunk = 1U << 16;
+    return collected(answers.size(), chunk, [&](std::size_t begin, std::size_t end, Numbers& found) {
         const std::uint8_t* const first = answers.data();
         for (std::size_t face = begin; face < end;) {
             constexpr std::size_t step = 64;
@@ -62,13 +62,13 @@ public:
         : topology_(topology),
           faces_(topology.rings.vertex_count()),
           fans_(3 * topology.order.size()),
-          parts_(stretch_count(faces_.size(), stretch)) {}
+          parts_(chunk_count(faces_.size(), chunk)) {}
 
     void run(KernelTopology& result) {
-        for_each_stretch(faces_.size(), stretch,
-                         [&](std::size_t part, std::size_t begin, std::size_t end) { look_at(part, begin, end); });
+        for_each_chunk(faces_.size(), chunk,
+                       [&](std::size_t part, std::size_t begin, std::size_t end) { look_at(part, begin, end); });
         set_items(result);
-        for_each_stretch(faces_.size(), stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        for_each_chunk(faces_.size(), chunk, [&](std::size_t part, std::size_t begin, std::size_t end) {
             write(parts_[part], begin, end, result);
         });
         for (const Part& part : parts_)
@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t stretch = 4096;
+    static constexpr std::size_t chunk = 4096;
     using ByFaces = std::array<std::uint32_t, CLSDF_FAN_FACES + 1>;
 
     struct Part {
@@ -139,7 +139,7 @@ private:
             for (std::uint32_t first = 0; first < count; first += CLSDF_FAN_ITEM) {
                 const std::uint32_t size = std::min<std::uint32_t>(CLSDF_FAN_ITEM, count - first);
                 result.fan_items.push_back({static_cast<std::uint32_t>(words), size, faces});
-                words += stretch_count(size, CLSDF_FAN_STRIDE) * block_words(faces);
+                words += chunk_count(size, CLSDF_FAN_STRIDE) * block_words(faces);
             }
         }
         // Kernels number words by 32 bits; a fan has as many as corners, and a mesh has at most
@@ -173,10 +173,10 @@ private:
 }  // namespace
 
 KernelTopology::KernelTopology(const MeshTopology& topology) : opposite(3 * topology.order.size()) {
-    constexpr std::size_t stretch = 4096;
+    constexpr std::size_t chunk = 4096;
     const std::size_t count = topology.order.size();
-    std::vector<Numbers> awkward(stretch_count(count, stretch));
-    for_each_stretch(count, stretch, [&](std::size_t part, std::size_t begin, std::size_t end) {
+    std::vector<Numbers> awkward(chunk_count(count, chunk));
+    for_each_chunk(count, chunk, [&](std::size_t part, std::size_t begin, std::size_t end) {
         for (std::size_t face = begin; face < end; ++face) {
             const FaceEdges& edges = topology.edges.faces[face];
             std::uint8_t all = 0;
@@ -203,9 +203,9 @@ LeftToHost KernelTopology::left_to_host(const MeshTopology& topology, std::span<
     left.faces.insert(left.faces.end(), awkward_faces.begin(), awkward_faces.end());
     sort_and_unite(left.faces);
     std::atomic<std::size_t> saddles = 0;
-    constexpr std::size_t items_of_stretch = (1U << 16) / CLSDF_FAN_ITEM;
+    constexpr std::size_t items_of_chunk = (1U << 16) / CLSDF_FAN_ITEM;
     left.vertices =
-        collected(fan_items.size(), items_of_stretch, [&](std::size_t begin, std::size_t end, Numbers& found) {
+        collected(fan_items.size(), items_of_chunk, [&](std::size_t begin, std::size_t end, Numbers& found) {
             std::size_t saddles_here = 0;
             for (std::size_t number = begin; number < end; ++number) {
                 const FanItem& item = fan_items[number];

@@ -17,7 +17,7 @@ constexpr std::uint32_t absent = 0xFFFFFFFFU;
 
 /// The faces of clusters that are wanted, ascending.
 std::vector<std::uint32_t> faces_of(const Frusta& frusta, const NearRecords& near, std::size_t face_count) {
-    std::vector<bool> is_wanted(stretch_count(face_count, ClusterIndex::cluster));
+    std::vector<bool> is_wanted(chunk_count(face_count, ClusterIndex::cluster));
     for (const RecordRange& range : near.faces)
         for (std::size_t face = range.begin; face < range.end; face += ClusterIndex::cluster)
             is_wanted[face / ClusterIndex::cluster] = true;

@@ -55,7 +55,7 @@ private:
 
     template <typename Function>
     void for_each_part(const Function& f) {
-        for_each_stretch(parts_.size(), 1, [&](std::size_t part, std::size_t, std::size_t) { f(part); });
+        for_each_chunk(parts_.size(), 1, [&](std::size_t part, std::size_t, std::size_t) { f(part); });
     }
 
     /// Calls own(vertex, corner) for corners of the part's faces at its own vertices, other(vertex, corner) elsewhere.
@@ -132,8 +132,8 @@ private:
 
 OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count)
     : start_(vertex_count + 1), corners_(3 * checked_face_count(triangles.size())) {
-    const std::size_t size = stretch_for_all_cores(triangles.size(), OrderedFaces::stretch);
-    const std::size_t parts = std::max<std::size_t>(1, stretch_count(triangles.size(), size));
+    const std::size_t size = chunk_for_all_cores(triangles.size(), OrderedFaces::chunk);
+    const std::size_t parts = std::max<std::size_t>(1, chunk_count(triangles.size(), size));
     std::vector<Filing::Border> borders;
     for (std::size_t part = 0; part <= parts; ++part)
         borders.push_back({std::min(triangles.size(), part * size), vertex_count * part / parts});
@@ -143,10 +143,10 @@ OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count
 OneRings::OneRings(const OrderedFaces& faces)
     : start_(faces.vertices.size() + 1), corners_(3 * faces.triangles.size()) {
     const std::size_t count = faces.triangles.size();
-    const std::size_t size = stretch_for_all_cores(count, OrderedFaces::stretch);
+    const std::size_t size = chunk_for_all_cores(count, OrderedFaces::chunk);
     std::vector<Filing::Border> borders;
     for (std::size_t face = 0; face < count; face += size)
-        borders.push_back({face, faces.first_vertices[face / OrderedFaces::stretch]});
+        borders.push_back({face, faces.first_vertices[face / OrderedFaces::chunk]});
     borders.push_back({count, faces.vertices.size()});
     Filing(faces.triangles, std::move(borders), *this).run();
 }

@@ -23,7 +23,7 @@ struct BrickInputs {
     const Finishing* finishing;  ///< null if the distance alone is asked for
 };
 
-/// Computes the samples of all bricks that a polyhedron touches, in launches of bounded length.
+/// Computes the samples of all bricks that a polyhedron overlaps, in launches of bounded length.
 class BrickKernel {
 public:
     virtual ~BrickKernel() = default;

@@ -108,7 +108,7 @@ public:
         statistics.coarse_pairs = lists_.pairs;
         statistics.coarse_bricks = lists_.order.size();
         if (first_marks_() != nullptr) statistics.device_bytes += computed_.bytes();
-        statistics.device_bytes += bricks_->device_bytes() + lists_.caps.bytes() + lists_.starts.bytes() +
+        statistics.device_bytes += bricks_->device_bytes() + lists_.bounds.bytes() + lists_.starts.bytes() +
                                    lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
     }
 

@@ -20,7 +20,7 @@ public:
           finishing_(inputs.finishing),
           group_size_(programs.group_size),
           program_(programs.bricks(context, variant)),
-          caps_(
+          bounds_(
               pool->lease(inputs.lists.order.size() * groups_per_coarse_brick * sizeof(float), "bounds of the bricks")),
           masks_(pool->lease(inputs.lists.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
           kernel_(program_, "bricks_by_group") {
@@ -30,7 +30,7 @@ public:
         kernel_.setArg(arg_starts, *lists.starts);
         kernel_.setArg(arg_parts, static_cast<cl_uint>(lists.parts));
         kernel_.setArg(arg_entries, *lists.entries);
-        kernel_.setArg(arg_caps, *caps_);
+        kernel_.setArg(arg_bounds, *bounds_);
         kernel_.setArg(arg_masks, *masks_);
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
@@ -40,7 +40,7 @@ public:
         enqueue_masks(context.queue(), inputs);
     }
 
-    std::size_t device_bytes() const override { return BrickKernel::device_bytes() + caps_.bytes() + masks_.bytes(); }
+    std::size_t device_bytes() const override { return BrickKernel::device_bytes() + bounds_.bytes() + masks_.bytes(); }
 
     void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
         kernel_.setArg(arg_distance, outputs.distance);
@@ -60,24 +60,24 @@ public:
 private:
     /// What the bricks read, once for all computations.
     void enqueue_masks(const cl::CommandQueue& queue, const BrickInputs& inputs) const {
-        cl::Kernel caps(program_, "brick_caps"), masks(program_, "brick_masks");
-        for (cl::Kernel* kernel : {&caps, &masks}) {
+        cl::Kernel bounds(program_, "brick_bounds"), masks(program_, "brick_masks");
+        for (cl::Kernel* kernel : {&bounds, &masks}) {
             kernel->setArg(masks_layout, inputs.layout);
             kernel->setArg(masks_order, order_);
             kernel->setArg(masks_starts, *inputs.lists.starts);
             kernel->setArg(masks_parts, static_cast<cl_uint>(inputs.lists.parts));
             kernel->setArg(masks_entries, *inputs.lists.entries);
-            kernel->setArg(masks_coarse_caps, *inputs.lists.caps);
+            kernel->setArg(masks_coarse_bounds, *inputs.lists.bounds);
             kernel->setArg(masks_polyhedra, *inputs.mesh.polyhedra);
-            kernel->setArg(masks_caps, *caps_);
+            kernel->setArg(masks_bounds, *bounds_);
         }
         masks.setArg(masks_groups, static_cast<cl_uint>(mask_groups));
         masks.setArg(masks_masks, *masks_);
         for (const Launch& launch : launches_) {
             const std::size_t items = (launch.end - launch.begin) * group_size_;
-            caps.setArg(masks_begin, launch.begin);
+            bounds.setArg(masks_begin, launch.begin);
             masks.setArg(masks_begin, launch.begin);
-            queue.enqueueNDRangeKernel(caps, cl::NullRange, cl::NDRange(items), cl::NDRange(group_size_));
+            queue.enqueueNDRangeKernel(bounds, cl::NullRange, cl::NDRange(items), cl::NDRange(group_size_));
             queue.enqueueNDRangeKernel(masks, cl::NullRange, cl::NDRange(mask_groups * items),
                                        cl::NDRange(group_size_));
         }
@@ -90,9 +90,9 @@ private:
         masks_starts,
         masks_parts,
         masks_entries,
-        masks_coarse_caps,
+        masks_coarse_bounds,
         masks_polyhedra,
-        masks_caps,
+        masks_bounds,
         masks_groups,
         masks_masks
     };
@@ -103,7 +103,7 @@ private:
         arg_starts,
         arg_parts,
         arg_entries,
-        arg_caps,
+        arg_bounds,
         arg_masks,
         arg_polyhedra,
         arg_sign_bits,
@@ -115,8 +115,8 @@ private:
     const Finishing* finishing_;
     std::size_t group_size_;
     cl::Program program_;
-    device::BufferPool::Lease caps_;   ///< float a brick of the coarse bricks in their order
-    device::BufferPool::Lease masks_;  ///< of each entry, the bricks that the polyhedron touches
+    device::BufferPool::Lease bounds_;  ///< float a brick of the coarse bricks in their order
+    device::BufferPool::Lease masks_;   ///< of each entry, the bricks that the polyhedron overlaps
     cl::Kernel kernel_;
 };
 

@@ -19,7 +19,7 @@ namespace {
 // Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
 constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
-constexpr double seconds_per_touch = 5e-8;
+constexpr double seconds_per_pair = 5e-8;
 
 std::size_t coarse_group_count(const Layout& layout) {
     std::size_t count = 1;
@@ -27,11 +27,11 @@ std::size_t coarse_group_count(const Layout& layout) {
     return count;
 }
 
-/// Touches of a cluster of polyhedra and a coarse brick that there is room for at first, for each polyhedron on average
+/// Pairs of a cluster of polyhedra and a coarse brick that there is room for at first, for each polyhedron on average
 /// (an estimate). If there are more, they are found twice.
-std::size_t expected_touches(const Layout& layout, std::size_t lanes) {
+std::size_t expected_pairs(const Layout& layout, std::size_t lanes) {
     const std::size_t narrow = lanes == 8 ? 3 : 2;
-    return has_uniform_caps(layout) ? narrow : narrow * 5 / 2;
+    return has_uniform_bounds(layout) ? narrow : narrow * 5 / 2;
 }
 
 /// Of a cluster's tests against groups of coarse bricks, triangles being small as a rule.
@@ -42,33 +42,33 @@ double seconds_of_a_cluster(const Layout& layout) {
     return groups * seconds_per_cluster;
 }
 
-enum CapsArgument : cl_uint { caps_layout, caps_count, caps_points, caps_caps, caps_first };
+enum BoundsArgument : cl_uint { bounds_layout, bounds_count, bounds_points, bounds_bounds, bounds_first };
 
-device::BufferPool::Lease find_caps(const ListJob& job, const SurfacePoints* surface_points) {
+device::BufferPool::Lease find_bounds(const ListJob& job, const SurfacePoints* surface_points) {
     const std::size_t groups = coarse_group_count(job.layout), bricks = groups * CLSDF_COARSE_GROUP;
-    auto caps = job.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
+    auto bounds = job.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
     if (surface_points == nullptr) {
-        job.queue().enqueueFillBuffer(*caps, job.layout.half_width, 0, bricks * sizeof(float));
-        return caps;
+        job.queue().enqueueFillBuffer(*bounds, job.layout.half_width, 0, bricks * sizeof(float));
+        return bounds;
     }
     const std::size_t count = surface_points->size();
     const auto points = job.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
     job.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), surface_points->data());
 
-    cl::Kernel kernel(job.programs.coarse_lists, "coarse_caps");
-    kernel.setArg(caps_layout, job.layout);
-    kernel.setArg(caps_count, static_cast<cl_uint>(count));
-    kernel.setArg(caps_points, *points);
-    kernel.setArg(caps_caps, *caps);
+    cl::Kernel kernel(job.programs.coarse_lists, "coarse_bounds");
+    kernel.setArg(bounds_layout, job.layout);
+    kernel.setArg(bounds_count, static_cast<cl_uint>(count));
+    kernel.setArg(bounds_points, *points);
+    kernel.setArg(bounds_bounds, *bounds);
     const double seconds = seconds_per_point * static_cast<double>(count);
     // PoCL compiles a kernel anew for each size of a group: one size for all grids.
     const cl::NDRange alone = job.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
     job.launches.over(groups * CLSDF_COARSE_COLUMNS / job.programs.lanes, seconds,
                       [&](std::size_t begin, std::size_t end) {
-                          kernel.setArg(caps_first, static_cast<cl_uint>(begin));
+                          kernel.setArg(bounds_first, static_cast<cl_uint>(begin));
                           job.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
                       });
-    return caps;
+    return bounds;
 }
 
 /// The launches that make the lists of the vector body.
@@ -80,9 +80,9 @@ public:
           parts_(job.programs.parallel_parts(job.context, bricks_)),
           counters_(bricks_ * parts_),
           histograms_(job.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
-          touch_counts_(job.pool->lease(parts_ * sizeof(cl_uint), touches_purpose)),
-          touch_starts_(job.pool->lease((parts_ + 1) * sizeof(cl_uint), touches_purpose)),
-          touches_found_(parts_),
+          pair_counts_(job.pool->lease(parts_ * sizeof(cl_uint), pairs_purpose)),
+          pair_starts_(job.pool->lease((parts_ + 1) * sizeof(cl_uint), pairs_purpose)),
+          pairs_found_(parts_),
           starts_(counters_ + 1) {}
 
     ListsByVector(const ListsByVector&) = delete;
@@ -90,14 +90,14 @@ public:
     ~ListsByVector() {
         // After an error: what is under way reads and writes what lies here.
         if (room_starts_.empty() || job_.context.drain()) return;
-        for (std::vector<cl_uint>* used : {&room_starts_, &touches_found_, &starts_}) keep_for_good(*used);
+        for (std::vector<cl_uint>* used : {&room_starts_, &pairs_found_, &starts_}) keep_for_good(*used);
     }
 
     /// Where each brick's list begins, and behind the last one, the end of all.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = parts_;
         lists.starts = job_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        lists.passes = find_touches(*lists.caps, *lists.starts);
+        lists.passes = find_pairs(*lists.bounds, *lists.starts);
         lists.pairs = starts_.back();
         lists.entries = job_.pool->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
         write_entries(*lists.starts, *lists.entries);
@@ -107,7 +107,7 @@ public:
     }
 
 private:
-    static constexpr const char* touches_purpose = "touches of the coarse lists";
+    static constexpr const char* pairs_purpose = "pairs of the coarse lists";
     static constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
 
     enum CountArgument : cl_uint {
@@ -117,11 +117,11 @@ private:
         count_polyhedra,
         count_has_groups,
         count_groups,
-        count_caps,
-        count_uniform_caps,
-        count_touch_starts,
-        count_touches,
-        count_touch_counts,
+        count_bounds,
+        count_uniform_bounds,
+        count_pair_starts,
+        count_pairs,
+        count_pair_counts,
         count_histograms,
         count_counts,
         count_step,
@@ -129,9 +129,9 @@ private:
     };
     enum FillArgument : cl_uint {
         fill_layout,
-        fill_touch_starts,
-        fill_touches,
-        fill_touch_counts,
+        fill_pair_starts,
+        fill_pairs,
+        fill_pair_counts,
         fill_starts,
         fill_histograms,
         fill_entries,
@@ -139,9 +139,9 @@ private:
         fill_steps
     };
 
-    /// Counts the entries, where those of each coarse brick and part start, and keeps what touches what; returns how
+    /// Counts the entries, where those of each coarse brick and part start, and keeps the pairs; returns how
     /// many passes that took.
-    std::size_t find_touches(const cl::Buffer& caps, const cl::Buffer& starts) {
+    std::size_t find_pairs(const cl::Buffer& bounds, const cl::Buffer& starts) {
         const auto counts = job_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
         const bool has_groups = job_.selection.groups() != nullptr;
         const std::size_t records =
@@ -154,25 +154,25 @@ private:
         kernel.setArg(count_polyhedra, *job_.records.polyhedra);
         kernel.setArg(count_has_groups, cl_int{has_groups ? 1 : 0});
         kernel.setArg(count_groups, has_groups ? job_.selection.groups : *job_.records.polyhedra);
-        kernel.setArg(count_caps, caps);
-        kernel.setArg(count_uniform_caps, cl_int{has_uniform_caps(job_.layout) ? 1 : 0});
-        kernel.setArg(count_touch_counts, *touch_counts_);
+        kernel.setArg(count_bounds, bounds);
+        kernel.setArg(count_uniform_bounds, cl_int{has_uniform_bounds(job_.layout) ? 1 : 0});
+        kernel.setArg(count_pair_counts, *pair_counts_);
         kernel.setArg(count_histograms, *histograms_);
         kernel.setArg(count_counts, *counts);
         const double seconds = seconds_of_a_cluster(job_.layout) * static_cast<double>(clusters);
-        const std::size_t expected = std::min(expected_touches(job_.layout, job_.programs.lanes) * records,
-                                              job_.context.capabilities().largest_allocation / sizeof(Touch) / 2);
-        // The first room is a guess. Where there is no memory for it, touches are only counted at first.
+        const std::size_t expected = std::min(expected_pairs(job_.layout, job_.programs.lanes) * records,
+                                              job_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2);
+        // The first room is a guess. Where there is no memory for it, pairs are only counted at first.
         std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
-        if (auto guess = job_.pool->lease_if_it_fits(bytes_of(room), touches_purpose))
-            touches_ = std::move(*guess);
+        if (auto guess = job_.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))
+            pairs_ = std::move(*guess);
         else
             make_room(room = std::vector<cl_uint>(parts_));
         std::size_t passes = 1;
         for (;; ++passes) {
             place_parts(room);
-            kernel.setArg(count_touch_starts, *touch_starts_);
-            kernel.setArg(count_touches, *touches_);
+            kernel.setArg(count_pair_starts, *pair_starts_);
+            kernel.setArg(count_pairs, *pairs_);
             launch(kernel, count_step, count_steps, seconds);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
             PrefixSums sums(job_.context, job_.programs, job_.pool, *counts, starts, counters_,
@@ -181,52 +181,52 @@ private:
             {
                 CommandGate gate(job_.context);
                 sums.enqueue();
-                job_.queue().enqueueReadBuffer(*touch_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                               touches_found_.data(), nullptr, &read[0]);
+                job_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
+                                               pairs_found_.data(), nullptr, &read[0]);
                 job_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(),
                                                nullptr, &read[1]);
                 gate.open();
             }
             cl::Event::waitForEvents(read);
-            if (std::equal(touches_found_.begin(), touches_found_.end(), room.begin(), std::less_equal<>())) {
+            if (std::equal(pairs_found_.begin(), pairs_found_.end(), room.begin(), std::less_equal<>())) {
                 sums.total();  // throws where the starts do not hold it
                 break;
             }
-            make_room(room = touches_found_);
+            make_room(room = pairs_found_);
         }
         room_starts_.clear();
-        touch_count_ = std::accumulate(touches_found_.begin(), touches_found_.end(), std::size_t{0});
+        pair_count_ = std::accumulate(pairs_found_.begin(), pairs_found_.end(), std::size_t{0});
         return passes;
     }
 
-    static std::size_t bytes_of(const std::vector<cl_uint>& touches_of_parts) {
-        return sizeof(Touch) * std::accumulate(touches_of_parts.begin(), touches_of_parts.end(), std::size_t{0});
+    static std::size_t bytes_of(const std::vector<cl_uint>& pairs_of_parts) {
+        return sizeof(ClusterPair) * std::accumulate(pairs_of_parts.begin(), pairs_of_parts.end(), std::size_t{0});
     }
 
-    /// For so many touches of each part.
-    void make_room(const std::vector<cl_uint>& touches_of_parts) {
-        touches_ = {};  // the smaller one goes back first
-        touches_ = job_.pool->lease(bytes_of(touches_of_parts), touches_purpose);
+    /// For so many pairs of each part.
+    void make_room(const std::vector<cl_uint>& pairs_of_parts) {
+        pairs_ = {};  // the smaller one goes back first
+        pairs_ = job_.pool->lease(bytes_of(pairs_of_parts), pairs_purpose);
     }
 
-    /// Where the room for each part's touches begins. Not waited for: what they make room for is.
-    void place_parts(const std::vector<cl_uint>& touches_of_parts) {
+    /// Where the room for each part's pairs begins. Not waited for: what they make room for is.
+    void place_parts(const std::vector<cl_uint>& pairs_of_parts) {
         room_starts_.assign(parts_ + 1, 0);
-        std::partial_sum(touches_of_parts.begin(), touches_of_parts.end(), room_starts_.begin() + 1);
-        job_.queue().enqueueWriteBuffer(*touch_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
+        std::partial_sum(pairs_of_parts.begin(), pairs_of_parts.end(), room_starts_.begin() + 1);
+        job_.queue().enqueueWriteBuffer(*pair_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
                                         room_starts_.data());
     }
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
         cl::Kernel kernel(job_.programs.coarse_lists, "coarse_fill");
         kernel.setArg(fill_layout, job_.layout);
-        kernel.setArg(fill_touch_starts, *touch_starts_);
-        kernel.setArg(fill_touches, *touches_);
-        kernel.setArg(fill_touch_counts, *touch_counts_);
+        kernel.setArg(fill_pair_starts, *pair_starts_);
+        kernel.setArg(fill_pairs, *pairs_);
+        kernel.setArg(fill_pair_counts, *pair_counts_);
         kernel.setArg(fill_starts, starts);
         kernel.setArg(fill_histograms, *histograms_);
         kernel.setArg(fill_entries, entries);
-        launch(kernel, fill_step, fill_steps, seconds_per_touch * static_cast<double>(touch_count_));
+        launch(kernel, fill_step, fill_steps, seconds_per_pair * static_cast<double>(pair_count_));
     }
 
     /// All parts, in steps, that take a core so many seconds together.
@@ -245,13 +245,13 @@ private:
     std::size_t parts_;
     std::size_t counters_;  ///< one a brick and part
     device::BufferPool::Lease histograms_;
-    device::BufferPool::Lease touch_counts_;
-    device::BufferPool::Lease touch_starts_;  ///< where the room for each part's touches begins
-    std::vector<cl_uint> room_starts_;        ///< the same here
-    std::vector<cl_uint> touches_found_;      ///< of each part
-    std::vector<cl_uint> starts_;             ///< of the lists, here
-    device::BufferPool::Lease touches_;
-    std::size_t touch_count_ = 0;
+    device::BufferPool::Lease pair_counts_;
+    device::BufferPool::Lease pair_starts_;  ///< where the room for each part's pairs begins
+    std::vector<cl_uint> room_starts_;       ///< the same here
+    std::vector<cl_uint> pairs_found_;       ///< of each part
+    std::vector<cl_uint> starts_;            ///< of the lists, here
+    device::BufferPool::Lease pairs_;
+    std::size_t pair_count_ = 0;
 };
 
 /// The long lists first, so that cores end together; among those of like length neighbours follow each other, because
@@ -285,7 +285,7 @@ private:
 
 }  // namespace
 
-bool has_uniform_caps(const Layout& layout) {
+bool has_uniform_bounds(const Layout& layout) {
     return layout.half_width <= 2 * layout.coarse_radius;
 }
 
@@ -297,7 +297,7 @@ CoarseLists make_coarse_lists(device::Context& context, const Programs& programs
         const ListJob job{context, programs, pool, layout, records, selection, launches};
         PointsInUse in_use(context, points);
         CoarseLists lists;
-        lists.caps = find_caps(job, points.get());
+        lists.bounds = find_bounds(job, points.get());
         order_by_length(lists, programs.body == KernelBody::by_group
                                    ? make_lists_by_group(job, seconds_of_a_cluster(layout), lists)
                                    : ListsByVector(job).make(lists));

@@ -12,9 +12,9 @@ namespace clsdf::scan {
 
 struct Programs;
 
-/// Which polyhedra touch which coarse bricks, on the device.
+/// Which polyhedra overlap which coarse bricks, on the device.
 struct CoarseLists {
-    device::BufferPool::Lease caps;     ///< float a coarse brick, by groups of 4 x 4 x 4 of the lattice: bound of its
+    device::BufferPool::Lease bounds;   ///< float a coarse brick, by groups of 4 x 4 x 4 of the lattice: bound of its
                                         ///< samples' distance
     device::BufferPool::Lease starts;   ///< `parts` values a coarse brick: where its entries begin
     device::BufferPool::Lease entries;  ///< numbers of polyhedra, ascending in each brick
@@ -46,7 +46,7 @@ std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, Coa
 
 /// Whether all coarse bricks are bounded by the half width alone: in a narrow band hardly any bound of their own is
 /// below it.
-bool has_uniform_caps(const Layout& layout);
+bool has_uniform_bounds(const Layout& layout);
 
 /// `points`, `selection`: as in Inputs.
 CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,

@@ -20,7 +20,7 @@ constexpr double seconds_per_comparison = 2e-9;
 /// more, they are found twice.
 std::size_t expected_pairs(const Layout& layout) {
     constexpr std::size_t narrow = 14;
-    return has_uniform_caps(layout) ? narrow : narrow * 5 / 2;
+    return has_uniform_bounds(layout) ? narrow : narrow * 5 / 2;
 }
 
 /// The launches that make the lists of the group body. Polyhedra that follow each other form segments; a list is made
@@ -88,8 +88,8 @@ private:
         const std::size_t counters = bricks_ * segments_;
         queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
         queue.enqueueFillBuffer(*taken_, cl_uint{0}, 0, sizeof(cl_uint));
-        set_arguments(pair_kernel_, 0, job_.layout, cl_uint{0}, cl_uint{0}, *job_.records.polyhedra, *lists.caps,
-                      cl_int{has_uniform_caps(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
+        set_arguments(pair_kernel_, 0, job_.layout, cl_uint{0}, cl_uint{0}, *job_.records.polyhedra, *lists.bounds,
+                      cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
                       static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
         launch(pair_kernel_, 1, job_.records.record_count, seconds_);
         PrefixSums sums(job_.context, job_.programs, job_.pool, *counts_, *lists.starts, counters,

@@ -11,7 +11,7 @@ namespace clsdf::scan {
 device::BufferPool::Lease site_names(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                                      const polyhedra::MeshTopology& topology, std::span<const std::uint32_t> numbers) {
     const std::size_t count = topology.order.size();
-    const std::size_t rows = count + stretch_count(numbers.size_bytes(), sizeof(TriangleSites));
+    const std::size_t rows = count + chunk_count(numbers.size_bytes(), sizeof(TriangleSites));
     device::HostFilling filling(context, pool, rows * sizeof(TriangleSites), "names of the sites");
     const std::span names(static_cast<TriangleSites*>(filling.memory()), count);
     polyhedra::name_sites(topology, names);

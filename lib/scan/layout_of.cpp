@@ -12,8 +12,8 @@ namespace clsdf::scan {
 
 namespace {
 
-// Slack of a test = level slack + slack_rate * cap (docs/method.md, 'Rounding and slack': 1e-3 + 2e-5 cap). Rounding
-// also grows with the size of the group of blocks whose centre the offsets are formed at.
+// Slack of a test = level slack + slack_rate * bound (docs/method.md, 'Rounding and slack': 1e-3 + 2e-5 bound).
+// Rounding also grows with the size of the group of blocks whose centre the offsets are formed at.
 constexpr double base_slack = 1e-3;
 constexpr double slack_rate = 2e-5;
 // Stands for an infinite half width: beyond any distance that a float can hold the square of with room to spare.

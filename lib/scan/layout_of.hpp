@@ -22,7 +22,7 @@ Layout bricks_of(const Grid& grid);
 polyhedra::LatticeView lattice_of(const Grid& grid);
 
 /// The half width, in units, that the polyhedra are made for, and their slack. Frusta for an infinite band hold for
-/// every finite cap, because the slack of a test grows with its cap.
+/// every finite bound, because the slack of a test grows with its bound.
 struct PolyhedronWidths {
     double half_width;
     double slack;

@@ -36,7 +36,7 @@ RecordSelection select_records(const device::Context& context, const polyhedra::
                 for (std::size_t record = range->begin; record < range->end; record += polyhedra::record_group)
                     groups.push_back(
                         static_cast<cl_uint>(first_group + (record - all.begin) / polyhedra::record_group));
-            first_group += stretch_count(all.end - all.begin, polyhedra::record_group);
+            first_group += chunk_count(all.end - all.begin, polyhedra::record_group);
         }
     };
     add(kept.faces, near.faces);
@@ -99,7 +99,7 @@ PreparedMesh records_by_host(device::Context& context, const std::shared_ptr<dev
 SurfaceSample surface_sample(const polyhedra::MeshTopology& topology, const polyhedra::Frusta& frusta) {
     const std::size_t faces = topology.order.size();
     const std::size_t stride = std::max<std::size_t>(1, faces / most_surface_points);
-    SurfaceSample sample(stretch_count(faces, stride));
+    SurfaceSample sample(chunk_count(faces, stride));
     for_each_index(sample.size(), [&](std::size_t i) {
         for (std::size_t k = 0; k < 3; ++k) sample[i][k] = frusta.positions[topology.faces.triangles[i * stride][k]];
     });

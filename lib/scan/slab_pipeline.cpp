@@ -123,8 +123,8 @@ SlabPipeline::~SlabPipeline() {
 
 SlabPipeline::Slot& SlabPipeline::next() {
     // A sink that is not called meanwhile leaves the slot free.
-    const bool takes_turns = !sink_ || policy_ != std::launch::deferred;
-    Slot& slot = slots_[takes_turns ? turn_++ % slots_.size() : 0];
+    const bool alternates = !sink_ || policy_ != std::launch::deferred;
+    Slot& slot = slots_[alternates ? next_slot_++ % slots_.size() : 0];
     if (slot.delivered_.valid()) slot.delivered_.get();
     return slot;
 }
@@ -147,7 +147,7 @@ void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wan
 
 void SlabPipeline::take_back(Slot& slot) {
     slot = {};
-    if (turn_ > 0) --turn_;
+    if (next_slot_ > 0) --next_slot_;
 }
 
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {

@@ -131,7 +131,7 @@ private:
     std::launch policy_;
     cl::CommandQueue transfers_;
     std::array<Slot, 2> slots_;
-    std::size_t turn_ = 0;
+    std::size_t next_slot_ = 0;
     std::shared_future<void> latest_;
     std::atomic<bool> abandoned_ = false;
     bool is_finished_ = false;

@@ -267,8 +267,8 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
     const device::Context& context = device::context_of(state.device);
     const transform::Batch* computed = nullptr;
     const auto store = [&](const Grid& part, const scan::HostArrays& values) {
-        constexpr std::size_t stretch = 8;
-        for_each_stretch(computed->requests.size(), stretch, [&](std::size_t, std::size_t begin, std::size_t end) {
+        constexpr std::size_t chunk = 8;
+        for_each_chunk(computed->requests.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
             for (std::size_t n = begin; n < end; ++n) targets[computed->requests[n]].store(part, values);
         });
     };

@@ -107,7 +107,7 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
     const Band narrow = Band::symmetric(2 * fine.voxel());
     const DistanceTransform transform(test_device(), mesh());
     std::vector<float> whole(fine.sample_count());
-    const std::size_t pieces = stretch_count(whole.size() * sizeof(float), device::PinnedReads::piece_bytes);
+    const std::size_t pieces = chunk_count(whole.size() * sizeof(float), device::PinnedReads::piece_bytes);
     BOOST_REQUIRE(pieces > 3U);  // more than there is memory for
     transform.compute(fine, narrow, {.distance = whole});
     std::fill(whole.begin(), whole.end(), -7.0F);

@@ -33,7 +33,7 @@ OrderedFaces plainly_ordered(const Mesh& mesh, std::span<const std::uint32_t> or
     OrderedFaces faces;
     std::vector<std::uint32_t> numbers(mesh.vertices().size(), UINT32_MAX);
     for (std::size_t face = 0; face < order.size(); ++face) {
-        if (face % OrderedFaces::stretch == 0)
+        if (face % OrderedFaces::chunk == 0)
             faces.first_vertices.push_back(static_cast<std::uint32_t>(faces.vertices.size()));
         Triangle triangle = mesh.triangles()[order[face]];
         for (std::uint32_t& vertex : triangle) {
@@ -66,7 +66,7 @@ bool are_same(const OneRings& rings, const Rings& expected) {
     return true;
 }
 
-/// Faces of a fan around the first vertex, which all stretches share, in an order that leaps to and fro.
+/// Faces of a fan around the first vertex, which all chunks share, in an order that leaps to and fro.
 Mesh fan(std::uint32_t count) {
     std::vector<Vec3> vertices{{0, 0, 0}};
     std::vector<Triangle> triangles;
@@ -90,7 +90,7 @@ std::vector<Mesh> meshes_of_every_kind() {
     const Mesh closed = make_shape("sphere6");
     const Mesh shuffled = random_soup(random, 3000, 60000);
     std::vector<Mesh> meshes{closed, make_shape("noisy"), first_faces(closed, 20000), fan(100000)};
-    for (const std::size_t count : {std::size_t{1}, OrderedFaces::stretch, OrderedFaces::stretch + 1})
+    for (const std::size_t count : {std::size_t{1}, OrderedFaces::chunk, OrderedFaces::chunk + 1})
         meshes.push_back(first_faces(shuffled, count));
     meshes.push_back(shuffled);
     // All parts name the same few vertices, or many name none.

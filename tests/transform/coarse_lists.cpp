@@ -33,7 +33,7 @@ using Lists = std::map<Index3, std::vector<cl_uint>>;
 struct Coarse {
     Layout layout;
     std::vector<Polyhedron> polyhedra;
-    std::map<Index3, double> caps;  ///< of each brick of the part
+    std::map<Index3, double> bounds;  ///< of each brick of the part
     Lists lists;
     std::size_t passes = 0;
     std::size_t peak = 0;  ///< bytes on the device
@@ -73,13 +73,13 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     const std::size_t bricks = scan::coarse_brick_count(layout);
     const auto starts = read<cl_uint>(context, *coarse.starts, bricks * coarse.parts + 1);
     const auto entries = read<cl_uint>(context, *coarse.entries, coarse.pairs);
-    const auto caps = read<float>(context, *coarse.caps, coarse.caps.bytes() / sizeof(float));
+    const auto bounds = read<float>(context, *coarse.bounds, coarse.bounds.bytes() / sizeof(float));
     std::size_t number = 0;
     for (int z = 0; z < layout.coarse_bricks[2]; ++z)
         for (int y = 0; y < layout.coarse_bricks[1]; ++y)
             for (int x = 0; x < layout.coarse_bricks[0]; ++x, ++number) {
                 const Index3 brick{x + layout.coarse_first[0], y + layout.coarse_first[1], z + layout.coarse_first[2]};
-                found.caps[brick] = static_cast<double>(caps[place_of_cap(layout, brick)]);
+                found.bounds[brick] = static_cast<double>(bounds[place_of_cap(layout, brick)]);
                 found.lists[brick] = {entries.begin() + starts[number * coarse.parts],
                                       entries.begin() + starts[(number + 1) * coarse.parts]};
             }
@@ -103,8 +103,8 @@ class PlainPolyhedron {
 public:
     explicit PlainPolyhedron(const Polyhedron& polyhedron) : p_(polyhedron) {}
 
-    /// Whether the sample lies within, and its triangle within the cap.
-    bool holds(const Index3& sample, double cap) const {
+    /// Whether the sample lies within, and its triangle within the bound.
+    bool holds(const Index3& sample, double bound) const {
         const auto i = static_cast<double>(sample[0] - p_.origin_x), j = static_cast<double>(sample[1] - p_.origin_y),
                    k = static_cast<double>(sample[2] - p_.origin_z);
         std::array<double, 3> at{};
@@ -112,20 +112,20 @@ public:
             at[n] = i * p_.exact_gradient_x[n] + j * p_.exact_gradient_y[n] + k * p_.exact_gradient_z[n] +
                     p_.exact_constant_at_origin[n];
         const auto [x, y, z] = at;
-        if (std::abs(z) > cap || x > right_ + cap || -x > left_ + cap) return false;
+        if (std::abs(z) > bound || x > right_ + bound || -x > left_ + bound) return false;
         const std::array<double, 3> outward{
             -y, p_.exact_normal_along[CLSDF_HALF_RIGHT] * (x - right_) + p_.exact_normal_across[CLSDF_HALF_RIGHT] * y,
             p_.exact_normal_along[CLSDF_HALF_LEFT] * (-x - left_) + p_.exact_normal_across[CLSDF_HALF_LEFT] * y};
         for (std::size_t edge = 0; edge < 3; ++edge) {
             const double width =
                 std::max(static_cast<double>(p_.slope_above[edge]) * z, static_cast<double>(p_.slope_below[edge]) * -z);
-            if (outward[edge] > std::min(width, cap)) return false;
+            if (outward[edge] > std::min(width, bound)) return false;
         }
         if (*std::max_element(outward.begin(), outward.end()) <= 0) return true;
         const std::array<double, 2> apex{0, p_.exact_altitude}, right{right_, 0}, left{-left_, 0};
         const double in_plane = std::min(
             {to_segment({x, y}, left, right), to_segment({x, y}, right, apex), to_segment({x, y}, apex, left)});
-        return std::hypot(z, in_plane) <= cap;
+        return std::hypot(z, in_plane) <= bound;
     }
 
 private:
@@ -147,14 +147,14 @@ private:
 /// or the second on.
 std::vector<cl_uint> missing_in(const Coarse& coarse, const Index3& brick, Random& random) {
     const std::vector<cl_uint>& list = coarse.lists.at(brick);
-    const double cap = coarse.caps.at(brick);
+    const double bound = coarse.bounds.at(brick);
     Index3 first{};
     for (std::size_t axis = 0; axis < 3; ++axis) first[axis] = brick[axis] * CLSDF_COARSE + random.index(2);
     const auto is_missing = [&](const PlainPolyhedron& polyhedron) {
         for (std::int64_t z = 0; z < CLSDF_COARSE; z += 2)
             for (std::int64_t y = 0; y < CLSDF_COARSE; y += 2)
                 for (std::int64_t x = 0; x < CLSDF_COARSE; x += 2)
-                    if (polyhedron.holds({first[0] + x, first[1] + y, first[2] + z}, cap)) return true;
+                    if (polyhedron.holds({first[0] + x, first[1] + y, first[2] + z}, bound)) return true;
         return false;
     };
     std::vector<cl_uint> missing;
@@ -217,7 +217,7 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_the_same_where_there_is_no_memory_for_a_gu
     const Coarse unlimited = coarse_with({});
     BOOST_TEST(unlimited.passes == 1U);
     // The guess is five touches a polyhedron or more, of which one is enough here.
-    const std::size_t memory = unlimited.peak - 4 * sizeof(Touch) * unlimited.polyhedra.size();
+    const std::size_t memory = unlimited.peak - 4 * sizeof(ClusterPair) * unlimited.polyhedra.size();
     const Coarse limited = coarse_with({.memory = memory});
     BOOST_TEST(limited.passes == 2U);
     BOOST_TEST(limited.peak <= memory);

@@ -27,13 +27,13 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 constexpr const char* scan_alone = R"(
-__kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __global const uint* entries, float cap,
+__kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __global const uint* entries, float bound,
                          __global const Polyhedron* polyhedra, __global Minimum* minima, __global uint* others,
                          __global uint* other_count, __global float* squared, __global uint* nearest) {
     for (uint b = 0; b < 64; ++b) clear_minimum(minima + b);
-    const float slack = cap * layout.slack_rate + layout.brick_slack;
+    const float slack = bound * layout.slack_rate + layout.brick_slack;
     *other_count =
-        scan_slender_polyhedra(layout, (int3)(x, y, z), count, entries, cap, slack, polyhedra, minima, others, 0);
+        scan_slender_polyhedra(layout, (int3)(x, y, z), count, entries, bound, slack, polyhedra, minima, others, 0);
     for (uint b = 0; b < 64; ++b) {
         const int3 brick = brick_of_coarse((int3)(0, 0, 0), b) * CLSDF_BRICK;
         for (uint row = 0; row < 64; ++row) {
@@ -48,13 +48,13 @@ __kernel void scan_alone(Layout layout, int x, int y, int z, uint count, __globa
 )";
 
 /// The position of a sample in a polyhedron's frame, in double.
-struct Place {
+struct Position {
     double squared_distance;
     double outside;  ///< how far it lies beyond the polyhedron, without slack, at most; 0 within
     bool is_within;  ///< with the slack of docs/method.md, 'Rounding and slack'
 };
 
-Place place_in(const Polyhedron& p, double i, double j, double k, double cap, double slack) {
+Position position_in(const Polyhedron& p, double i, double j, double k, double bound, double slack) {
     const auto coordinate = [&](int n) {
         return p.exact_gradient_x[n] * (i - p.origin_x) + p.exact_gradient_y[n] * (j - p.origin_y) +
                p.exact_gradient_z[n] * (k - p.origin_z) + p.exact_constant_at_origin[n];
@@ -72,8 +72,8 @@ Place place_in(const Polyhedron& p, double i, double j, double k, double cap, do
         y < 0 ? beyond : std::max(across * beyond - along * y, along * (y - p.exact_altitude) - across * away);
     const std::array outward_of_edges{-y, outward(CLSDF_HALF_RIGHT, x), outward(CLSDF_HALF_LEFT, -x)};
     const double height = std::abs(z);
-    double outside = std::max(height - cap, 0.0);
-    bool is_within = height <= cap + slack;
+    double outside = std::max(height - bound, 0.0);
+    bool is_within = height <= bound + slack;
     for (std::size_t edge = 0; edge < 3; ++edge) {
         const double above = static_cast<double>(p.slope_above[edge]), below = static_cast<double>(p.slope_below[edge]);
         outside = std::max(outside, outward_of_edges[edge] - (z < 0 ? below : above) * height);
@@ -115,7 +115,7 @@ struct Scanned {
 };
 
 Scanned scan(const device::Context& context, unsigned lanes, const std::string& options, const Layout& layout,
-             const Index3& coarse, const std::vector<Polyhedron>& polyhedra, float cap) {
+             const Index3& coarse, const std::vector<Polyhedron>& polyhedra, float bound) {
     Scanned result;
     result.squared.resize(std::size_t{CLSDF_COARSE} * CLSDF_COARSE * CLSDF_COARSE);
     result.nearest.resize(result.squared.size());
@@ -141,7 +141,7 @@ Scanned scan(const device::Context& context, unsigned lanes, const std::string& 
         for (const std::int64_t index : coarse) kernel.setArg(n++, static_cast<cl_int>(index));
         kernel.setArg(n++, static_cast<cl_uint>(entries.size()));
         kernel.setArg(n++, of_entries);
-        kernel.setArg(n++, cap);
+        kernel.setArg(n++, bound);
         for (const cl::Buffer* buffer : {&of_polyhedra, &minima, &others, &other_count, &squared, &nearest})
             kernel.setArg(n++, *buffer);
         queue.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1));
@@ -176,7 +176,7 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
     Vec3 first{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         first[axis] = static_cast<double>(grid.first[axis]) * lattice.spacing_in_units[axis];
-    const auto cap = static_cast<double>(layout.half_width);
+    const auto bound = static_cast<double>(layout.half_width);
     std::vector<Polyhedron> polyhedra = random_polyhedra(random, lattice, first, c.size, c.steepest, c.count);
     // A point site in the middle: its triangle has no area, but its sections may have any.
     polyhedra::Vector middle(first[0], first[1], first[2]);
@@ -194,7 +194,7 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
 
     std::vector<bool> is_scanned(polyhedra.size(), true);
     for (const cl_uint other : scanned.others) is_scanned[other] = false;
-    const double slack = static_cast<double>(layout.brick_slack) + cap * static_cast<double>(layout.slack_rate);
+    const double slack = static_cast<double>(layout.brick_slack) + bound * static_cast<double>(layout.slack_rate);
     std::size_t within = 0, missed = 0, astray = 0, misnamed = 0, n = 0;
     double largest = 0;
     for (int k = 0; k < CLSDF_COARSE; ++k)
@@ -204,9 +204,9 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
                 bool may_have = false;
                 for (std::size_t p = 0; p < polyhedra.size(); ++p) {
                     if (!is_scanned[p]) continue;
-                    const Place place = place_in(polyhedra[p], static_cast<double>(grid.first[0] + i),
-                                                 static_cast<double>(grid.first[1] + j),
-                                                 static_cast<double>(grid.first[2] + k), cap, slack);
+                    const Position place = position_in(polyhedra[p], static_cast<double>(grid.first[0] + i),
+                                                       static_cast<double>(grid.first[1] + j),
+                                                       static_cast<double>(grid.first[2] + k), bound, slack);
                     least = std::min(least, place.squared_distance);
                     if (p == scanned.nearest[n]) of_named = place.squared_distance;
                     if (place.is_within) least_within = std::min(least_within, place.squared_distance);

@@ -64,7 +64,7 @@ struct TransformStatistics {
     std::size_t saddle_vertices = 0;  ///< with convex and concave edges; about: nearly flat edges may count as both
     std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
     std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
-    std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron touches
+    std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron overlaps
     std::size_t slabs = 0;            ///< parts of the grid that were computed one after the other; 1: all at once
     /// The most that buffers on the device took at once; of a Plan, its own buffers. A field that is computed in place,
     /// on a processor, is not among them.

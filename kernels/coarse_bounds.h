@@ -1,6 +1,6 @@
-// The kernel coarse_caps, which both bodies make coarse lists with.
-#ifndef CLSDF_COARSE_CAPS_H
-#define CLSDF_COARSE_CAPS_H
+// The kernel coarse_bounds, which both bodies make coarse lists with.
+#ifndef CLSDF_COARSE_BOUNDS_H
+#define CLSDF_COARSE_BOUNDS_H
 
 #include "coarse_clusters.h"
 
@@ -8,8 +8,8 @@
 // the surface's points is, taken at the sample that is farthest from that point. (A coarse bound is enough here, the
 // bricks find finer ones.) One work-item LANES columns of four bricks along z of a group, those beyond the part too, so
 // that a group's bounds are the same in every part.
-__kernel void coarse_caps(Layout layout, uint count, __global const SurfacePoint* points, __global float* caps,
-                          uint first) {
+__kernel void coarse_bounds(Layout layout, uint count, __global const SurfacePoint* points, __global float* bounds,
+                            uint first) {
     const uint item = first + get_global_id(0), items = CLSDF_COARSE_COLUMNS / LANES;
     const int number = item / items;
     const int groups_x = coarse_groups(layout, 0), groups_y = coarse_groups(layout, 1);
@@ -36,16 +36,16 @@ __kernel void coarse_caps(Layout layout, uint count, __global const SurfacePoint
 #pragma unroll
     for (uint layer = 0; layer < 4; ++layer) {
         const floatL bound = sqrt(least[layer]) * (1.0f + 1.0e-5f) + layout.coarse_slack;
-        store_lanes(LESSER(bound, layout.half_width), (number * 4 + layer) * items + item % items, caps);
+        store_lanes(LESSER(bound, layout.half_width), (number * 4 + layer) * items + item % items, bounds);
     }
 }
 
-// A group's caps, and the greatest of them.
-INLINE float load_caps(__global const float* caps, __private float* group_caps) {
+// A group's bounds, and the greatest of them.
+INLINE float load_bounds(__global const float* bounds, __private float* group_bounds) {
     floatL greatest = 0.0f;
     for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) {
-        const floatL some = load_lanes(v, caps);
-        store_lanes(some, v, group_caps);
+        const floatL some = load_lanes(v, bounds);
+        store_lanes(some, v, group_bounds);
         greatest = GREATER(greatest, some);
     }
     return greatest_lane(greatest);

@@ -1,6 +1,6 @@
 // Memory asked for ahead of its use. OpenCL's own prefetch does nothing in PoCL; on GPUs nothing is asked for.
-#ifndef CLSDF_REQUEST_H
-#define CLSDF_REQUEST_H
+#ifndef CLSDF_PREFETCH_H
+#define CLSDF_PREFETCH_H
 
 #include "bits.h"
 #include "layout.h"
@@ -11,20 +11,20 @@
 #else
 #define PREFETCH(address, locality)
 #endif
-static inline void request_line(__global const void* at) {
+static inline void prefetch_line(__global const void* at) {
     PREFETCH(at, 2);
 }
-static inline void request_line_for_soon(__global const void* at) {
+static inline void prefetch_line_to_l1(__global const void* at) {
     PREFETCH(at, 3);
 }
 
 // A list's polyhedra lie scattered over more memory than the inner caches hold.
-static inline void request(__global const Polyhedron* p) {
-    for (uint line = 0; line < sizeof(Polyhedron); line += 64) request_line((__global const uchar*)p + line);
+static inline void prefetch_record(__global const Polyhedron* p) {
+    for (uint line = 0; line < sizeof(Polyhedron); line += 64) prefetch_line((__global const uchar*)p + line);
 }
-static inline void request_foot(__global const Polyhedron* p) {
-    request_line(p->foot);
-    request_line(&p->origin_z);
+static inline void prefetch_foot(__global const Polyhedron* p) {
+    prefetch_line(p->foot);
+    prefetch_line(&p->origin_z);
 }
 
 #endif
