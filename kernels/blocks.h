@@ -16,7 +16,7 @@ typedef struct Extent {
     float right_end, left_end, apex;  // along the bounds of the corners (overlapped_within)
 } Extent;
 
-// Of blocks that extend half_x, half_y and half_z samples from their centre.
+// The extent of blocks that extend half_x, half_y and half_z samples from their centre.
 INLINE Extent reach_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
     const float widen = 1.0f + 1.0e-6f;
     const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
@@ -36,7 +36,7 @@ INLINE Extent reach_of(__global const Polyhedron* p, float half_x, float half_y,
     return r;
 }
 
-// Of cubes.
+// The same for cubes.
 INLINE Extent extent_of_cube(__global const Polyhedron* p, float half_side) {
     return reach_of(p, half_side, half_side, half_side);
 }
@@ -105,8 +105,8 @@ INLINE uint overlapped_blocks(__global const Polyhedron* p, FramePosition positi
 #undef WIDTH
 }
 
-// Slopes of the lateral planes for a group of blocks that is small: of the side of the face on which all its samples
-// lie; where they lie on both, or within the slack of the face, the greater ones, which bound both.
+// Slopes of the lateral planes for a group of blocks that is small: those of the side of the face on which all its
+// samples lie. If samples lie on both sides, or within the slack of the face, the greater slopes hold for both.
 typedef struct Slopes {
     float base, right, left;
 } Slopes;
@@ -132,8 +132,8 @@ INLINE uint overlapped_near_blocks(__global const Polyhedron* p, FramePosition p
                              bound);
 }
 
-// Where the bound of coarse brick (x, y, z) of the lattice is kept: by groups of 4 x 4 x 4 that start at multiples of
-// four.
+// The index of the bound of coarse brick (x, y, z) of the lattice. Bounds are stored by groups of 4 x 4 x 4 that start
+// at multiples of four.
 static inline size_t coarse_bound_index(Layout layout, int x, int y, int z) {
     const int group_x = (x >> 2) - first_coarse_group(layout, 0), group_y = (y >> 2) - first_coarse_group(layout, 1),
               group_z = (z >> 2) - first_coarse_group(layout, 2);

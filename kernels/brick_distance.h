@@ -10,7 +10,7 @@
 #include "distance.h"
 #include "lane_offsets.h"
 
-// Displacements along the frames' axes, of LANES polyhedra: of the centres of a brick's sub-blocks from its own. Each
+// Displacements of the centres of a brick's sub-blocks from its own, along the axes of LANES polyhedra's frames. Each
 // is rounded once.
 typedef struct Displacements {
     floatL x[SUBBLOCKS], y[SUBBLOCKS], z[SUBBLOCKS];
@@ -30,7 +30,8 @@ INLINE void set_displacements(__private const LaneOffsets* o, uint axis, __priva
     }
 }
 
-// Of the samples of a sub-block's vectors from its centre, along the axis-th axis of one polyhedron's frame.
+// Displacements of the samples of a sub-block's vectors from its centre, along the axis-th axis of one polyhedron's
+// frame.
 INLINE void set_sample_displacements(__private const LaneOffsets* o, uint lane, uint axis, float low,
                                      __private floatL* all) {
 #define OF_LANE(vectors, n) ((__private const float*)(vectors + n))[lane]
@@ -49,7 +50,7 @@ INLINE void set_sample_displacements(__private const LaneOffsets* o, uint lane, 
     }
 }
 
-// Of one lane's polyhedron, which has a number, into the minimum.
+// Takes the distances of the polyhedron `number`, which is in one lane, into the minimum.
 static inline void evaluate(__private const LaneOffsets* o, __private const Displacements* displacements, uint lane,
                             SubblockMask overlapped, uint number, __global const Polyhedron* polyhedra,
                             __global Minimum* minimum) {
@@ -74,7 +75,7 @@ static inline void evaluate(__private const LaneOffsets* o, __private const Disp
     }
 }
 
-// The same where bricks are long.
+// The same for LONG_BRICKS.
 static inline void evaluate_long_brick(uint number, double4 frame, SubblockMask overlapped,
                                        __global const Polyhedron* polyhedra, __global Minimum* minimum) {
     __global const Polyhedron* p = polyhedra + number;

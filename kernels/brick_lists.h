@@ -5,14 +5,14 @@
 #include "lane_polyhedra.h"
 #include "subblocks.h"
 
-// A bit a lane.
+// One bit per lane.
 #if LANES == 16
 typedef ushort LaneMask;
 #else
 typedef uchar LaneMask;
 #endif
 
-// The lanes whose bit is set, in order, at the front of the vector. What lies behind them does not matter.
+// Moves the lanes whose bit is set to the front of the vector, in order. The lanes behind them are undefined.
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_compresssi512_mask)
 INLINE uintL packed(uintL values, uint bits) {
     return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
@@ -129,7 +129,7 @@ INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, Bounds at, Bounds x
     return bits;
 }
 
-// The same where the brick lies on one side of all faces.
+// The same for a brick that lies on one side of all faces.
 INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, __private const float* bounds) {
     uintL bits = 0;
     for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = one_side_sum(at, x)) {

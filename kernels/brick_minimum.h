@@ -6,9 +6,9 @@
 #include "layout.h"
 #include "subblocks.h"
 
-// What is known of a sample: the square of its least distance. If more than the distance is asked for, that is the high
-// word of a number whose low word is the nearest polyhedron: numbers that are not negative are in the order of their
-// bits, so that the lesser of two is the nearer one.
+// A sample's minimum: the square of its least distance. If other outputs are asked for, the square is the high word of
+// a number, and the low word is the nearest polyhedron. Floats that are not negative have the order of their bits, so
+// the lesser number is the nearer polyhedron.
 #ifdef NEAREST
 typedef ulong Least;
 typedef ulongL LeastL;
@@ -31,7 +31,7 @@ typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(1) ? 1 : -1];
 typedef char MinimumFits[sizeof(Minimum) == CLSDF_MINIMUM_BYTES(0) ? 1 : -1];
 #endif
 
-// Where the samples of a coarse brick are among its bricks' minima, counted in samples: bricks with x running fastest,
+// The index of a sample of a coarse brick among its bricks' minima: bricks with x running fastest,
 // then y, then z; there by sub-blocks. Each coordinate, from 0 to 31, adds its own. (Macros, for numbers and vectors.)
 #define MINIMA_OF_BRICK ((uint)(sizeof(Minimum) / sizeof(Least)))
 #define INDEX_OF_X(x) ((x) % 4u | (x) / 4u % 2u * (SUBBLOCK_PLANE * SUBBLOCK_SAMPLES) | (x) / 8u * MINIMA_OF_BRICK)
@@ -61,12 +61,12 @@ INLINE floatL squares_of(__global const Minimum* minimum, uint n) {
     return as_floatL(high_words(minimum->least[n]));
 }
 
-// Where two polyhedra are equally near.
+// Ties: two polyhedra are equally near.
 INLINE uint equally_near(ulongL a, ulongL b) {
     return lanes_to_bits(convert_intL((a ^ b) - 1ul < (ulongL)0xFFFFFFFFul));
 }
 
-// Of two numbers with equal squares, that whose polyhedron's triangle comes first in the caller's order.
+// From two numbers with equal squares, selects the one whose triangle comes first in the caller's order.
 static inline ulong first_of(ulong a, ulong b, __global const Polyhedron* polyhedra) {
     if ((uint)a == CLSDF_NO_POLYHEDRON || (uint)b == CLSDF_NO_POLYHEDRON) return LESSER(a, b);
     const uint of_a = polyhedra[(uint)a].triangle, of_b = polyhedra[(uint)b].triangle;
@@ -95,7 +95,7 @@ INLINE void lower_minimum(__global Minimum* minimum, uint n, floatL squared, uin
 #endif
 }
 
-// Upper bounds of the distances in a sub-block and in a brick, as far as they are computed.
+// Upper bounds of the distances in a sub-block and in a brick, from the minima so far.
 INLINE float bound_of_subblock(__global const Minimum* minimum, uint b, float bound) {
     floatL greatest = squares_of(minimum, b * SUBBLOCK_VECTORS);
     for (uint v = 1; v < SUBBLOCK_VECTORS; ++v) {

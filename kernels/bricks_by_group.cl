@@ -141,7 +141,7 @@ INLINE int3 sample_of(uint b, uint lane) {
     return 2 * four_cubed(b) + (int3)(lane & 1u, (lane >> 1) & 1u, lane >> 2);
 }
 
-// Where sub-block b's centre lies from the brick's.
+// The centre of sub-block b, relative to the brick's.
 INLINE float3 subblock_centre(uint b) {
     return convert_float3(four_cubed(b)) * 2.0f - 3.0f;
 }
@@ -153,7 +153,7 @@ INLINE uint subblock_of(uint octant, uint n) {
     return first_subblock(octant) + (n & 1u) + (n >> 1 & 1u) * 4 + (n >> 2) * 16;
 }
 
-// How many bits are set below bit n, and how many of all.
+// The number of bits set below bit n, and in all words.
 INLINE uint bits_below(__local const uint* words, uint n) {
     uint count = popcount(words[n / 32] & ((1u << n % 32) - 1));
     for (uint w = 0; w < n / 32; ++w) count += popcount(words[w]);
@@ -174,8 +174,8 @@ typedef struct Batch {
 } Batch;
 
 #ifdef NEAREST
-// What was found for each sample. The loop that finishes samples is not unrolled, and would find its minima in private
-// memory.
+// The minimum of each sample. It is in local memory, because the loop that finishes samples is not unrolled: an index
+// into private arrays would move them to memory.
 typedef struct Found {
     float squared[512];
     uint polyhedron[512];
@@ -198,7 +198,7 @@ typedef struct Work {
     ushort pairs[PAIRS];       // the same, listed
 } Work;
 
-// What the functions below know of a brick.
+// A brick, as the functions below need it.
 typedef struct Brick {
     int3 first;  // sample
     float3 spacing;
@@ -324,7 +324,7 @@ typedef struct Minimum {
 } Minimum;
 
 #ifdef NEAREST
-// Whether a polyhedron's triangle is the nearer one. Of those that are equally near the first in the caller's order is.
+// Whether a polyhedron's triangle is the nearer one. If two are equally near, the first in the caller's order is taken.
 static inline bool is_nearer(float squared, uint polyhedron, float least, uint nearest,
                              __global const Polyhedron* polyhedra) {
     if (squared != least || nearest == CLSDF_NO_POLYHEDRON) return squared < least;

@@ -6,8 +6,8 @@
 // * brick: its list; of LANES polyhedra at a time, masks of the sub-blocks (16 samples each) that they overlap;
 // * sub-block: the distance to the triangle of each polyhedron that overlaps it, into the minimum.
 //
-// Of a long list CLSDF_LIST_PART polyhedra at a time go through all levels, as many as the cache of a core holds; the
-// minima wait in memory until the last of them.
+// A long list is divided in parts of CLSDF_LIST_PART polyhedra, as many as the cache of a core holds. Each part goes
+// through all levels; the minima stay in memory in between.
 //
 // Compile-time options: LANES (lanes.h); NEAREST keeps the nearest polyhedron and finishes what else is asked for
 // (finish.h); LONG_BRICKS where spacing is so unequal

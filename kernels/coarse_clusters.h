@@ -2,8 +2,8 @@
 // polyhedra are in Morton order: most bricks are too far from all of them together. Only the others are tested one by
 // one, each against the cluster's polyhedra, one a lane.
 //
-// What a test says depends on the cluster and on a group of 4 x 4 x 4 bricks, never on the part that is computed or on
-// how the work is divided: clusters begin at multiples of LANES, and groups where the lattice or the cluster says.
+// The result of a test depends on the cluster and on a group of 4 x 4 x 4 bricks, never on the part that is computed or
+// on how the work is divided: clusters begin at multiples of LANES, and groups where the lattice or the cluster says.
 #ifndef CLSDF_COARSE_CLUSTERS_H
 #define CLSDF_COARSE_CLUSTERS_H
 
@@ -96,7 +96,7 @@ INLINE ulong group_in_range(int3 start, CoarseRange range) {
            (in_z >> 3 & 1u) * (slice << 48);
 }
 
-// How far apart two intervals lie: their middles, and half their lengths together.
+// The gap between two intervals, from the distance of their middles and half the sum of their lengths.
 INLINE floatL gap_between(floatL middles, float half_lengths) {
     const floatL gap = fabs(middles) - half_lengths;
     return GREATER(gap, (floatL)0.0f);
@@ -107,7 +107,7 @@ INLINE float3 first_centre(Layout layout, Cluster cluster, int3 start) {
     return (convert_float3(start * CLSDF_COARSE - cluster.sample) + COARSE_CENTRE) * vload3(0, layout.spacing);
 }
 
-// Those of the `wanted` bricks of a group of which some sample may lie within the brick's bound of the cluster.
+// Selects the `wanted` bricks of a group that may have a sample within the brick's bound of the cluster.
 INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wanted, __private const float* bounds) {
     const float3 spacing = vload3(0, layout.spacing), side = CLSDF_COARSE * spacing;
     const float3 half_lengths = 0.5f * (cluster.to - cluster.from) + COARSE_CENTRE * spacing;

@@ -14,7 +14,7 @@ INLINE uint share_of(uint count, uint number, uint numbers) {
     return (uint)((ulong)count * number / numbers);
 }
 
-// What a part has found: `count` pairs, of which those are kept that there is room for.
+// The pairs that a part has found. Pairs beyond the room are counted, but not stored.
 typedef struct Found {
     __global ClusterPair* pairs;
     uint room, count;
@@ -27,7 +27,7 @@ INLINE uint first_of_cluster(__global const uint* groups, int has_groups, uint c
     return has_groups ? groups[n / CLSDF_RECORD_GROUP] * CLSDF_RECORD_GROUP + n % CLSDF_RECORD_GROUP : n;
 }
 
-// Of a cluster and those bricks of a group, which starts at `start`, that are `near`. base: the number of the group's
+// Finds the pairs of a cluster and the `near` bricks of a group that starts at `start`. base: the number of the group's
 // first brick in the part, negative if it lies before.
 INLINE void find_pairs(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
                        __private const float* bounds, float slack, int base, int2 size, __private Found* found) {
@@ -37,7 +37,7 @@ INLINE void find_pairs(Layout layout, __global const Polyhedron* polyhedra, Clus
         const uint lanes = overlapping_lanes(&at, b, bounds[b]);
         const uint brick = (uint)(base + ((int)(b >> 4) * size.y + (int)(b >> 2 & 3u)) * size.x + (int)(b & 3u));
         found->histogram[brick] += popcount(lanes);
-        // What overlaps nothing is overwritten: a branch that cannot be foreseen costs more.
+        // A pair without lanes is overwritten by the next one: a branch that is hard to predict costs more.
         if (found->count < found->room) {
             const ClusterPair pair = {cluster.first / LANES, brick, lanes};
             found->pairs[found->count] = pair;
@@ -77,7 +77,7 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
         Cluster cluster;
         find_cluster(layout, polyhedra, n, min(count - n, (uint)LANES), &cluster);
         CoarseRange range = bricks_within(layout, cluster, extent);
-        // Groups begin with the range, or, where each brick has its own bound, where the bounds' groups do.
+        // Groups begin with the range, or, if each brick has its own bound, with the group of bounds.
         int3 start = uniform_bounds ? range.low : range.low & ~3;
         range.low = max(range.low, first);
         range.high = min(range.high, first + size - 1);

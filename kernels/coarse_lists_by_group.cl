@@ -2,14 +2,13 @@
 //
 // coarse_pairs finds the pairs of a polyhedron and a coarse brick that overlap, in no order: work-items take room
 // for CLSDF_PAIR_BLOCK pairs at a time from a shared counter. Polyhedra that follow each other form segments; a counter
-// of each brick and segment gives a pair its index among theirs. The counts scanned,
-//   starts[brick * segments + segment]
-// is where a segment's entries of a brick begin. coarse_scatter moves the pairs there, and coarse_sort orders each
-// segment: the lists are in the order of the polyhedra, however work-items are scheduled.
+// of each brick and segment gives a pair its index among theirs. After a prefix sum of the counts, starts[brick *
+// segments + segment] is where a segment's entries of a brick begin. coarse_scatter moves the pairs there, and
+// coarse_sort orders each segment: the lists are in the order of the polyhedra, however work-items are scheduled.
 
 #include "coarse_bounds.h"
 
-// Where a work-item's pairs go: pairs [next, end) are its own.
+// Room for a work-item's pairs: pairs [next, end).
 typedef struct PairWriter {
     __global CoarsePair* pairs;
     uint capacity;
@@ -61,7 +60,7 @@ __kernel void coarse_pairs(Layout layout, uint begin, uint end, __global const P
     Cluster cluster;
     find_cluster(layout, polyhedra, polyhedron, 1, &cluster);
     CoarseRange range = bricks_within(layout, cluster, extent);
-    // Groups begin with the range, or, if each brick has its own bound, where the bounds' groups do.
+    // Groups begin with the range, or, if each brick has its own bound, with the group of bounds.
     int3 start = uniform_bounds ? range.low : range.low & ~3;
     range.low = max(range.low, first);
     range.high = min(range.high, first + size - 1);
@@ -98,7 +97,7 @@ __kernel void coarse_scatter(uint begin, uint end, __global const CoarsePair* pa
     scattered[starts[segment] + pair.index] = pair.polyhedron;
 }
 
-// Writes the entries of pairs [begin, end): how many of its segment come before it is a pair's index.
+// Writes the entries of pairs [begin, end): a pair's index is the number of pairs of its segment before it.
 __kernel void coarse_sort(uint begin, uint end, __global const CoarsePair* pairs, uint per_segment, uint segments,
                           __global const uint* starts, __global const uint* scattered, __global uint* entries) {
     const uint n = begin + get_global_id(0);

@@ -11,13 +11,14 @@
 // A table's numbers are those of the regions right above, right below, left below, left above: a region's index follows
 // from the signs of X and Y by a shift each and an exclusive or.
 //
-// Of LANES polyhedra, by the region's edge: the components of its outward normal, away from the altitude and along Y;
-// at the point of the offsets, the distance outward from it, and along it before its beginning and past its end.
+// The tables of LANES polyhedra, by the region's edge: the components of its outward normal, away from the altitude and
+// along Y; at the point of the offsets, the distance outward from it, and along it before its beginning and past its
+// end.
 typedef struct EdgeTables {
     float along[4 * LANES], across[4 * LANES], outward[4 * LANES], before[4 * LANES], past[4 * LANES];
 } EdgeTables;
 
-// Where the table of a lane's polyhedron is: an order in which halves of vectors are shuffled by themselves.
+// The index of a lane's table. Shuffles work on parts of vectors, which gives this order.
 INLINE uint table_of_lane(uint lane) {
     return lane / 8 * 8 + lane % 4 * 2 + lane / 4 % 2;
 }
@@ -30,7 +31,7 @@ INLINE void store_tables(float8 a, float8 b, float8 c, float8 d, uint group, __p
     for (uint n = 0; n < 4; ++n) store_eight_floats(rows[n], 4 * group + n, tables);
 }
 
-// One polyhedron's, the tables repeated in each four lanes.
+// The tables of one polyhedron, repeated in each four lanes.
 typedef struct EdgeTable {
     floatL along, across, outward, before, past;
 } EdgeTable;
@@ -54,7 +55,7 @@ INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
     return table;
 }
 
-// Of each four lanes' table the numbers at `indices`, of which the lowest two bits matter.
+// Looks `indices` up in the table of each four lanes; only their lowest two bits are used.
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps512)
 #define SHUFFLED(table, indices) __builtin_ia32_vpermilvarps512(table, as_int16(indices))
 #elif LANES == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps256)

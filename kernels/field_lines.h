@@ -9,7 +9,7 @@
 // Numbers in a cache line. Half a line costs as much past the caches as a whole one.
 #define LINE_NUMBERS 16
 
-// How far an address lies past one that is divisible by so many numbers' bytes.
+// The distance of an address from the last one that is a multiple of so many numbers' bytes.
 #define PAST(address, numbers) ((size_t)(address) % ((numbers) * sizeof(uint)))
 
 // `to` is the first of a line.
@@ -21,15 +21,15 @@ INLINE void store_line(uint16 values, __global uint* to) {
 #endif
 }
 
-// After the last of a work-item's lines, or of its group's: whoever is told that the kernel has ended sees them. (On
-// x86 such stores come in no order with others; on AArch64 they are ordered as others are.)
+// Makes stores past the caches visible before the kernel ends. It follows the last line of a work-item or of its group.
+// (On x86 such stores are not ordered with others; on AArch64 they are.)
 INLINE void finish_lines(void) {
 #if defined(__x86_64__) && HAS_BUILTIN(__builtin_ia32_sfence)
     __builtin_ia32_sfence();
 #endif
 }
 
-// What there is before and behind the lines goes by fours and ones.
+// The values before the first and behind the last whole line are stored by fours and ones.
 
 // One value into [begin, end).
 INLINE void store_value(uint value, __global uint* begin, __global uint* end) {

@@ -6,7 +6,7 @@
 #include "layout.h"
 #include "prefetch.h"
 
-// A run of one value, kept back: where the next one follows it, as rows follow each other, they are stored as one.
+// A run of one value that is not stored yet. If the next run follows it in memory, both are stored as one.
 typedef struct Run {
     __global uint* begin;
     __global uint* end;
@@ -33,15 +33,15 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
     return differ == 0 ? end : min(word * 32 + (int)lowest_bit(differ), end);
 }
 
-// Asks for a row of bricks' sign bits in one slice of samples, or for what lies behind them: what is loaded among
-// stores past the caches waits for them.
+// Prefetches a row of bricks' sign bits in one slice of samples: a load among stores past the caches would wait for
+// them. It may prefetch beyond the end.
 INLINE void prefetch_signs(Layout layout, __global const uint* sign_bits, int brick_y, int from_z) {
     __global const uint* bits =
         sign_bits + ((size_t)from_z * layout.bricks[1] + brick_y) * CLSDF_BRICK * layout.sign_words;
     for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE_NUMBERS) prefetch_line_to_l1(bits + word);
 }
 
-// Where a row of bricks lies in one slice of samples.
+// A row of bricks in one slice of samples.
 typedef struct BrickRow {
     int shift_x, shift_y;  // of the part's first sample from the first brick's
     int from_z;            // the slice, counted from the first brick's
@@ -93,7 +93,7 @@ INLINE void fill_bricks(Layout layout, int brick, int end_brick, int brick_y, in
     store_value(distances.value, distances.begin, distances.end);
 }
 
-// Every bit of what else their samples hold, `sample_bytes` each.
+// Sets every bit of the other outputs of their samples, `sample_bytes` each.
 INLINE void leave_bricks(Layout layout, int brick, int end_brick, int brick_y, int z, __global const uchar* computed,
                          __global uchar* output, int sample_bytes) {
     const BrickRow row = brick_row(layout, brick_y, z, computed);
@@ -122,11 +122,11 @@ __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, _
     PIECE_OF_ROW
     if (z < layout.size[2])
         fill_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, sign_bits, distance);
-    // Once a group, whose work-items one thread takes one after the other: each by itself would wait for its stores.
+    // Once per group, because one thread runs its work-items one after the other, and each wait for stores costs time.
     if (get_local_id(2) + 1 == get_local_size(2)) finish_lines();
 }
 
-// What the samples hold beside the distance, `sample_bytes` of each.
+// Another output than the distance, `sample_bytes` per sample.
 __kernel void leave_empty_bricks(Layout layout, __global const uchar* computed, __global uchar* output,
                                  int sample_bytes, int first_slice) {
     PIECE_OF_ROW

@@ -51,7 +51,7 @@ INLINE Offsets offsets_at(__global const Polyhedron* p, double x, double y, doub
     return o;
 }
 
-// What a test with slack needs of the frame at a point.
+// The part of Offsets that a test with slack needs.
 typedef struct FramePosition {
     float y, z;
     float beyond_right, beyond_left;

@@ -1,5 +1,5 @@
-// What the distances of LANES polyhedra around one point take. What takes double numbers is done for eight at a time:
-// of a single polyhedron they would be as many operations on vectors of two and four.
+// The offsets of LANES polyhedra at one point. The arithmetic in double takes eight polyhedra at a time: for a single
+// polyhedron it would take as many operations on vectors of two and four.
 #ifndef CLSDF_LANE_OFFSETS_H
 #define CLSDF_LANE_OFFSETS_H
 
@@ -7,7 +7,7 @@
 #include "record_numbers.h"
 #include "transpose.h"
 
-// By lane.
+// One element per lane.
 typedef struct LaneOffsets {
     float x[LANES], y[LANES], z[LANES];
     float z_low[LANES];  // what z lacks: most samples' nearest site is a face, and their distance is |z|
@@ -30,7 +30,7 @@ INLINE void load_exact(__global const Polyhedron* polyhedra, __private const uin
     }
 }
 
-// Where a point lies from the integer origins of eight polyhedra: (x, y, z) in samples of the lattice.
+// A point relative to the integer origins of eight polyhedra: (x, y, z) in samples of the lattice.
 typedef struct FromOrigins {
     double8 x, y, z;
 } FromOrigins;
@@ -48,7 +48,7 @@ INLINE FromOrigins from_origins(__global const Polyhedron* polyhedra, __private 
     return from;
 }
 
-// Of eight polyhedra into the group-th eight lanes.
+// Sets the offsets of eight polyhedra in the group-th eight lanes.
 INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
                               double centre, float rounder, uint group, __private LaneOffsets* o) {
     const FromOrigins from = from_origins(polyhedra, numbers, (double8)(first.x + centre), (double8)(first.y + centre),
@@ -98,7 +98,7 @@ INLINE void set_eight_offsets(__global const Polyhedron* polyhedra, __private co
     }
 }
 
-// Of the polyhedra numbers[0, LANES) at the point `centre` samples along each axis from sample `first`.
+// The offsets of the polyhedra numbers[0, LANES) at the point `centre` samples along each axis from sample `first`.
 INLINE void set_offsets(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
                         double centre, __private LaneOffsets* o) {
     // Added to a number and taken away again, this leaves a multiple of 2^-20 of the power of two below the greatest

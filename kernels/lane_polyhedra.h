@@ -14,8 +14,8 @@
 #include "record_numbers.h"
 #include "transpose.h"
 
-// What bounds the polyhedra, at one point: Z and the distances outward of the base (-Y) and of the slanted edges. All
-// are affine in the sample: the same struct holds a step.
+// The quantities that the tests limit, at one point: Z and the distances outward of the base (-Y) and of the slanted
+// edges. All are affine in the sample, so the same struct holds a step.
 typedef struct Bounds {
     floatL z, base, right, left;
 } Bounds;
@@ -135,7 +135,7 @@ typedef struct LaneExtent {
     floatL past_right_end, past_left_end, past_apex;
 } LaneExtent;
 
-// Of blocks that extend half_x, half_y and half_z samples from their centres.
+// The extent of blocks that extend half_x, half_y and half_z samples from their centres.
 INLINE LaneExtent extent_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z, float slack) {
     LaneExtent extent;
 #define EXTENT(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))

@@ -28,7 +28,7 @@
 // A brick's mark is 0 until it is computed. Bricks with this one need not be computed and are not filled.
 #define CLSDF_UNWANTED_BRICK 2
 
-// What the counting variant of the kernels adds up: a set of counters for each work-item.
+// The counters of the counting variant of the kernels, a set for each work-item.
 #define CLSDF_COUNT_BRICK_PAIRS 0
 #define CLSDF_COUNT_LANES 1
 #define CLSDF_COUNT_COVERED 2

@@ -1,4 +1,4 @@
-// Where the numbers of a polyhedron stand (polyhedron.h): in its words and, as far as the normals, in its exact
+// Positions of the numbers of a polyhedron (polyhedron.h): in its words and, up to the normals, in its exact
 // numbers.
 #ifndef CLSDF_RECORD_NUMBERS_H
 #define CLSDF_RECORD_NUMBERS_H

@@ -36,7 +36,7 @@ INLINE ulong row_count(RowRange rows) {
                : (ulong)(rows.end_y - rows.begin_y + 1) * (ulong)(rows.end_z - rows.begin_z + 1);
 }
 
-// Where a work-item's crossings go: records [next, end) are its own.
+// Room for a work-item's crossings: records [next, end).
 typedef struct Writer {
     __global uint* row_counts;
     __global SweepRecord* records;

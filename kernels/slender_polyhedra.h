@@ -138,7 +138,7 @@ INLINE Heights heights_in_brick(const LaneTriangles* t, float side, float bound,
     return heights;
 }
 
-// Of a side, at a height: how far the lateral planes lie outward of the edges.
+// The distances of a side's lateral planes outward of the edges, at a height.
 INLINE void widths_at(const LaneTriangles* t, uint slopes, floatL height, float margin, floatL* widths) {
 #pragma unroll
     for (uint edge = 0; edge < 3; ++edge) widths[edge] = t->words[slopes + edge] * height + margin;
@@ -359,8 +359,8 @@ INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side
     set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(bound, margin), frustum->planes + 3);
 }
 
-// What bounds slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more: those
-// that are slender have been packed since.)
+// Sets the bounds of slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more:
+// those that are slender have been packed since.)
 INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
                           int3 first, float bound, float slack, __private SlenderPolyhedra* slender) {
     LaneTriangles t;

@@ -20,7 +20,7 @@ typedef struct Samples {
     uint count;
 } Samples;
 
-// Of samples (i, j, k) of a coarse brick, among its bricks' minima.
+// The indices of samples (i, j, k) of a coarse brick among its bricks' minima.
 INLINE uintL indices_of(uintL i, uintL j, uintL k) {
 #if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermi2vard512)
     // Looked up, by the five lowest bits, in tables of two vectors.

@@ -9,7 +9,7 @@
 #include "slender_polyhedra.h"
 #include "slender_samples.h"
 
-// What all polyhedra of a coarse brick have in common.
+// Values that all polyhedra of a coarse brick share.
 typedef struct SlenderScan {
     Layout layout;
     int3 first;  // the coarse brick's first sample

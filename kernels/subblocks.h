@@ -20,13 +20,13 @@
 // A bit a sub-block.
 typedef uint SubblockMask;
 
-// Where the samples of a sub-block's v-th vector lie from its centre.
+// Positions of the samples of a sub-block's v-th vector, relative to its centre.
 #define LANE_I (convert_floatL(LANE_NUMBERS % SUBBLOCK_X) - 0.5f * (SUBBLOCK_X - 1))
 #define LANE_J (convert_floatL(LANE_NUMBERS / SUBBLOCK_X % 2) - 0.5f)
 #define LANE_K(v) (convert_floatL((LANE_NUMBERS + (v)*LANES) / (2 * SUBBLOCK_X)) - 0.5f)
 
-// Where the sub-blocks' centres lie from the brick's: x of those of a plane; y and z of sub-block b, and of the v-th
-// vector of a plane.
+// Positions of the sub-blocks' centres relative to the brick's: x of those of a plane; y and z of sub-block b, and of
+// the v-th vector of a plane.
 static inline float subblock_i(uint plane) {
     return (float)(plane * SUBBLOCK_X) - 0.5f * (CLSDF_BRICK - SUBBLOCK_X);
 }
@@ -43,7 +43,7 @@ static inline floatL subblocks_k(uint v) {
     return convert_floatL((LANE_NUMBERS + v * LANES) / 4 * 2) - 0.5f * (CLSDF_BRICK - 2);
 }
 
-// Where the samples of the v-th vector of sub-block b lie from the brick's centre.
+// Positions of the samples of the v-th vector of sub-block b, relative to the brick's centre.
 static inline floatL samples_i(uint b) {
     return LANE_I + subblock_i(b / SUBBLOCK_PLANE);
 }

@@ -23,14 +23,14 @@ typedef struct SweepVertex {
     double x;          // in samples of the lattice
 } SweepVertex;
 
-// Where a row crosses the surface.
+// A crossing of a row and the surface.
 typedef struct SweepRecord {
     clsdf_uint32 row;
     clsdf_uint32 key;    // 2 k + (1 where the surface faces -x there), see sign_sweep.cl
     clsdf_uint32 index;  // among the row's crossings, in no order
 } SweepRecord;
 
-// What the work-items add up.
+// Counters of the work-items.
 typedef struct SweepTotals {
     clsdf_uint32 records;       // taken, those left over included
     clsdf_uint32 large;         // triangles that wait for the second launch

@@ -12,7 +12,7 @@
 #include "lanes.h"
 #include "layout.h"
 
-// What is written, and what gives it its sign: a bit a sample.
+// The outputs, and the sign bits, one per sample.
 typedef struct Output {
     __global float* distance;
 #ifdef NEAREST
@@ -34,7 +34,7 @@ INLINE floatL signed_distances(Layout layout, uint inside, floatL squared, intL*
     return *in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
 }
 
-// Where a brick is marked as computed.
+// The mark of a brick that is computed.
 INLINE __global uchar* mark_of(Layout layout, int3 brick, Output output) {
     const int3 at = brick - vload3(0, layout.brick_first);
     return output.computed + ((size_t)at.z * layout.bricks[1] + at.y) * layout.bricks[0] + at.x;
