@@ -63,7 +63,7 @@ private:
     bool begun_ = false;
 };
 
-/// What a build tells the thread that waits for it. Each may be empty, and throw.
+/// Callbacks of a build, on the thread that waits for it. Each may be empty, and may throw.
 struct BuildWatch {
     std::function<void()> begins{};   ///< a program is compiled, or a part of one
     std::function<void()> waiting{};  ///< called again and again while another process builds the same

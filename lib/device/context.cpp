@@ -42,7 +42,7 @@ std::string platform_name(const cl::Device& device) {
     return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
 }
 
-/// What PoCL's compiler heeds.
+/// Environment variables that change what PoCL compiles.
 std::string compiler_environment() {
     std::string values;
     for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION"})
@@ -106,7 +106,7 @@ Context::Capabilities capabilities_of(const cl::Device& device) {
     capabilities.scattered_access = capabilities.is_processor && gathers_and_scatters_fast();
     capabilities.rounds_roots =
         (device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
-    // Of static functions Oclgrind's compiler makes instructions that its simulator does not know.
+    // Oclgrind's compiler turns static functions into instructions that its simulator does not know.
     capabilities.plain_inline = platform_name(device) == "Oclgrind";
     capabilities.largest_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     capabilities.largest_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();

@@ -31,7 +31,7 @@ public:
     const cl::CommandQueue& queue() const { return queue_; }
     const cl::CommandQueue& callers_queue() const { return callers_queue_; }
 
-    /// What kernels and launches are shaped by.
+    /// The properties of a device on which kernels and launches depend.
     struct Capabilities {
         unsigned compute_units = 1;
         unsigned float_width = 1;       ///< native vector width of float; 1 on most GPUs
@@ -84,7 +84,7 @@ public:
     /// Whether a drain has failed.
     bool is_lost() const noexcept { return lost_; }
 
-    /// Where compiled programs and records are kept between runs; empty: nowhere.
+    /// The folder that keeps compiled programs and records between runs; empty: none.
     void set_cache_folder(std::filesystem::path folder);
     std::filesystem::path cache_folder() const;
     BuildRecords records() const;

@@ -155,7 +155,7 @@ std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
     return infos;
 }
 
-/// Of ASCII letters only, whatever the program's locale.
+/// Changes ASCII letters only, in every locale.
 char lower_case(char letter) {
     return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
 }

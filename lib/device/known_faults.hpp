@@ -8,7 +8,7 @@
 
 namespace clsdf::device {
 
-/// What faults are known by. Names as OpenCL gives them.
+/// The names and versions by which faults are known, as OpenCL reports them.
 struct Implementation {
     std::string platform;      ///< CL_PLATFORM_NAME
     std::string version;       ///< CL_PLATFORM_VERSION; PoCL's names its LLVM, too

@@ -65,7 +65,7 @@ void PinnedReads::read(const cl::CommandQueue& queue, const cl::Buffer& from, st
             if (n + pieces_.size() < count) start(n + pieces_.size());
         }
     } catch (...) {
-        // What is under way still writes to the pieces.
+        // Commands that are still running write to the pieces.
         if (clFinish(queue()) != CL_SUCCESS) {
             keep_for_good(pieces_);
             pieces_ = {};

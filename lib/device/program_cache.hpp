@@ -30,7 +30,7 @@ public:
     /// them take more than the limit.
     void store(const std::string& key, std::span<const unsigned char> binary) const noexcept;
 
-    /// Where a key's program lies.
+    /// The path of a key's program.
     std::filesystem::path path_of(const std::string& key) const;
 
 private:

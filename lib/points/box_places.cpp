@@ -44,7 +44,7 @@ struct UnitBox {
 
 using Squares = std::array<float, width>;
 
-/// Of the distances between a box and the boxes of a node's children.
+/// Squared distances between a box and the boxes of a node's children.
 Squares squared_distances(const PointNode& node, const UnitBox& box) {
     Squares squares{};
     for (std::size_t axis = 0; axis < 3; ++axis)

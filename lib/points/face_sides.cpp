@@ -72,7 +72,7 @@ bool separates(const Vector& axis, const Points& points, const Others& others, d
     return std::max(least - most_other, least_other - most) > gap * axis.norm();
 }
 
-/// Of faces without a common vertex.
+/// Whether two faces without a common vertex are apart.
 bool are_apart(const Shape& f, const Shape& g) {
     if (separates(f.normal, f.corners, g.corners, least_gap) || separates(g.normal, f.corners, g.corners, least_gap))
         return true;
@@ -84,7 +84,7 @@ bool are_apart(const Shape& f, const Shape& g) {
     return false;
 }
 
-/// Of faces with one common vertex, the i-th and the j-th: whether a plane through it separates their angles.
+/// Whether a plane through the common vertex of two faces (their i-th and j-th) separates their angles.
 bool spread_apart(const Shape& f, std::size_t i, const Shape& g, std::size_t j) {
     const auto edges_at = [](const Shape& shape, std::size_t k) {
         return std::array<Vector, 2>{(shape.corners[(k + 1) % 3] - shape.corners[k]).normalized(),
@@ -107,7 +107,8 @@ bool spread_apart(const Shape& f, std::size_t i, const Shape& g, std::size_t j) 
     return false;
 }
 
-/// Of faces with a common edge: from vertex i of one to the next, the j-th and the next of the other.
+/// Whether two faces with a common edge fold onto each other. The edge begins at vertex i of one; `apex` is the vertex
+/// of the other that is not on it.
 bool is_folded(const Shape& f, std::size_t i, const Shape& g, std::size_t apex) {
     const Vector edge = (f.corners[(i + 1) % 3] - f.corners[i]).normalized();
     const auto away = [&](const Vector& p) {
@@ -117,7 +118,7 @@ bool is_folded(const Shape& f, std::size_t i, const Shape& g, std::size_t apex) 
     return polyhedra::dot(away(f.corners[(i + 2) % 3]), away(g.corners[apex])) > 1 - least_angle * least_angle / 2;
 }
 
-/// What is found out about a mesh's faces.
+/// Finds the sides of a mesh's faces.
 class Finder {
 public:
     Finder(const PointMesh& mesh, SignRule rule) : mesh_(mesh), topology_(*mesh.topology), rule_(rule) {

@@ -9,7 +9,7 @@
 
 namespace clsdf::points {
 
-/// What lies on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
+/// The sign on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
 ///
 /// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if
 /// the face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its

@@ -25,7 +25,7 @@ constexpr std::size_t fewest_sorted = 128;
 constexpr std::size_t most_run = 64;
 // In units: squares of distances stay far inside a float's range.
 constexpr double farthest = 1e14;
-// Of a search on a core, at first; later launches follow the time of those before.
+// First estimate for a search on a core; later launches use the measured time.
 constexpr double seconds_per_point = 2e-5;
 
 enum NearestArgument : cl_uint {

@@ -17,7 +17,7 @@
 
 namespace clsdf::points {
 
-/// What the outputs of points follow from.
+/// The inputs of a query.
 struct PointInputs {
     std::shared_ptr<const PointMesh> mesh;
     std::shared_ptr<const ScannedMesh> scanned;      ///< null: points are looked up one by one

@@ -22,7 +22,7 @@ constexpr std::size_t fewest_scanned = 16384;
 constexpr double farthest_origin = 1 << 22;
 // Polyhedra that one work-item marks, and of how many one bounds the distances of superblocks.
 constexpr std::size_t marked_together = 4096, bound_stride = 16;
-// Of a core, rounded up; later launches follow the time of those before.
+// First estimates for a core; later launches use the measured time.
 constexpr double seconds_per_mark = 5e-8, seconds_per_point = 1e-6;
 
 enum BoundArgument : cl_uint {

@@ -13,7 +13,7 @@
 
 namespace clsdf::points {
 
-/// What the scan of many points reads of a mesh beside its tree.
+/// The part of a mesh that the scan of many points reads beside the tree.
 struct ScannedMesh {
     ScanCounts counts{};
     device::BufferPool::Lease records;        ///< ScanRecord

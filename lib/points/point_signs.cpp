@@ -51,7 +51,7 @@ int side_of_face(const Corners& corners, const Vec3& p) {
     return static_cast<int>(CGAL::orientation(point(a), point(b), point(c), point(p)));
 }
 
-/// In which sense the line p -> q turns around a -> b; 0 if they meet.
+/// The sense in which the line p -> q turns around a -> b; 0 if they meet.
 int turn_of(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
     return static_cast<int>(CGAL::orientation(point(p), point(q), point(a), point(b)));
 }
@@ -154,7 +154,7 @@ public:
         bool is_free;           ///< no surface lies between
     };
 
-    /// Of all balls one that holds the point, or whose centre the point's own ball holds; else the nearest.
+    /// Finds a ball that contains the point, or whose centre is in the point's own ball; else the nearest ball.
     Found find(const Vec3& p, double radius) const {
         Found found{nullptr, std::numeric_limits<double>::infinity(), false};
         for (std::size_t i = 0; i < count_; ++i) {

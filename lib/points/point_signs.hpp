@@ -18,7 +18,8 @@ struct Crossings {
     bool are_inside(SignRule rule) const { return rule == SignRule::parity ? count % 2 != 0 : winding != 0; }
 };
 
-/// Of a point that is not on the surface, in the caller's coordinates and in units; exactly for the former.
+/// Crossings of a point that is not on the surface, given in the caller's coordinates and in units. Exact for the
+/// caller's coordinates.
 Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& in_units);
 
 /// Points whose nearest faces are known, in an order in which neighbours are near each other.

@@ -322,7 +322,7 @@ private:
     }
 
     void find_shared(std::span<const std::uint32_t> listed) {
-        // Where parts met a vertex at a time, any of their numbers may have been stored last.
+        // If parts met a vertex at the same time, any of their numbers may have been stored last.
         for_each_part([&](const Part& part) {
             for (std::uint32_t number = part.list_begin(); number < part.list_end; ++number) {
                 const std::atomic_ref first(numbers_[listed[number]]);

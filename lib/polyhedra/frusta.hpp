@@ -40,7 +40,7 @@ struct FrustaOptions {
     bool point_sites = true;  ///< gaps at saddle vertices get a polyhedron of their own
 };
 
-/// What kernels do not decide (KernelTopology::left_to_host()).
+/// Decisions that kernels leave to the host (KernelTopology::left_to_host()).
 struct LeftToHost {
     std::vector<std::uint32_t> faces{};     ///< ascending: their slopes
     std::vector<std::uint32_t> vertices{};  ///< ascending: whether they leave gaps, and are saddle vertices

@@ -64,7 +64,7 @@ private:
         double squared;  // its length's; rounding may have moved it by the tolerance
     };
 
-    /// Where the half turn that satisfies the condition begins.
+    /// The first direction of the half turn that satisfies the condition.
     static Vector2 first_direction(const Vector2& condition) { return {condition.y(), -condition.x()}; }
 
     /// Whether a product of a condition with an end is not 0 by rounding: the tolerance times the sum of their lengths.
@@ -159,7 +159,7 @@ public:
 
 private:
     /// Only a closed fan with edges of both kinds can leave directions out, and only if every fan of the vertex does.
-    /// Where more than two faces share an edge there are no fans, and any normal may be left out.
+    /// If more than two faces share an edge, there are no fans, and any normal may be left out.
     bool has_gap(std::uint32_t vertex, const EdgesAround& edges) {
         if (edges.has(edge_at_box)) return false;  // the box holds all points that are nearest to the vertex
         if (edges.has(edge_non_manifold)) return has_normals(vertex);

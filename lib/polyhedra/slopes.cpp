@@ -49,7 +49,7 @@ public:
         for (std::size_t i = 0; i < 9 && are_whole; ++i) {
             const double scaled = differences_[i] * scale;
             result[i / 3][i % 3] = static_cast<std::int64_t>(scaled);
-            // What is far smaller than the largest difference may have become 0.
+            // Differences far smaller than the largest may have become 0.
             are_whole = static_cast<double>(result[i / 3][i % 3]) == scaled && (scaled != 0) == (differences_[i] != 0);
         }
         return are_whole ? std::optional(result) : std::nullopt;

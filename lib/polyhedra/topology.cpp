@@ -15,7 +15,7 @@ namespace clsdf::polyhedra {
 /// two parts write to one ring. Corners that its faces have at other parts' vertices it sets aside for those.
 class OneRings::Filing {
 public:
-    /// Where a part begins: its first face and its first vertex.
+    /// The beginning of a part: its first face and its first vertex.
     struct Border {
         std::size_t face, vertex;
     };
@@ -75,7 +75,7 @@ private:
             }
     }
 
-    /// What one part has set aside for another, by vertex and face.
+    /// The corners that one part has set aside for another, by vertex and face.
     std::span<const SetAside> set_aside(std::size_t from, std::size_t part) const {
         const std::vector<SetAside>& all = parts_[from].set_aside;
         const auto place = [&](std::size_t vertex) {
@@ -200,7 +200,8 @@ public:
     const std::vector<std::uint32_t>& non_manifold_ends() const { return non_manifold_ends_; }
 
 private:
-    /// Where each edge has two faces that run along it in opposite directions; false where one has not, or many meet.
+    /// Sets the pairs of a vertex whose edges all have two faces that run along them in opposite directions. Returns
+    /// false for any other vertex, and if it has many faces.
     bool set_pairs(std::uint32_t vertex) {
         const std::size_t count = rings_.size(vertex);
         if (count > few_faces) return false;

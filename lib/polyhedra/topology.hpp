@@ -71,7 +71,7 @@ private:
     UninitializedVector<std::uint32_t> corners_;  // packed
 };
 
-/// What an edge is to the vertices at its ends; several may hold.
+/// Properties of an edge, as its end vertices see it; several may hold.
 enum EdgeMark : std::uint8_t {
     edge_convex = 1,        ///< of two faces that run along it in opposite directions, by the exact orientation of
     edge_concave = 2,       ///< the coordinates as given; neither: flat

@@ -13,7 +13,7 @@
 
 namespace clsdf::scan {
 
-/// What a brick kernel reads; it must outlive the kernel.
+/// The inputs of a brick kernel; they must outlive the kernel.
 struct BrickInputs {
     Layout layout;
     const PreparedMesh& mesh;

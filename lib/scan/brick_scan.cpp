@@ -143,7 +143,7 @@ private:
         return std::max<std::size_t>(slices / fill_group_slices_, 1) * fill_group_slices_;
     }
 
-    /// What a launch has work-items for; the kernel leaves out those beyond the last slice.
+    /// The slices for which a launch has work-items; the kernel skips those beyond the last slice.
     std::size_t whole_groups(std::size_t slices) const {
         return (slices + fill_group_slices_ - 1) / fill_group_slices_ * fill_group_slices_;
     }

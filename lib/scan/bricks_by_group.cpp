@@ -58,7 +58,7 @@ public:
     }
 
 private:
-    /// What the bricks read, once for all computations.
+    /// Enqueues bounds and masks, which the bricks read; once for all computations.
     void enqueue_masks(const cl::CommandQueue& queue, const BrickInputs& inputs) const {
         cl::Kernel bounds(program_, "brick_bounds"), masks(program_, "brick_masks");
         for (cl::Kernel* kernel : {&bounds, &masks}) {

@@ -34,7 +34,7 @@ std::size_t expected_pairs(const Layout& layout, std::size_t lanes) {
     return has_uniform_bounds(layout) ? narrow : narrow * 5 / 2;
 }
 
-/// Of a cluster's tests against groups of coarse bricks, triangles being small as a rule.
+/// The time of a cluster's tests against groups of coarse bricks, if its triangles are small.
 double seconds_of_a_cluster(const Layout& layout) {
     double groups = 1;
     for (const std::int32_t bricks : layout.coarse_bricks)
@@ -93,7 +93,7 @@ public:
         for (std::vector<cl_uint>* used : {&room_starts_, &pairs_found_, &starts_}) keep_for_good(*used);
     }
 
-    /// Where each brick's list begins, and behind the last one, the end of all.
+    /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = parts_;
         lists.starts = job_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
@@ -209,7 +209,7 @@ private:
         pairs_ = job_.pool->lease(bytes_of(pairs_of_parts), pairs_purpose);
     }
 
-    /// Where the room for each part's pairs begins. Not waited for: what they make room for is.
+    /// Writes the start of the room for each part's pairs. Does not wait: the launch that follows is waited for.
     void place_parts(const std::vector<cl_uint>& pairs_of_parts) {
         room_starts_.assign(parts_ + 1, 0);
         std::partial_sum(pairs_of_parts.begin(), pairs_of_parts.end(), room_starts_.begin() + 1);

@@ -12,7 +12,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// Of a core, rounded up.
+// Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_pair = 5e-8;
 constexpr double seconds_per_comparison = 2e-9;
 
@@ -46,7 +46,7 @@ public:
         if (is_under_way_ && !job_.context.drain()) keep_for_good(found_);
     }
 
-    /// Where each brick's list begins, and behind the last one, the end of all.
+    /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = segments_;
         lists.starts = job_.pool->lease((bricks_ * segments_ + 1) * sizeof(cl_uint), "starts of the coarse lists");

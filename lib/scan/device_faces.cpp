@@ -15,7 +15,7 @@ namespace {
 
 static_assert(CLSDF_RECORD_GROUP == polyhedra::record_group);
 
-// Of a core, rounded up.
+// An upper estimate for one core; it limits the work of a launch.
 constexpr double seconds_per_face = 1e-6;
 
 void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyhedra::LatticeView& lattice,

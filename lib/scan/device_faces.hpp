@@ -113,7 +113,7 @@ public:
                    const polyhedra::LatticeView& lattice, std::span<const std::uint32_t> faces)
         : topology_(topology), frusta_(frusta), lattice_(lattice), faces_(faces) {}
 
-    /// Those of a range of faces, whose records are at `record` and behind. The last face of the mesh fills up its
+    /// Adds a range of faces, whose records begin at `record`. The last face of the mesh fills up its
     /// group.
     void add_faces(const polyhedra::RecordRange& range, std::size_t record);
     void add_sites(const polyhedra::RecordRange& range, std::size_t record);

@@ -16,15 +16,15 @@ public:
     /// The share of the work that lies before a launch.
     virtual double fraction_before(std::size_t launch) const = 0;
 
-    /// What precedes the first launch, with the outputs of this call.
+    /// Enqueues the commands before the first launch, with the outputs of this call.
     virtual void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) = 0;
     virtual void enqueue_launch(CommandChain& chain, std::size_t launch) = 0;
-    /// What follows the last launch.
+    /// Enqueues the commands after the last launch.
     virtual void enqueue_end(CommandChain& chain) = 0;
 
-    /// What the set-up found, and the device memory it holds.
+    /// Adds the counts of the set-up, and the device memory that it holds.
     virtual void describe(TransformStatistics& statistics) const = 0;
-    /// The counters of the last computation, where it was asked for; blocks.
+    /// Adds the counters of the last computation, if they were asked for; blocks.
     virtual void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const = 0;
 };
 

@@ -22,7 +22,7 @@ template <typename>
 using BufferOf = cl::Buffer;
 }
 
-/// Where the outputs of a computation go on the device; null if one is not asked for.
+/// The buffers of a computation's outputs; null for outputs that are not asked for.
 struct OutputBuffers : PerOutput<detail::BufferOf> {
     std::uint32_t in_double = 0;  ///< bits of OutputRow: the elements are doubles
 };
@@ -47,13 +47,13 @@ device::BufferPool::Lease site_names(const device::Context& context, const std::
 device::BufferPool::Lease site_normals(const device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                                        const polyhedra::MeshTopology& topology, std::span<const Vec3> positions);
 
-/// What the brick kernels are given to finish the samples of a grid with (kernels/finish.h).
+/// The arguments with which brick kernels finish the samples of a grid (kernels/finish.h).
 class Finishing {
 public:
     /// is_inside_out: the mesh is, and the field has a sign.
     Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
-    /// Of points in units of a lattice.
+    /// For points, in units of a lattice.
     Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
     /// The arguments of the macro FINISHING_PARAMETERS.

@@ -13,7 +13,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// Of a core, rounded up.
+// Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_face = 1e-6;
 constexpr double seconds_per_fan_item = CLSDF_FAN_ITEM * 1e-6;
 
@@ -185,7 +185,8 @@ private:
         place_items(job_, written, left_.faces, *made_.faces.slopes);
     }
 
-    /// Those of faces that the host has measured, and of point sites, are written behind the kernel's.
+    /// Completes the records: those of faces that the host has measured and of point sites are written after the
+    /// kernel's.
     PreparedMesh finish_records() {
         const polyhedra::Frusta& frusta = made_.frusta;
         const polyhedra::RecordRange faces{0, count_}, sites{0, frusta.sites.size()};

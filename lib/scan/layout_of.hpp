@@ -10,12 +10,11 @@
 
 namespace clsdf::scan {
 
-/// Where the bricks of a part of a lattice lie, and the band in units, as the kernels want them. Nothing but first,
-/// size and the ranges of bricks depends on the part. Throws Error(invalid_argument) where a number is out of the
-/// kernels' range.
+/// The bricks of a part of a lattice, and the band in units, as the kernels read them. Only `first`, `size` and the
+/// ranges of bricks depend on the part. Throws Error(invalid_argument) if a number is out of the kernels' range.
 Layout layout_of(const Grid& grid, const Band& band, SignRule sign);
 
-/// Of such a layout where the samples, bricks and coarse bricks lie alone.
+/// The same, with the positions of samples, bricks and coarse bricks only.
 Layout bricks_of(const Grid& grid);
 
 /// How polyhedra see the lattice.

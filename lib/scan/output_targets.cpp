@@ -31,7 +31,7 @@ const char* name_of(Element element) {
     }
 }
 
-/// Those of PerOutput.
+/// The elements of PerOutput.
 template <typename Value>
 constexpr Element natural_element() {
     return std::is_same_v<Value, float>           ? Element::float32

@@ -15,7 +15,7 @@ namespace {
 
 enum SumsArgument : cl_uint { sums_count, sums_values, sums_sums };
 enum OffsetsArgument : cl_uint { offsets_parts, offsets_sums };
-/// Of the launch that writes the starts, also of few values, whose only sum is the total.
+/// Arguments of the launch that writes the starts. Few values have one sum, the total.
 enum WriteArgument : cl_uint { write_count, write_values, write_sums, write_starts };
 
 /// On a processor so few values are summed by one launch, because three take longer to start. (The self-test's field

@@ -23,8 +23,8 @@ public:
     /// Does not wait: what else the host must know can be asked for before it waits for all.
     void enqueue();
 
-    /// Of all values; waits for it. Throws Error(out_of_memory), naming `what`, where it exceeds 32 bits, and so what
-    /// starts hold is not the sums.
+    /// The sum of all values; waits for it. Throws Error(out_of_memory), naming `what`, if it exceeds 32 bits, so that
+    /// the starts are wrong.
     std::size_t total();
 
 private:

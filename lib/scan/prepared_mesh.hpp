@@ -48,14 +48,13 @@ constexpr std::size_t in_record_groups(std::size_t count) {
     return (count + polyhedra::record_group - 1) / polyhedra::record_group * polyhedra::record_group;
 }
 
-/// Those of a lattice's records that matter to a grid, if they are few: their groups (polyhedra::record_group),
-/// ascending.
+/// The records of a lattice that a grid needs, if they are few: their groups (polyhedra::record_group), ascending.
 struct RecordSelection {
     cl::Buffer groups;  ///< null: all records matter
     std::size_t group_count = 0;
 };
 
-/// Those of `near` among the records of `kept`, which has all of them.
+/// Selects the records of `near` from those of `kept`, which contain them.
 RecordSelection select_records(const device::Context& context, const polyhedra::NearRecords& kept,
                                const polyhedra::NearRecords& near);
 

@@ -10,14 +10,14 @@
 
 namespace clsdf::scan {
 
-/// What a brick kernel is compiled for.
+/// The variant of a brick kernel.
 struct BrickVariant {
     bool nearest = false;      ///< keeps the nearest polyhedron: other outputs than the distance are asked for
     bool count = false;        ///< counts its work
     bool long_bricks = false;  ///< spacing so unequal that distances take double
 };
 
-/// All that there are.
+/// All variants.
 std::vector<BrickVariant> every_variant();
 /// The options that a variant adds.
 std::string options_of(const BrickVariant& variant);
@@ -49,12 +49,12 @@ struct ProgramSources {
     std::size_t sweep_lanes() const { return lanes == 1 ? 1 : 8; }
     ProgramSource fill_source() const { return {"fill.cl", common_options(lanes)}; }
     ProgramSource mesh_records_source() const { return {"mesh_records.cl", common_options(mesh_lanes())}; }
-    /// Of its vectors, which are of doubles.
+    /// Lanes of its vectors of doubles.
     std::size_t mesh_lanes() const { return is_processor_ ? 8 : 1; }
     ProgramSource points_source() const { return {"points.cl", common_options(lanes)}; }
-    /// Of many points, by vectors.
+    /// The scan of many points, by vectors.
     ProgramSource point_scan_source() const { return {"point_scan.cl", common_options(lanes)}; }
-    /// Of boxes that go to targets with strides.
+    /// Copies boxes to targets with strides.
     ProgramSource store_source() const { return {"store_boxes.cl", common_options(1)}; }
     ProgramSource bricks_source(const BrickVariant& variant) const;
     /// Every program that a transform may ask for, each once.
@@ -69,11 +69,11 @@ private:
     std::string device_options_;
 };
 
-/// Work-items of a group where a kernel does not ask for another number. One for all grids, because PoCL compiles a
-/// kernel anew for each.
+/// Work-items of a group, unless a kernel asks for another number. It is the same for all grids, because PoCL compiles
+/// a kernel anew for each size.
 constexpr std::size_t common_group = 64;
 
-/// So many work-items, and what fills the last group.
+/// The number of work-items, rounded up to whole groups.
 constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
     return (items + group - 1) / group * group;
 }
@@ -95,12 +95,12 @@ struct Programs : ProgramSources {
     cl::Program bricks(device::Context& context, const BrickVariant& variant,
                        const device::BuildWatch& watch = {}) const;
 
-    /// Of boxes that go to targets with strides.
+    /// Copies boxes to targets with strides.
     cl::Program store(device::Context& context, const device::BuildWatch& watch = {}) const;
 
-    /// Of points anywhere.
+    /// Looks up points anywhere.
     cl::Program points(device::Context& context, const device::BuildWatch& watch = {}) const;
-    /// Of many points anywhere, by vectors.
+    /// The scan of many points, by vectors.
     cl::Program point_scan(device::Context& context, const device::BuildWatch& watch = {}) const;
 
     /// How many work-items share a job that is divided in ranges, each of which has `histogram` counters of its own.

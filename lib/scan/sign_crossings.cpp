@@ -111,7 +111,7 @@ public:
     }
 
 private:
-    /// Of both kernels, but for the last two.
+    /// Arguments of both kernels; only one has the last two.
     enum Argument : cl_uint {
         arg_layout,
         arg_begin,
@@ -146,8 +146,8 @@ private:
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
     }
 
-    /// Of what was found so far. The scan does not wait until the totals show whether large triangles are left: to wake
-    /// the host takes as long.
+    /// Sums the crossings so far. The sums do not wait until it is known whether large triangles are left: waking the
+    /// host takes as long.
     void add_up(Crossings& crossings) {
         sums_.emplace(context_, programs_, pool_, *row_counts_, *crossings.starts, row_count_, listed);
         CommandGate gate(context_);

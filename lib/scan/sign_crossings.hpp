@@ -11,7 +11,7 @@ namespace clsdf::scan {
 
 struct Programs;
 
-/// Where the part's rows of samples cross the surface.
+/// The crossings of the part's rows of samples and the surface.
 struct Crossings {
     std::size_t count = 0;
     device::BufferPool::Lease starts;   ///< of the rows' crossings, were they listed row by row; and `count`

@@ -30,7 +30,7 @@ public:
               const Layout& layout, const SweepMesh* mesh, const SweepSelection& selection, SignRule rule,
               const ShortLaunches& launches);
 
-    /// Where the bits will be.
+    /// The buffer for the bits.
     const cl::Buffer& bits() const { return *result_.bits; }
 
     /// Waits for the numbers of crossings, if need be, and enqueues the rest.

@@ -84,7 +84,7 @@ class SlabPipeline {
 public:
     class Slot {
     public:
-        /// Where the device writes the slab.
+        /// The buffers to which the device writes the slab.
         OutputBuffers buffers() const;
         /// Enqueued behind what computes the slab.
         void enqueue_handover(const cl::CommandQueue& queue) const;
@@ -121,7 +121,7 @@ public:
     /// Waits for all; throws what the sink threw.
     void finish();
 
-    /// What its own arrays take on the host.
+    /// Bytes of its own arrays on the host.
     std::size_t host_bytes() const;
 
 private:

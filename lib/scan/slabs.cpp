@@ -9,7 +9,7 @@ namespace clsdf::scan {
 
 namespace {
 
-/// How far slice `z` of the grid lies behind the last multiple of `side` on the lattice.
+/// The distance of slice `z` of the grid from the last multiple of `side` on the lattice.
 std::int64_t behind_boundary(const Grid& grid, std::int64_t z, std::int64_t side) {
     return ((grid.first[2] + z) % side + side) % side;
 }

@@ -18,11 +18,11 @@ struct SlabLimits {
     std::size_t largest;    ///< never more bytes of one output, but a slice
 };
 
-/// Where the field lies in host memory anyway: as few as a processor allows; on other devices enough of them for one
-/// to be read while another is computed.
+/// For fields in host memory: on a processor as few slabs as possible; on other devices enough that one is read while
+/// another is computed.
 SlabLimits limits_of(const device::Context::Capabilities& device);
 
-/// Where slabs pass through the memory: 64 MiB of samples, or 32 slices where that is up to 256 MiB.
+/// For fields that are handed on slab by slab: 64 MiB of samples, or 32 slices if they take at most 256 MiB.
 SlabLimits stream_limits_of(const device::Context::Capabilities& device);
 
 /// Parts of the grid in the order of z, which together are the grid.

@@ -33,13 +33,13 @@ struct SweepMesh {
     std::size_t device_bytes() const { return vertices.bytes() + (shares_triangles ? 0 : own_triangles.bytes()); }
 };
 
-/// Those of the triangles that rows of a part of the lattice can cross, if they are few.
+/// The triangles that rows of a part of the lattice can cross, if they are few.
 struct SweepSelection {
     cl::Buffer triangles;  ///< their numbers; null: all of them
     std::size_t count = 0;
 };
 
-/// Of a mesh that make_sweep_mesh() made.
+/// Selects from a mesh that make_sweep_mesh() made.
 SweepSelection select_triangles(const device::Context& context, const SweepMesh& mesh,
                                 const polyhedra::MeshTopology& topology, const polyhedra::NearRecords& near);
 

@@ -36,7 +36,7 @@ void DistanceTransform::State::compute(transform::PlanState& plan, const scan::S
             plan.read_counters();
             plan.read_times(context.queue());
         } catch (...) {
-            // What is under way still writes to the caller's memory.
+            // Commands that are still running write to the caller's memory.
             context.drain();
             throw;
         }
@@ -103,7 +103,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             const auto [lower, upper] = scan::halves_of(slab);
             slabs.push_back(upper);
             slabs.push_back(lower);
-            // What is under way keeps its buffers.
+            // Commands that are still running use the buffers.
             device::guarded([&] { device::context_of(device).queue().finish(); });
             pipeline.take_back(slot);
             plan.reset();

@@ -16,7 +16,7 @@ namespace clsdf {
 
 namespace transform {
 
-/// What a method's scan of one plan is made from. The mesh and the sign bits outlive the scan.
+/// The inputs of a method's scan of one plan. The mesh and the sign bits outlive the scan.
 struct ScanInputs {
     device::Context& context;
     const Programs& programs;
@@ -49,7 +49,7 @@ public:
     virtual std::shared_ptr<const FieldMethod> tested_as(const device::Context& context, const Layout& layout,
                                                          const scan::BrickVariant& variant) const = 0;
 
-    // Of a method that tested_as() returns:
+    // Asked of the method that tested_as() returns:
 
     /// Names the kernels, for messages and for the records of what was tested.
     virtual std::string name() const = 0;

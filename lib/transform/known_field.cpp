@@ -128,7 +128,7 @@ double squared_distance(const Vector& p, const Vector& a, const Vector& b, const
     return height * height / normal.squaredNorm();
 }
 
-/// Where the row through (y, z) along x meets a triangle, and in which direction the surface faces there.
+/// A crossing of the row through (y, z) along x and a triangle, and the direction in which the surface faces there.
 struct Crossing {
     double x;
     int winding;

@@ -31,8 +31,8 @@ public:
     const Grid& grid() const { return grid_; }
     const Band& band() const { return band_; }
 
-    /// What differs from the known values by more than a distance's error, in a sentence that names the first sample
-    /// and how many there are; nothing if all agree. `triangle` may be empty.
+    /// Describes values that differ from the known ones by more than a distance's error: the first sample and the
+    /// number of samples. Nothing if all agree. `triangle` may be empty.
     std::optional<std::string> difference(std::span<const float> distance,
                                           std::span<const std::uint32_t> triangle) const;
 

@@ -50,7 +50,7 @@ struct PlanState {
     TransformStatistics statistics;
     bool has_large_triangles = false;  ///< see SignBits
 
-    /// What nobody else holds: the records are shared.
+    /// Device memory of this plan alone, without the records, which are shared.
     std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }
 
 private:
@@ -58,7 +58,7 @@ private:
     std::optional<Finishing> finishing_;  ///< if more than the distance is asked for
     std::unique_ptr<FieldScan> scan_;
     cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
-    // Of the latest computation.
+    // Events of the latest computation.
     cl::Event before_launches_;
     cl::Event after_launches_;
     cl::Event last_;

@@ -51,7 +51,7 @@ StoreRange store_range(const device::Context& context, std::size_t rows, std::si
 
 template <typename>
 using BytesOf = std::size_t;
-/// What goes to each of the caller's buffers.
+/// The boxes that go to each of the caller's buffers.
 template <typename>
 using BoxesOf = std::map<cl_mem, std::vector<StoredBox>>;
 

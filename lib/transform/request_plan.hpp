@@ -39,7 +39,7 @@ struct RequestPlanState {
     /// Waits for the last run and gives back what depends on positions and places.
     void clear();
 
-    /// What was made for this plan, but for records that are shared with the transform.
+    /// Device memory of this plan, without records that are shared with the transform.
     std::size_t own_bytes() const;
 
     cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before);

@@ -96,7 +96,7 @@ private:
     double area_ = 0;
 };
 
-/// What the requests of a batch have in common.
+/// The properties that the requests of a batch share.
 auto kind_of(const Request& request, const HostArrays& arrays) {
     std::uint32_t in_double = 0;
     for_each_extra([&](const OutputRow& row, const HostArray& array) { in_double |= array.in_double ? row.bit : 0; },

@@ -20,7 +20,7 @@ struct Batch {
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
 
-/// Where the outputs of each request go. Throws what a call for it alone would throw, or what `check` throws, with its
+/// The targets of each request. Throws what a call for the request alone would throw, or what `check` throws, with its
 /// index in the message.
 std::vector<HostTargets> targets_of(std::span<const Request> requests,
                                     const std::function<void(const Request&)>& check = {});

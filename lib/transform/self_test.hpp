@@ -11,7 +11,7 @@
 
 namespace clsdf::transform {
 
-/// What decides which code a computation runs on the device.
+/// The properties that decide which code a computation runs on the device.
 struct TestCase {
     KernelBody body = KernelBody::by_vector;      ///< never automatic
     std::shared_ptr<const FieldMethod> method{};  ///< as FieldMethod::tested_as() gives it; null: by bricks
@@ -51,7 +51,7 @@ struct TestSubject {
 bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
                const std::function<std::optional<std::string>()>& test);
 
-/// What the device computes wrong, in a sentence; nothing if all is right.
+/// Describes what the device computes wrong, in a sentence; nothing if all is right.
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
                                          const device::BuildWatch& watch = {});
 

@@ -20,7 +20,7 @@ namespace clsdf::transform {
 
 namespace {
 
-/// Where the samples of some blocks of the lattice lie, in the mesh's units.
+/// The box of the samples of a range of blocks of the lattice, in the mesh's units.
 Box box_of(const Grid& grid, const std::int32_t* first_block, const std::int32_t* blocks, int block) {
     Box box;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -41,7 +41,8 @@ Box widened(Box box, double reach) {
     return box;
 }
 
-/// How far from a coarse brick polyhedra of its list lie at most, in the mesh's units: see coarse_clusters.h.
+/// The greatest distance between a coarse brick and the polyhedra of its list, in the mesh's units; see
+/// coarse_clusters.h.
 double reach_of(const Layout& layout) {
     const auto half_width = static_cast<double>(layout.half_width);
     const double units = half_width * (1 + static_cast<double>(layout.slack_rate)) +
@@ -103,7 +104,7 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
         restriction.box = box;
         restriction.half_width = half_width;
         restriction.spacing = spacing;
-        // As far as a grid's outermost coarse bricks, and the slack of their tests, which is far less than a sample.
+        // Up to the grid's outermost coarse bricks and the slack of their tests, which is far less than a sample.
         Box needed = widened(box, half_width * (1 + 1e-3) + (CLSDF_COARSE + 1) * spacing);
         const polyhedra::NearRecords with_records = index().near(needed);
         restriction.record_count = with_records.face_count + with_records.site_count;

@@ -35,7 +35,7 @@ namespace clsdf::transform {
 // Everything here is made by the scan, or for it.
 using namespace scan;
 
-/// What the computation of a grid reads.
+/// The inputs of the computation of a grid.
 struct Inputs {
     std::shared_ptr<const PreparedMesh> records;
     RecordSelection selection;                    ///< those that matter; null for all, and with another method
@@ -52,7 +52,7 @@ struct SetUpBy {
     std::size_t lanes = 1;  ///< that it is compiled for
 };
 
-/// What a transform is restricted to, and what it needs of the whole mesh.
+/// The box of a restricted transform, and the values that it needs of the whole mesh.
 struct Restriction {
     Box box{};
     double half_width = 0;
@@ -63,8 +63,8 @@ struct Restriction {
     bool encloses_negative_volume = false;
 };
 
-/// What a transform keeps of its mesh. Each value is made from those above it when it is needed first, and again only
-/// if one of them has changed.
+/// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
+/// only if one of them has changed.
 ///
 ///     MeshTopology   of the triangles                    kept
 ///     Frusta, index  + positions                         kept until the vertices move
@@ -98,7 +98,7 @@ public:
     Stages& operator=(const Stages&) = delete;
     ~Stages();
 
-    /// Of what samples and points of a box can need: see DistanceTransform::restrict_to().
+    /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
     std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
                                        double spacing, SignRule sign);
     /// Null for the whole mesh.
@@ -128,21 +128,21 @@ public:
     bool may_touch_samples(const Grid& grid);
     bool encloses_negative_volume();
 
-    /// What finishing reads: the names of sites for outputs that tell them (names_sites()), pseudonormals for the
-    /// gradient on edges and vertices. Throws Error(out_of_memory).
+    /// The sites that finishing reads: their names for outputs that tell them (names_sites()), their pseudonormals for
+    /// gradients on edges and vertices. Throws Error(out_of_memory).
     std::shared_ptr<const DeviceSites> sites(bool with_names, bool with_normals);
 
-    /// What points anywhere are looked up in. Throws Error(invalid_argument, unsupported or out_of_memory).
+    /// The tree in which points are looked up. Throws Error(invalid_argument, unsupported or out_of_memory).
     std::shared_ptr<const points::PointMesh> points();
 
-    /// What many points are looked up in beside it. `program`: of their scan. Throws as points().
+    /// The records that the scan of many points reads beside the tree. `program`: the scan's. Throws as points().
     std::shared_ptr<const points::ScannedMesh> scanned_mesh(const cl::Program& program);
 
-    /// What the sides of faces tell about the signs of points; null if it is not known and not to be `found`, too. The
+    /// The signs on the sides of faces; null if it is not known and not to be `found`, too. The
     /// rule is the same in all calls.
     std::shared_ptr<const points::FaceSides> face_sides(SignRule sign, bool is_found);
 
-    /// What may be kept on the device, in bytes.
+    /// Limit of the device memory that is kept, in bytes.
     std::size_t budget() const;
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
@@ -187,11 +187,11 @@ private:
                          std::span<const polyhedra::RecordRange> of_sites);
     /// The lattice of a grid, which becomes the one that was used last.
     Lattice& lattice(const Grid& grid);
-    /// The records that the lattice of a grid keeps: all or, of a part of a mesh, those that distances in its box can
-    /// need. What it has for the sign alone needs none.
+    /// The records that the lattice of a grid keeps: all; for a part of a mesh, those that distances in its box can
+    /// need. Faces that a part has for the sign alone need no records.
     const polyhedra::NearRecords& kept_records(const Grid& grid);
-    /// What a grid needs of the mesh, for its coarse bricks' lists or for its rows' crossings; nothing if that is more
-    /// than half of the `faces` that there are.
+    /// The part of the mesh that a grid needs, for its coarse bricks' lists or for its rows' crossings; nothing if that
+    /// is more than half of the `faces` that there are.
     std::optional<polyhedra::NearRecords> near_box(const Box& box, std::size_t faces);
     std::optional<polyhedra::NearRecords> near_bricks(const Grid& grid, const Layout& layout);
     std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);

@@ -199,7 +199,7 @@ std::unique_ptr<transform::PlanState> DistanceTransform::State::take_plan(const 
     if (found == plans.end()) return nullptr;
     std::unique_ptr<transform::PlanState> plan = std::move(found->plan);
     plans.erase(found);
-    // What its set-up took belongs to the call that made it.
+    // The time of its set-up belongs to the call that made it.
     plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
     return plan;
 }

@@ -21,7 +21,7 @@
 
 namespace clsdf {
 
-/// What a transform has: its mesh and what follows from it, programs, and plans of earlier calls.
+/// The state of a transform: the mesh and the values made from it, programs, and plans of earlier calls.
 struct DistanceTransform::State {
     /// A plan of an earlier call, which the next call of the same kind takes.
     struct KeptPlan {
@@ -100,7 +100,7 @@ struct DistanceTransform::State {
     void query(std::span<const Vec3> all, double within, const Outputs& outputs, const scan::HostTargets& targets,
                const CallOptions& call);
 
-    // What was spent on programs and no computation has reported yet.
+    // Time spent on programs that no computation has reported yet.
     double compile_seconds = 0;
     bool first_use = false;
     Device device;
@@ -123,7 +123,7 @@ private:
           std::unique_ptr<transform::Stages> own_stages);
 
     scan::Programs build_programs(const CallOptions& call);
-    /// Of the transform's own mesh.
+    /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
     transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
     bool test(const transform::TestCase& test_case, transform::Compiling& compiling) const;

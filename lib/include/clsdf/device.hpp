@@ -48,13 +48,13 @@ struct DeviceInfo {
     bool usable() const { return why_not.empty(); }
 };
 
-/// What Device::limited() leaves of a device.
+/// Limits for Device::limited().
 struct DeviceLimits {
-    /// Of a processor: its cores. Not set: all.
+    /// Compute units to use (on a processor, cores). Not set: all.
     std::optional<unsigned> compute_units{};
-    /// Bytes that the buffers of one DistanceTransform take at once, its plans' included and the caller's own not: a
-    /// field that needs more is computed in smaller slabs, or the call ends with Error(out_of_memory). Not set: the
-    /// device's memory.
+    /// Bytes that the buffers of one DistanceTransform and of its plans may take at once; the caller's own do not
+    /// count. A field that needs more is computed in smaller slabs, or the call ends with Error(out_of_memory). Not
+    /// set: the device's memory.
     std::optional<std::size_t> memory{};
 };
 

@@ -30,11 +30,11 @@ enum class KernelBody {
 
 class FieldMethod;
 
-/// How far the device's programs are, see CallOptions::compiling.
+/// Progress of building the device's programs; see CallOptions::compiling.
 struct Compilation {
     std::size_t step = 0;     ///< from 1
     std::size_t steps = 0;    ///< about; >= step
-    bool is_waiting = false;  ///< for another process that compiles the same
+    bool is_waiting = false;  ///< another process compiles the same programs; this one waits
 };
 
 /// The method, how the sign is decided, and what is kept.
@@ -44,9 +44,9 @@ struct TransformOptions {
     /// Another way to the distances, made by a library beside the core; null: ours.
     std::shared_ptr<const FieldMethod> method{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
-    /// What may be kept on the device between calls, in bytes: the polyhedra of the lattices and the lists of the grids
-    /// that were used last, and what points need. By default the polyhedra of two lattices, 280 bytes a triangle each,
-    /// or 256 MiB if that is more. 0 keeps nothing.
+    /// Limit of the device memory that is kept between calls, in bytes: the polyhedra of the lattices and the lists of
+    /// the grids that were used last, and what points need. By default the polyhedra of two lattices, 280 bytes a
+    /// triangle each, or 256 MiB if that is more. 0 keeps nothing.
     std::optional<std::size_t> kept_bytes{};
 };
 
@@ -56,7 +56,7 @@ struct MethodCount {
     bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
 };
 
-/// What a computation was made of. Times are the host's wall-clock seconds.
+/// Counts and times of a computation. Times are the host's wall-clock seconds.
 struct TransformStatistics {
     std::size_t triangles = 0;
     std::size_t polyhedra = 0;        ///< of the triangles and point sites
@@ -97,7 +97,7 @@ struct TransformStatistics {
     double fill_seconds = 0;
 };
 
-/// What belongs to one call. The functions are called from the thread that calls; they must not use the transform.
+/// Options of one call. Its functions run on the calling thread; they must not use the transform.
 struct CallOptions {
     std::function<void(double fraction)> progress{};  ///< called between launches
     /// Called before each step of building, loading and testing programs; while another process compiles them, again
@@ -115,7 +115,7 @@ struct Request {
     OutputTargets targets;
 };
 
-/// Where a box lies beside a mesh: see DistanceTransform::classify().
+/// The position of a box relative to a mesh: see DistanceTransform::classify().
 enum class BoxPlace : std::uint8_t {
     near,     ///< the surface may be within the half width of a point of the box
     inside,   ///< the surface is farther from every point of the box, and all of them are inside
@@ -203,7 +203,8 @@ private:
     std::unique_ptr<transform::RequestPlanState> state_;
 };
 
-/// What a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses again.
+/// Memory that a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses
+/// again.
 struct KeptMemory {
     std::size_t host_bytes = 0;    ///< what follows from the triangles and the positions: about 85 a triangle
     std::size_t device_bytes = 0;  ///< within TransformOptions::kept_bytes

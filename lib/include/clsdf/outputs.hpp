@@ -17,10 +17,10 @@ namespace clsdf {
 inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
 inline constexpr std::uint8_t no_site = 255;
 
-/// What a field is to hold beside the distance. All outputs of a sample belong to one nearest triangle and one of its
-/// sites; docs/library.md says what each of them is.
+/// Outputs beside the distance. All outputs of a sample belong to one nearest triangle and one of its sites;
+/// docs/library.md defines each.
 struct Outputs {
-    bool triangle = false;     ///< the nearest triangle; of an edge or a vertex the lowest that shares it
+    bool triangle = false;     ///< the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it
     bool site = false;         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
     bool closest = false;      ///< the closest point
     bool gradient = false;     ///< of the signed distance: a unit vector

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-/// What the papers that clsdf comes from have published, to be compared with: a library of its own, clsdf::papers.
+/// The published methods that clsdf comes from, for comparison. They are a library of its own, clsdf::papers.
 ///
 /// R. Peikert and C. Sigg, Optimized Bounding Polyhedra for GPU-Based Distance Transform, 2006; S. Mauch, Efficient
 /// Algorithms for Solving Static Hamilton-Jacobi Equations, 2003.
@@ -74,8 +74,8 @@ struct PapersOptions {
 /// 64-bit atomics and `slice_minimum` asks for them. May be shared by transforms and by threads.
 CLSDF_EXPORT std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options);
 
-// What Peikert & Sigg ask of a mesh, decided exactly on the coordinates as given. Vertices of equal coordinates count
-// as one, and faces with repeated vertices drop out.
+// Peikert & Sigg's classification of a mesh, decided exactly on the coordinates as given. Vertices of equal coordinates
+// count as one, and faces with repeated vertices drop out.
 
 enum class EdgeKind : std::uint8_t {
     convex,
@@ -114,7 +114,7 @@ struct Classification {
 
 CLSDF_EXPORT Classification classify(const Mesh& mesh);
 
-/// What is found at the saddle vertices, the lower vertex first.
+/// Findings at the saddle vertices, the lower vertex first.
 struct SaddleReport {
     /// A face is flipped when seen along the average of the incident faces' unit normals: Peikert & Sigg presuppose
     /// that none is. A face that is seen edgewise, or has no area, counts as flipped.
