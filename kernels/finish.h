@@ -34,7 +34,7 @@
 #define IS_WANTED(finishing, name) ((finishing)->how.wanted >> CLSDF_OUTPUT_##name & 1u)
 #define IS_DOUBLE(finishing, name) ((finishing)->how.in_double >> CLSDF_OUTPUT_##name & 1u)
 
-// What finishing reads, and where the outputs go: `of_name` is the first byte of output `name`.
+// The inputs of finishing, and its outputs: `of_name` is the first byte of output `name`.
 typedef struct Finishing {
     Finish how;
     __global const Polyhedron* polyhedra;
@@ -216,7 +216,8 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
     return clamp((double2)(weights[1], weights[2]), 0.0, 1.0);
 }
 
-// Where they go, by their elements. -----------------------------------------------------------------------------------
+// Stores, by the type of an output's elements.
+// -----------------------------------------------------------------------------------
 
 #define STORE_uint32(value, components, at, to, is_double) ((__global uint*)(to))[at] = value
 #define STORE_uint8(value, components, at, to, is_double) (to)[at] = value
@@ -264,7 +265,7 @@ static inline void leave_sample(__private const Finishing* finishing, size_t at)
 #undef LEAVE
 }
 
-// What a kernel's parameters and arguments are.
+// Parameters of a kernel that finishes samples, and their use.
 #define FINISHING_POINTER(name, content, element, components) , __global uchar* to_##name
 #define FINISHING_PARAMETERS \
     Finish how, __global const TriangleSites *sites, __global const float *normals CLSDF_OUTPUTS(FINISHING_POINTER)

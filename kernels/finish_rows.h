@@ -123,7 +123,7 @@ INLINE void store_names(__private const Finishing* finishing, __private const Ro
     }
 }
 
-// What the samples of a row hold beside the distance. at: the first one's place among the results.
+// Stores the outputs of a row's samples other than the distance. at: the first one's index among the results.
 static inline void finish_row(__private const Finishing* finishing, __private const Row* row, size_t at) {
     if (IS_WANTED(finishing, triangle) || IS_WANTED(finishing, site)) store_names(finishing, row, at);
     if (IS_WANTED(finishing, closest)) store_closest(finishing, row, at);

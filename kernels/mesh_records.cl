@@ -1,5 +1,5 @@
-// What follows from a mesh's positions: slopes of its polyhedra, the vertices at which they may leave a gap, the
-// records of a lattice, and the vertices of the sign's sweep.
+// Kernels that take a mesh's positions and make slopes of its polyhedra, the vertices at which they may leave a gap,
+// the records of a lattice, and the vertices of the sign's sweep.
 //
 // With LANES 8 a work-item takes one vector of faces or vertices after the other; with LANES 1 it is a face, a record
 // or a vertex. The host writes the records of point sites, and decides what is nearly degenerate.

@@ -40,7 +40,7 @@ typedef struct TriangleSites {
 #define CLSDF_SITE_NUMBER 7u
 #define CLSDF_SITE_REVERSED 8u
 
-// What finishing needs to know of the grid and of the outputs.
+// The properties of the grid and of the outputs that finishing needs.
 typedef struct Finish {
     double origin[3];         // position of the lattice's sample (0, 0, 0), in the mesh's units
     double spacing[3];        // in the mesh's units

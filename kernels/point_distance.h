@@ -36,7 +36,7 @@ typedef struct PlacedFrame {
         (frame).altitude = GET(altitude);                                \
     }
 
-// Where the nearest point of a triangle lies: see distance.h.
+// The nearest point of a triangle in its frame; see distance.h.
 typedef struct FaceDistance {
     REAL squared;
     REAL y;

@@ -36,7 +36,7 @@ typedef struct FaceNeighbours {
     clsdf_uint32 across[3];
 } FaceNeighbours;
 
-// What a scan reads of a polyhedron (polyhedron.h), in two cache lines.
+// The numbers of a polyhedron (polyhedron.h) that a scan reads, in two cache lines.
 typedef struct ScanRecord {
     float gradient_x[3];
     float gradient_y[3];

@@ -19,7 +19,7 @@
 #define SLACK 4.0e-3f
 #define SLACK_RATE 4.0e-5f    // per distance
 #define SLACK_EXTENT 2.0e-6f  // per extent of the group
-// Of distances in float, relative to the lengths that they follow from (frame.h), with room.
+// Bound of the error of distances in float, relative to the lengths that they follow from (frame.h).
 #define DISTANCE_ERROR 2.0e-6f
 // Squared distances are taken for equal before faces are looked at that share a site.
 #define TIE_RATE 1.0e-9
@@ -328,7 +328,7 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
     take_across(mesh, neighbours, three_after(first, 2), vector, part, slanted & left & edges, brick);
 }
 
-// How far distances in float may be off, for points within `bound` of the surface, and squared ones.
+// The greatest error of distances in float, for points within `bound` of the surface, and of squared distances.
 INLINE float distance_error(ScanCounts counts, float bound, float extent) {
     return DISTANCE_ERROR * (bound + 2.0f * counts.longest + extent + 2.0f);
 }

@@ -74,7 +74,7 @@ INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int fir
 #undef OF_LEAF
 }
 
-// Of distances in float, relative to the lengths that they follow from, with room.
+// Bound of the error of distances in float, relative to the lengths that they follow from.
 #define DISTANCE_ERROR 4.0e-6f
 
 // Takes the faces of a leaf that may be nearer.
@@ -190,7 +190,7 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
     }
 }
 
-// How far the closest point, which lies on the face or on one of its edges, is from the lines of the other edges.
+// The distance of the closest point, which lies on the face or on one of its edges, from the lines of the other edges.
 INLINE double distance_to_other_edges(__private const Nearest* nearest) {
     __global const Polyhedron* p = nearest->polyhedron;
     const double2 along = vload2(0, p->exact_normal_along), across = vload2(0, p->exact_normal_across);

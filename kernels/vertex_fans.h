@@ -21,7 +21,7 @@
 typedef struct Fans {
     Vectors spokes[CLSDF_FAN_FACES + 1];  // unit vectors along the edges; the first once more behind the last
     Vectors normals[CLSDF_FAN_FACES];
-    // Of edges: > 0 convex, < 0 concave, 0 not sure, infinite: open, NaN: the host decides.
+    // Kinds of edges: > 0 convex, < 0 concave, 0 not sure, infinite: open, NaN: the host decides.
     doubleL signs[CLSDF_FAN_FACES + 1];
     Vectors middle;  // mean of the normals
 } Fans;

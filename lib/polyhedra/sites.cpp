@@ -165,8 +165,8 @@ bool may_touch_sample(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-bool may_touch_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
-                       const Vec3& spacing) {
+bool may_meet_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
+                      const Vec3& spacing) {
     const Vec3 per_spacing{1 / spacing[0], 1 / spacing[1], 1 / spacing[2]};
     const auto in_samples = [&](std::uint32_t vertex) {
         Vec3 at{};

@@ -19,7 +19,7 @@ void make_pseudonormals(const MeshTopology& topology, std::span<const Vec3> posi
 
 /// Whether a sample of the lattice may lie on an edge or a vertex. If none does, gradients on grids need no
 /// pseudonormals. `positions`: in the topology's order.
-bool may_touch_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
-                       const Vec3& spacing);
+bool may_meet_samples(const MeshTopology& topology, std::span<const Vec3> positions, const Vec3& origin,
+                      const Vec3& spacing);
 
 }  // namespace clsdf::polyhedra

@@ -393,10 +393,10 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
     }
 }
 
-bool Stages::may_touch_samples(const Grid& grid) {
+bool Stages::may_meet_samples(const Grid& grid) {
     Lattice& kept = lattice(grid);
     if (!kept.may_be_touched)
-        kept.may_be_touched = polyhedra::may_touch_samples(topology(), frusta().positions, kept.origin, kept.spacing);
+        kept.may_be_touched = polyhedra::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
     return *kept.may_be_touched;
 }
 

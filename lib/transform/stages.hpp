@@ -125,7 +125,7 @@ public:
     void select(const Grid& part, const Layout& layout, Inputs& inputs);
 
     /// Whether samples of the grid's lattice may lie on an edge or a vertex, so that gradients need pseudonormals.
-    bool may_touch_samples(const Grid& grid);
+    bool may_meet_samples(const Grid& grid);
     bool encloses_negative_volume();
 
     /// The sites that finishing reads: their names for outputs that tell them (names_sites()), their pseudonormals for
@@ -149,7 +149,7 @@ public:
 
     std::size_t host_bytes() const;    ///< of the mesh's topology, frusta and index
     std::size_t device_bytes() const;  ///< of the lattices' records
-    /// Of the records that a lattice keeps.
+    /// Bytes of the records that a lattice keeps.
     std::size_t record_bytes() const;
 
 private:
@@ -166,7 +166,7 @@ private:
         std::size_t faces_packed = 0;
         std::size_t faces_swept = 0;
         std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of
-        std::optional<bool> may_be_touched{};          ///< see may_touch_samples()
+        std::optional<bool> may_be_touched{};          ///< see may_meet_samples()
 
         std::size_t bytes() const;
     };

@@ -167,7 +167,7 @@ transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const 
                                                         bool lone) {
     transform::Inputs inputs = stages->inputs(grid, scan::layout_of(grid, band, sign), sign, lone);
     if (outputs == Outputs{} || options.method) return inputs;
-    inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient && stages->may_touch_samples(grid));
+    inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient && stages->may_meet_samples(grid));
     inputs.is_inside_out = outputs.gradient && topology.balanced && stages->encloses_negative_volume();
     return inputs;
 }

@@ -65,7 +65,7 @@ struct DistanceTransform::State {
     void keep_within_budget();
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
-    /// What make() returns; if memory is short, of a second try when nothing is kept.
+    /// Returns what make() returns. If memory is short, calls it again when nothing is kept.
     template <typename Make>
     auto make_room_for(const Make& make) {
         try {
