@@ -141,12 +141,12 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
         const floatL slack = children->slack[part], bound = children->bound[part];
 #define AT(at, x, y, z) (cx * (x) + (cy * (y) + (cz * (z) + (at))))
 #define EXTENT(x, y, z) (hx * fabs(x) + (hy * fabs(y) + (hz * fabs(z) + slack)))
-        const floatL height = AT(f.at.z, f.x.z, f.y.z, f.z.z), reach = EXTENT(f.x.z, f.y.z, f.z.z);
-        const floatL above = reach + height, below = reach - height;
+        const floatL height = AT(f.at.z, f.x.z, f.y.z, f.z.z), extent = EXTENT(f.x.z, f.y.z, f.z.z);
+        const floatL above = extent + height, below = extent - height;
 #define WIDTH(edge) GREATER(p->slope_above[edge] * above, p->slope_below[edge] * below)
         floatL base = WIDTH(CLSDF_EDGE_BASE), right = WIDTH(CLSDF_EDGE_RIGHT), left = WIDTH(CLSDF_EDGE_LEFT);
 #undef WIDTH
-        intL in = fabs(height) <= reach + bound;
+        intL in = fabs(height) <= extent + bound;
         if (!is_compact) {
             base = LESSER(base, bound);
             right = LESSER(right, bound);

@@ -66,7 +66,7 @@ public:
             band_samples_ = inputs.pool->lease(static_cast<std::size_t>(layout_.size[2]) * sizeof(cl_uint), "counters");
     }
 
-    std::size_t launch_count() const override { return chunk_count() * launches_of_chunk(); }
+    std::size_t launch_count() const override { return slice_chunk_count() * launches_of_chunk(); }
     double fraction_before(std::size_t launch) const override {
         return static_cast<double>(launch) / static_cast<double>(launch_count());
     }
@@ -153,7 +153,9 @@ private:
     std::size_t bricks_of_layer() const {
         return static_cast<std::size_t>(layout_.bricks[0]) * static_cast<std::size_t>(layout_.bricks[1]);
     }
-    std::size_t chunk_count() const { return chunk_count(static_cast<std::size_t>(layout_.bricks[2]), chunk_layers()); }
+    std::size_t slice_chunk_count() const {
+        return chunk_count(static_cast<std::size_t>(layout_.bricks[2]), chunk_layers());
+    }
     std::size_t chunk_layers() const { return static_cast<std::size_t>(chunk_layers_); }
     std::size_t launches_of_chunk() const { return brick_parts_ * record_parts_; }
 

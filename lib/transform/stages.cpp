@@ -353,7 +353,7 @@ void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inpu
         kept.records = std::make_shared<const PreparedMesh>(
             restriction_ ? records(view, kept_records(grid).faces, kept_records(grid).sites) : all_records(view));
     if (!inputs.records) inputs.records = kept.records;
-    if (has_uniform_caps(layout)) return;
+    if (has_uniform_bounds(layout)) return;
     if (!kept.points)
         kept.points = std::make_shared<const SurfacePoints>(
             surface_points(restriction_ ? restriction_->sample : surface_sample(topology(), frusta()), view));

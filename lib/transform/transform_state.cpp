@@ -132,7 +132,7 @@ transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, con
         test_case.method = device::guarded(
             [&] { return options.method->tested_as(device::context_of(device), layout, test_case.variant); });
     else
-        test_case.is_wide = !scan::has_uniform_caps(layout);
+        test_case.is_wide = !scan::has_uniform_bounds(layout);
     return test_case;
 }
 
