@@ -153,10 +153,11 @@ INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float*
     Bounds at = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
                            bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
     at = without_extent(at, &extent);
-    const floatL extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
+    const floatL brick_extent =
+        (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
     floatL slopes[3];
-    slopes_at(p, p->at.z, extent + slack, slopes);
-    if (p->all_compact && lanes_to_bits(fabs(p->at.z) <= extent + slack) == 0) {
+    slopes_at(p, p->at.z, brick_extent + slack, slopes);
+    if (p->all_compact && lanes_to_bits(fabs(p->at.z) <= brick_extent + slack) == 0) {
         const floatL side = p->at.z < 0.0f ? (floatL)-1.0f : (floatL)1.0f;
         return subblocks_of_one_side(one_side(p, at, side, slopes, &extent), one_side(p, x, side, slopes, 0),
                                      one_side(p, y, side, slopes, 0), one_side(p, z, side, slopes, 0), bounds);
