@@ -103,10 +103,11 @@ std::byte* MappedMemory::at(cl_mem memory, std::size_t byte) const {
 }
 
 Triples MappedMemory::on_host(const Triples& triples) const {
-    if (triples.device == nullptr || triples.count == 0) return triples;
-    const ByteRange range = range_of(triples, Triples::unknown_size, "", ErrorCode::invalid_argument);
+    if (triples.device == nullptr) return triples;
     Triples result = triples;
     result.device = nullptr;
+    if (triples.count == 0) return result;
+    const ByteRange range = range_of(triples, Triples::unknown_size, "", ErrorCode::invalid_argument);
     result.host = at(triples.device, range.begin);
     result.offset = triples.offset - range.begin;
     result.bytes = range.end - range.begin;

@@ -25,15 +25,15 @@ public:
         write,      ///< of some bytes of the range
         overwrite,  ///< of every byte
     };
-    /// what: the name of the memory in messages, with "of". Throws Error(invalid_argument) if the buffer belongs to
+    /// what: follows "the buffer of the" in messages. Throws Error(invalid_argument) if the buffer belongs to
     /// another context or the range does not lie in it, Error(unsupported) if its flags forbid the use.
     void add(cl_mem memory, const ByteRange& range, Use use, const std::string& what);
-    /// Nothing, of memory of the host. what: a plural.
+    /// Does nothing for memory of the host. what: a plural.
     void add(const Triples& triples, const std::string& what);
 
     /// Returns when the events have ended and the memory is there.
     void map(std::span<const cl_event> wait_list);
-    /// Of bytes that were added.
+    /// The address of a byte of a range that was added.
     std::byte* at(cl_mem memory, std::size_t byte) const;
     /// The same triples in memory of the host.
     Triples on_host(const Triples& triples) const;

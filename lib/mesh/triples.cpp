@@ -14,7 +14,7 @@ namespace clsdf {
 
 namespace {
 
-/// Distances in bytes, with what is side by side filled in.
+/// Strides in bytes; 0 is replaced by the packed stride.
 struct Steps {
     std::ptrdiff_t triple = 0;
     std::ptrdiff_t number = 0;
@@ -42,6 +42,7 @@ const std::byte* first_of(const Triples& triples) {
 /// Calls f(index, numbers) for each triple, on all cores.
 template <typename Number, typename Function>
 void for_each_triple(const Triples& triples, const Function& f) {
+    if (triples.count == 0) return;
     const std::byte* const first = first_of(triples);
     const Steps steps = steps_of(triples);
     for_each_index(triples.count, [&](std::size_t i) {
@@ -55,7 +56,7 @@ void for_each_triple(const Triples& triples, const Function& f) {
 
 constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
 
-/// Throws that names the index that is none.
+/// Throws an error that names the first index that is out of range.
 void refuse_triangle(const Triples& triangles, std::size_t triangle, const std::string& mesh_name) {
     const Steps steps = steps_of(triangles);
     const std::byte* const at = first_of(triangles) + static_cast<std::ptrdiff_t>(triangle) * steps.triple;
@@ -112,10 +113,11 @@ ByteRange range_of(const Triples& triples, std::size_t bytes, const char* what, 
 }
 
 std::vector<Vec3> read_positions(const Triples& positions) {
+    if (positions.count == 0) return {};
     if (is_of_vec3(positions)) {
         const std::byte* const first = first_of(positions);
         std::vector<Vec3> result(positions.count);
-        if (!result.empty()) std::memcpy(result.data(), first, result.size() * sizeof(Vec3));
+        std::memcpy(result.data(), first, result.size() * sizeof(Vec3));
         return result;
     }
     std::vector<Vec3> result(positions.count);

@@ -89,6 +89,7 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
 
 /// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, or not where its elements can.
 ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
+    if (grid.sample_count() == 0) return {};
     const std::ptrdiff_t width = width_of(target.element);
     // In double, which no sum of such products overflows.
     double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);

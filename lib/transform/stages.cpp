@@ -43,7 +43,7 @@ Box widened(Box box, double reach) {
 
 /// The greatest distance between a coarse brick and the polyhedra of its list, in the mesh's units; see
 /// coarse_clusters.h.
-double reach_of(const Layout& layout) {
+double greatest_distance_of(const Layout& layout) {
     const auto half_width = static_cast<double>(layout.half_width);
     const double units = half_width * (1 + static_cast<double>(layout.slack_rate)) +
                          static_cast<double>(layout.coarse_slack) + static_cast<double>(layout.brick_slack);
@@ -289,8 +289,9 @@ const polyhedra::NearRecords& Stages::kept_records(const Grid& grid) {
             box.lower[axis] = grid.origin[axis] + brick(restriction_->box.lower[axis], -1e-3) * size;
             box.upper[axis] = grid.origin[axis] + (brick(restriction_->box.upper[axis], 1e-3) + 1) * size;
         }
-        // The slack of their tests is far less than a sample.
-        kept = index().near(widened(box, restriction_->half_width * (1 + 1e-3) + grid.voxel()));
+        // The slack of their tests is far less than the longest spacing.
+        const double slack = *std::max_element(grid.spacing.begin(), grid.spacing.end());
+        kept = index().near(widened(box, restriction_->half_width * (1 + 1e-3) + slack));
     }
     return *kept;
 }
@@ -324,8 +325,9 @@ std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, std::size
 
 std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
     if (!is_bounded(layout)) return std::nullopt;
-    return near_box(widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), reach_of(layout)),
-                    restriction_ ? kept_records(grid).face_count : topology().order.size());
+    return near_box(
+        widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), greatest_distance_of(layout)),
+        restriction_ ? kept_records(grid).face_count : topology().order.size());
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
@@ -363,7 +365,7 @@ void Stages::set_records(const Grid& grid, const Layout& layout, bool lone, Inpu
 void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs) {
     Lattice& kept = lattice(grid);
     const auto near = near_rows(grid, layout);
-    // A small grid's faces have three vertices each, those of all half of one.
+    // A small grid stores three vertices per face; the whole mesh shares them, about half a vertex per face.
     if (near && (lone || !is_shared(kept.sweep_mesh != nullptr, kept.faces_swept + near->face_count,
                                     0.1 * static_cast<double>(topology().order.size())))) {
         inputs.sweep_mesh =
@@ -395,9 +397,9 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
 
 bool Stages::may_meet_samples(const Grid& grid) {
     Lattice& kept = lattice(grid);
-    if (!kept.may_be_touched)
-        kept.may_be_touched = polyhedra::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
-    return *kept.may_be_touched;
+    if (!kept.may_meet_samples)
+        kept.may_meet_samples = polyhedra::may_meet_samples(topology(), frusta().positions, kept.origin, kept.spacing);
+    return *kept.may_meet_samples;
 }
 
 bool Stages::encloses_negative_volume() {

@@ -278,6 +278,26 @@ BOOST_AUTO_TEST_CASE(points_and_results_on_the_device_that_cannot_be_used_are_re
     refused(ErrorCode::invalid_argument, all, OutputTarget(), {"distance has no target"});
 }
 
+BOOST_AUTO_TEST_CASE(a_mesh_without_triangles_on_the_device_is_refused_like_one_on_the_host) {
+    const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const cl::Buffer buffer = buffer_of(vertices);
+    const MeshView on_device(Triples(buffer(), NumberType::float64, 3), Triples(buffer(), NumberType::uint32, 0));
+    check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [&] { DistanceTransform(test_device(), on_device); });
+    check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [&] { Mesh(MeshView(vertices, std::vector<Triangle>{})); });
+}
+
+BOOST_AUTO_TEST_CASE(no_points_need_no_memory) {
+    const DistanceTransform transform(test_device(), make_shape("cube"));
+    // All x before all y, of arrays of ten.
+    std::vector<float> values(1);
+    const auto none = std::span(values).first(0);
+    OutputTarget distance(none), gradient(none);
+    gradient.strides = {sizeof(float), 0, 0};
+    gradient.component_stride = 10 * sizeof(float);
+    BOOST_CHECK_NO_THROW(transform.query(Triples(static_cast<const double*>(nullptr), 0), 1,
+                                         {.distance = distance, .gradient = gradient}));
+}
+
 // A double is the value that a float is rounded from.
 BOOST_AUTO_TEST_CASE(gradients_and_weights_in_double_round_to_those_in_float) {
     const Mesh mesh = tilted(make_shape("noisy"));
