@@ -17,28 +17,28 @@ typedef struct Extent {
 } Extent;
 
 // The extent of blocks that extend half_x, half_y and half_z samples from their centre.
-INLINE Extent reach_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
+INLINE Extent extent_of(__global const Polyhedron* p, float half_x, float half_y, float half_z) {
     const float widen = 1.0f + 1.0e-6f;
     const float3 gx = vload3(0, p->gradient_x), gy = vload3(0, p->gradient_y), gz = vload3(0, p->gradient_z);
     const float4 normal = vload4(0, p->normal_along);  // along right, left, across right, left
     const float3 x = (float3)(gx.x, gy.x, gz.x), y = (float3)(gx.y, gy.y, gz.y);
     const float3 right = fabs(normal.x * x + normal.z * y), left = fabs(normal.w * y - normal.y * x);
     const float3 frame = fabs(gx) * half_x + (fabs(gy) * half_y + fabs(gz) * half_z);
-    Extent r;
-    r.x = widen * frame.x;
-    r.y = widen * frame.y;
-    r.z = widen * frame.z;
-    r.right = widen * (right.x * half_x + (right.y * half_y + right.z * half_z));
-    r.left = widen * (left.x * half_x + (left.y * half_y + left.z * half_z));
-    r.right_end = normal.x * r.x;
-    r.left_end = normal.y * r.x;
-    r.apex = (normal.y * normal.z + normal.x * normal.w) * r.y;
-    return r;
+    Extent extent;
+    extent.x = widen * frame.x;
+    extent.y = widen * frame.y;
+    extent.z = widen * frame.z;
+    extent.right = widen * (right.x * half_x + (right.y * half_y + right.z * half_z));
+    extent.left = widen * (left.x * half_x + (left.y * half_y + left.z * half_z));
+    extent.right_end = normal.x * extent.x;
+    extent.left_end = normal.y * extent.x;
+    extent.apex = (normal.y * normal.z + normal.x * normal.w) * extent.y;
+    return extent;
 }
 
 // The same for cubes.
 INLINE Extent extent_of_cube(__global const Polyhedron* p, float half_side) {
-    return reach_of(p, half_side, half_side, half_side);
+    return extent_of(p, half_side, half_side, half_side);
 }
 
 // The same, enlarged by the slack of a test.
@@ -55,7 +55,7 @@ static inline Extent widened(Extent r, float slack) {
     return wide;
 }
 
-// The centres of blocks in the polyhedron's frame, from the position: along X and Y; along Z from the face.
+// Centres of blocks in the polyhedron's frame: X and Y relative to `position`, Z from the face.
 typedef struct Centres {
     floatL x, y, z;
 } Centres;
@@ -132,8 +132,8 @@ INLINE uint overlapped_near_blocks(__global const Polyhedron* p, FramePosition p
                              bound);
 }
 
-// The index of the bound of coarse brick (x, y, z) of the lattice. Bounds are stored by groups of 4 x 4 x 4 that start
-// at multiples of four.
+// The index of the bound of coarse brick (x, y, z) of the lattice. Bounds are stored by groups of 4 x 4 x 4
+// that start at multiples of four.
 static inline size_t coarse_bound_index(Layout layout, int x, int y, int z) {
     const int group_x = (x >> 2) - first_coarse_group(layout, 0), group_y = (y >> 2) - first_coarse_group(layout, 1),
               group_z = (z >> 2) - first_coarse_group(layout, 2);

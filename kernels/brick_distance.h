@@ -1,4 +1,4 @@
-// The distance from the samples of a brick to a triangle, of the sub-blocks that its polyhedron overlaps.
+// Distances to a triangle from the samples of the sub-blocks that its polyhedron overlaps.
 //
 // One polyhedron is taken after the other, so that its numbers are fetched once and stay in registers; the minima of a
 // brick are small enough for the innermost cache.

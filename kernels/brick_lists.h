@@ -66,23 +66,23 @@ INLINE uint lanes_in_list(uint e, uint count) {
     return e + LANES <= count ? LANE_BITS : (1u << (count - e)) - 1;
 }
 
-// Which of a coarse brick's 64 bricks a list's polyhedra e to e + LANES - 1 overlap: brick b's mask of lanes goes to
-// masks[b * stride]. Returns which bricks any of them overlaps.
+// For polyhedra e to e + LANES - 1 of a list: the bricks of a coarse brick that each overlaps. Brick b's mask of lanes
+// goes to masks[b * stride]. Returns which bricks any of them overlaps.
 INLINE ulong overlapped_bricks(const LanePolyhedra* p, __private const float* bounds, float slack, uint lanes,
                                __global LaneMask* masks, uint stride) {
     const float half_side = 0.5f * (CLSDF_BRICK - 1);
     const LaneExtent extent = extent_of_lanes(p, half_side, half_side, half_side, slack);
-    const Bounds step_x = bounds_product(p->step_x, CLSDF_BRICK), step_y = bounds_product(p->step_y, CLSDF_BRICK),
-                 step_z = bounds_product(p->step_z, CLSDF_BRICK);
-    const Bounds first =
-        without_extent(bounds_sum(bounds_sum(p->at, bounds_product(step_x, -1.5f)),
-                                  bounds_sum(bounds_product(step_y, -1.5f), bounds_product(step_z, -1.5f))),
+    const PlaneDistances step_x = plane_product(p->step_x, CLSDF_BRICK), step_y = plane_product(p->step_y, CLSDF_BRICK),
+                         step_z = plane_product(p->step_z, CLSDF_BRICK);
+    const PlaneDistances first =
+        without_extent(plane_sum(plane_sum(p->at, plane_product(step_x, -1.5f)),
+                                 plane_sum(plane_product(step_y, -1.5f), plane_product(step_z, -1.5f))),
                        &extent);
     const floatL half_row = 1.5f * fabs(step_x.z) + extent.z;
     ulong any = 0;
     for (uint b = 0; b < 64; b += 4) {
-        const Bounds row =
-            bounds_sum(first, bounds_sum(bounds_product(step_y, b / 4 % 4), bounds_product(step_z, b / 16)));
+        const PlaneDistances row =
+            plane_sum(first, plane_sum(plane_product(step_y, b / 4 % 4), plane_product(step_z, b / 16)));
         const floatL height = row.z + 1.5f * step_x.z;
         intL overlapped[4];
         floatL slopes[3];
@@ -95,9 +95,9 @@ INLINE ulong overlapped_bricks(const LanePolyhedra* p, __private const float* bo
             for (uint x = 0; x < 4; ++x, at = one_side_sum(at, step))
                 overlapped[x] = overlaps_one_side(at, bounds[b + x]);
         } else {
-            Bounds at = row;
+            PlaneDistances at = row;
 #pragma unroll
-            for (uint x = 0; x < 4; ++x, at = bounds_sum(at, step_x)) {
+            for (uint x = 0; x < 4; ++x, at = plane_sum(at, step_x)) {
                 slopes_at(p, at.z, extent.z, slopes);
                 overlapped[x] = overlaps(p, at, slopes, &extent, bounds[b + x]);
             }
@@ -114,15 +114,16 @@ INLINE ulong overlapped_bricks(const LanePolyhedra* p, __private const float* bo
 
 // Each lane's SubblockMask. `at`: the first sub-block's centre, without extent; x, y, z: the steps to the next ones;
 // bounds: in the order of the sub-blocks.
-INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, Bounds at, Bounds x, Bounds y, Bounds z,
-                                     const floatL* slopes, const LaneExtent* extent, __private const float* bounds) {
+INLINE uintL subblocks_of_both_sides(const LanePolyhedra* p, PlaneDistances at, PlaneDistances x, PlaneDistances y,
+                                     PlaneDistances z, const floatL* slopes, const LaneExtent* extent,
+                                     __private const float* bounds) {
     uintL bits = 0;
-    for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = bounds_sum(at, x)) {
-        Bounds row = at;
-        for (uint k = 0; k < 4; ++k, row = bounds_sum(row, z)) {
-            Bounds block = row;
+    for (uint i = 0; i < SUBBLOCK_PLANES; ++i, at = plane_sum(at, x)) {
+        PlaneDistances row = at;
+        for (uint k = 0; k < 4; ++k, row = plane_sum(row, z)) {
+            PlaneDistances block = row;
 #pragma unroll
-            for (uint j = 0; j < 4; ++j, block = bounds_sum(block, y))
+            for (uint j = 0; j < 4; ++j, block = plane_sum(block, y))
                 bits = bits >> 1 | (as_uintL(overlaps(p, block, slopes, extent, *bounds++)) & 0x80000000u);
         }
     }
@@ -148,10 +149,10 @@ INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, 
 INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float* bounds, float slack) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
     const LaneExtent extent = extent_of_lanes(p, half_x, 0.5f, 0.5f, slack);
-    const Bounds x = bounds_product(p->step_x, SUBBLOCK_X), y = bounds_product(p->step_y, 2.0f),
-                 z = bounds_product(p->step_z, 2.0f);
-    Bounds at = bounds_sum(bounds_sum(p->at, bounds_product(p->step_x, half_x - 3.5f)),
-                           bounds_sum(bounds_product(p->step_y, -3.0f), bounds_product(p->step_z, -3.0f)));
+    const PlaneDistances x = plane_product(p->step_x, SUBBLOCK_X), y = plane_product(p->step_y, 2.0f),
+                         z = plane_product(p->step_z, 2.0f);
+    PlaneDistances at = plane_sum(plane_sum(p->at, plane_product(p->step_x, half_x - 3.5f)),
+                                  plane_sum(plane_product(p->step_y, -3.0f), plane_product(p->step_z, -3.0f)));
     at = without_extent(at, &extent);
     const floatL brick_extent =
         (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));

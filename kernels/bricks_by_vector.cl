@@ -9,10 +9,9 @@
 // A long list is divided in parts of CLSDF_LIST_PART polyhedra, as many as the cache of a core holds. Each part goes
 // through all levels; the minima stay in memory in between.
 //
-// Compile-time options: LANES (lanes.h); NEAREST keeps the nearest polyhedron and finishes what else is asked for
-// (finish.h); LONG_BRICKS where spacing is so unequal
-// that distances take double (distance.h), and nothing is slender; SCATTERED_ACCESS where instructions that gather and
-// scatter are fast; COUNT counts work.
+// Compile-time options: LANES (lanes.h). NEAREST keeps the nearest polyhedron and finishes other outputs (finish.h).
+// LONG_BRICKS: spacing is so unequal that distances take double (distance.h); no polyhedron is slender.
+// SCATTERED_ACCESS: gather and scatter are fast. COUNT counts work.
 
 #include "brick_distance.h"
 #include "brick_lists.h"
@@ -44,16 +43,15 @@ static inline void subblock_bounds(Layout layout, int3 first, __global const Pol
     }
 }
 
-// Polyhedra that overlap sub-blocks of a brick, until a vector is full: what evaluating them takes is prepared for
-// LANES at once. Fewer than LANES wait when enqueue() is
-// called, which stores a whole vector behind them.
+// Polyhedra that overlap sub-blocks of a brick, collected until they fill a vector. Before enqueue() there are fewer
+// than LANES; it stores a whole vector behind them.
 typedef struct Queue {
     uint numbers[2 * LANES];
     SubblockMask masks[2 * LANES];
     uint count;
 } Queue;
 
-// The polyhedra numbers[0, LANES) as far as they overlap any sub-block and `lanes` says that they count.
+// Adds those of numbers[0, LANES) that overlap a sub-block and whose bit in `lanes` is set.
 INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __private const float* bounds, float slack,
                     __global const Polyhedron* polyhedra, __private Queue* queue) {
     const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, 0.5f * (CLSDF_BRICK - 1));
@@ -64,14 +62,15 @@ INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __pri
     queue->count += popcount(overlapping);
 }
 
-// Takes the first LANES polyhedra of the queue, or all where there are fewer, into a brick's minima.
+// Takes the first LANES polyhedra of the queue, or all if there are fewer, into a brick's minima.
 static inline void evaluate_queue(Layout layout, int3 first, __private Queue* queue,
                                   __global const Polyhedron* polyhedra, __global Minimum* minimum,
                                   __private ulong* counters) {
     const uint count = min(queue->count, (uint)LANES);
     const double centre = 0.5 * (CLSDF_BRICK - 1);
 #ifndef LONG_BRICKS
-    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];  // unused lanes
+    for (uint n = count; n < LANES; ++n)
+        queue->numbers[n] = queue->numbers[0];  // padding lanes; their results are discarded
     LaneOffsets offsets;
     set_offsets(layout, polyhedra, queue->numbers, first, centre, &offsets);
     Displacements displacements;
@@ -262,9 +261,9 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     for (used &= ~written; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 
-// Global size: as many as there are scratch and minima for. Work-items take coarse bricks order[begin +
-// queue[launch]++] until `end`; the queue is 0 at first.
-__kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end, __global uint* queue,
+// Global size: as many as there are scratch and minima for. Each work-item takes coarse brick order[begin +
+// next_slot[launch]++] until `end`; the counters are 0 at first.
+__kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end, __global uint* next_slot,
                                __global const uint* order, __global const uint* starts, uint parts,
                                __global const uint* entries, __global const float* coarse_bounds,
                                __global const Polyhedron* polyhedra, __global const uint* sign_bits,
@@ -298,7 +297,7 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
     output.sign_bits = sign_bits;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     for (;;) {
-        const uint slot = begin + atomic_inc(queue + launch);
+        const uint slot = begin + atomic_inc(next_slot + launch);
         if (slot >= end) break;
         const uint number = order[slot];
         const uint list = starts[number * parts], count = starts[(number + 1) * parts] - list;

@@ -4,10 +4,9 @@
 
 #include "coarse_clusters.h"
 
-// An upper bound of the distance to the mesh for every sample of a coarse brick: how far from it the nearest of some of
-// the surface's points is, taken at the sample that is farthest from that point. (A coarse bound is enough here, the
-// bricks find finer ones.) One work-item LANES columns of four bricks along z of a group, those beyond the part too, so
-// that a group's bounds are the same in every part.
+// An upper bound of the distances in a coarse brick: the least, over a sample of surface points, of the distance to the
+// brick's farthest sample. (Bricks find finer bounds.) A work-item computes LANES columns of four bricks along z of a
+// group, including bricks beyond the part, so a group has the same bounds in every part.
 __kernel void coarse_bounds(Layout layout, uint count, __global const SurfacePoint* points, __global float* bounds,
                             uint first) {
     const uint item = first + get_global_id(0), items = CLSDF_COARSE_COLUMNS / LANES;

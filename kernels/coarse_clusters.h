@@ -1,6 +1,5 @@
-// Which coarse bricks LANES polyhedra that follow each other, a cluster, overlap. They are neighbours, because
-// polyhedra are in Morton order: most bricks are too far from all of them together. Only the others are tested one by
-// one, each against the cluster's polyhedra, one a lane.
+// A cluster is LANES consecutive polyhedra. In Morton order they are neighbours, so most coarse bricks are too far from
+// all of them. Only the rest are tested, each against the cluster's polyhedra, one per lane.
 //
 // The result of a test depends on the cluster and on a group of 4 x 4 x 4 bricks, never on the part that is computed or
 // on how the work is divided: clusters begin at multiples of LANES, and groups where the lattice or the cluster says.
@@ -41,14 +40,14 @@ INLINE void find_cluster(Layout layout, __global const Polyhedron* polyhedra, ui
             convert_float3(sub_sat(vload3(0, &p->origin_x), cluster->sample)) * spacing + vload3(0, p->foot);
         // The base is a triangle's longest edge: the altitude on it is at most sqrt(3) / 2 of it.
         const float right = p->base[CLSDF_HALF_RIGHT], left = p->base[CLSDF_HALF_LEFT];
-        const float extent = GREATER(GREATER(right, left), 0.8661f * (right + left));
-        cluster->from = LESSER(cluster->from, foot - extent);
-        cluster->to = GREATER(cluster->to, foot + extent);
+        const float radius = GREATER(GREATER(right, left), 0.8661f * (right + left));
+        cluster->from = LESSER(cluster->from, foot - radius);
+        cluster->to = GREATER(cluster->to, foot + radius);
 #if LANES > 1
         cluster->x[n - first] = foot.x;
         cluster->y[n - first] = foot.y;
         cluster->z[n - first] = foot.z;
-        cluster->radius[n - first] = extent + 1.0e-5f * (fabs(foot.x) + fabs(foot.y) + fabs(foot.z) + extent);
+        cluster->radius[n - first] = radius + 1.0e-5f * (fabs(foot.x) + fabs(foot.y) + fabs(foot.z) + radius);
 #endif
     }
     const float3 rounding = 1.0e-5f * (fabs(cluster->from) + fabs(cluster->to));
@@ -56,7 +55,7 @@ INLINE void find_cluster(Layout layout, __global const Polyhedron* polyhedra, ui
     cluster->to += rounding;
 }
 
-// The largest integer not above the value; beyond the lattice's indices, which are below 2^30, a number that is too.
+// floor(origin + offset), clamped; values outside the lattice's indices (below 2^30) stay outside.
 INLINE int3 index_below(int3 origin, float3 offset) {
     const float3 limited = clamp(offset, -2.0e9f, 2.0e9f);
     const int3 truncated = convert_int3(limited);
@@ -64,16 +63,16 @@ INLINE int3 index_below(int3 origin, float3 offset) {
     return clamp(add_sat(origin, below), (int3)(-0x7FFFFF00), (int3)(0x7FFFFF00));
 }
 
-// The coarse bricks of the lattice that the cluster's box, enlarged by an extent, overlaps; limits included.
+// The coarse bricks of the lattice within `distance` of the cluster's box; limits included.
 typedef struct CoarseRange {
     int3 low, high;
 } CoarseRange;
 
-INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float extent) {
+INLINE CoarseRange bricks_within(Layout layout, Cluster cluster, float distance) {
     const float3 per_sample = 1.0f / vload3(0, layout.spacing);
     CoarseRange range;
-    range.low = (index_below(cluster.sample, (cluster.from - extent) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
-    range.high = (index_below(cluster.sample, (cluster.to + extent) * per_sample) + 1) >> 5;
+    range.low = (index_below(cluster.sample, (cluster.from - distance) * per_sample) - (CLSDF_COARSE - 1)) >> 5;
+    range.high = (index_below(cluster.sample, (cluster.to + distance) * per_sample) + 1) >> 5;
     return range;
 }
 
@@ -119,8 +118,8 @@ INLINE ulong near_bricks(Layout layout, Cluster cluster, int3 start, ulong wante
         const floatL x = gap_between(convert_floatL(block & 3u) * side.x + middles.x, half_lengths.x),
                      y = gap_between(convert_floatL(block >> 2 & 3u) * side.y + middles.y, half_lengths.y),
                      z = gap_between(convert_floatL(block >> 4) * side.z + middles.z, half_lengths.z);
-        const floatL extent = load_lanes(0, bounds + first) + layout.coarse_slack;
-        near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= extent * extent) << first;
+        const floatL far = load_lanes(0, bounds + first) + layout.coarse_slack;
+        near |= (ulong)lanes_to_bits((x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= far * far) << first;
     }
     return near & wanted;
 }
@@ -153,7 +152,7 @@ INLINE uint overlapping_lanes(const ClusterAtGroup* at, uint b, float bound) {
 #else
 typedef struct ClusterAtGroup {
     LanePolyhedra polyhedra;
-    Bounds first;            // at the centre of the group's first brick, without extent
+    PlaneDistances first;    // at the centre of the group's first brick, without extent
     LaneExtent extent;       // of a coarse brick, with slack
     floatL x, y, z, radius;  // of the balls, from there
     float3 side;             // of a coarse brick, in units
@@ -192,8 +191,8 @@ INLINE uint overlapping_lanes(const ClusterAtGroup* at, uint b, float bound) {
     const intL near = (x * x + y * y + z * z) * (1.0f - 1.0e-5f) <= far * far;
 
     const float i = bx * CLSDF_COARSE, j = by * CLSDF_COARSE, k = bz * CLSDF_COARSE;
-#define AT(bound) (i * p->step_x.bound + (j * p->step_y.bound + (k * p->step_z.bound + at->first.bound)))
-    const Bounds brick = {AT(z), AT(base), AT(right), AT(left)};
+#define AT(plane) (i * p->step_x.plane + (j * p->step_y.plane + (k * p->step_z.plane + at->first.plane)))
+    const PlaneDistances brick = {AT(z), AT(base), AT(right), AT(left)};
 #undef AT
     floatL slopes[3];
     slopes_at(p, brick.z, at->extent.z, slopes);

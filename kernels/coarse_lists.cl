@@ -4,7 +4,7 @@
 // histogram of its own, so that no atomics are needed and the lists are in the order of the polyhedra, whatever the
 // number of work-items:
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
-// The first pass counts the overlaps and keeps them; the second fills the lists from them.
+// The first pass counts and stores the (cluster, brick) pairs; the second fills the lists from them.
 
 #include "coarse_bounds.h"
 #include "face_sources.h"
@@ -62,7 +62,7 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
     if (step == 0)
         for (size_t brick = 0; brick < bricks; ++brick) found.histogram[brick] = 0;
 
-    const float extent = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
+    const float farthest = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
     float group_bounds[CLSDF_COARSE_GROUP];
     float greatest = layout.half_width;
     for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) store_lanes((floatL)layout.half_width, v, group_bounds);
@@ -76,7 +76,7 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
         if (n >= count) continue;  // the last group may have fewer records
         Cluster cluster;
         find_cluster(layout, polyhedra, n, min(count - n, (uint)LANES), &cluster);
-        CoarseRange range = bricks_within(layout, cluster, extent);
+        CoarseRange range = bricks_within(layout, cluster, farthest);
         // Groups begin with the range, or, if each brick has its own bound, with the group of bounds.
         int3 start = uniform_bounds ? range.low : range.low & ~3;
         range.low = max(range.low, first);

@@ -53,13 +53,13 @@ __kernel void coarse_pairs(Layout layout, uint begin, uint end, __global const P
     if (polyhedron >= end) return;
     const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     PairWriter writer = {pairs, capacity, taken, counts + polyhedron / per_segment, segments, 0, 0};
-    const float extent = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
+    const float farthest = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
     float group_bounds[CLSDF_COARSE_GROUP];
     float greatest = layout.half_width;
     for (uint b = 0; b < CLSDF_COARSE_GROUP; ++b) group_bounds[b] = greatest;
     Cluster cluster;
     find_cluster(layout, polyhedra, polyhedron, 1, &cluster);
-    CoarseRange range = bricks_within(layout, cluster, extent);
+    CoarseRange range = bricks_within(layout, cluster, farthest);
     // Groups begin with the range, or, if each brick has its own bound, with the group of bounds.
     int3 start = uniform_bounds ? range.low : range.low & ~3;
     range.low = max(range.low, first);

@@ -18,7 +18,7 @@ typedef struct EdgeTables {
     float along[4 * LANES], across[4 * LANES], outward[4 * LANES], before[4 * LANES], past[4 * LANES];
 } EdgeTables;
 
-// The index of a lane's table. Shuffles work on parts of vectors, which gives this order.
+// The index of a lane's table: shuffles of parts of vectors leave the tables in this order.
 INLINE uint table_of_lane(uint lane) {
     return lane / 8 * 8 + lane % 4 * 2 + lane / 4 % 2;
 }

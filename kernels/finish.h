@@ -217,7 +217,7 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
 }
 
 // Stores, by the type of an output's elements.
-// -----------------------------------------------------------------------------------
+// -------------------------------------------------------------------------
 
 #define STORE_uint32(value, components, at, to, is_double) ((__global uint*)(to))[at] = value
 #define STORE_uint8(value, components, at, to, is_double) (to)[at] = value

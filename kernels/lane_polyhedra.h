@@ -1,7 +1,7 @@
 // LANES polyhedra of a list at once, one a lane: which of a group of blocks each of them overlaps.
 //
 // The records are read as vectors and transposed. The blocks of a group are passed one after the other; a polyhedron's
-// numbers then stay in registers, the step from block to block is one addition for each bound, and the answer is a mask
+// numbers then stay in registers, the step from block to block is one addition for each plane, and the answer is a mask
 // of lanes, which picks the block's list out of a vector of numbers. (One polyhedron against LANES blocks would
 // broadcast all numbers of the polyhedron for one or a few vectors of blocks, more than twice the work.)
 //
@@ -16,11 +16,11 @@
 
 // The quantities that the tests limit, at one point: Z and the distances outward of the base (-Y) and of the slanted
 // edges. All are affine in the sample, so the same struct holds a step.
-typedef struct Bounds {
+typedef struct PlaneDistances {
     floatL z, base, right, left;
-} Bounds;
+} PlaneDistances;
 
-INLINE Bounds bounds_sum(Bounds a, Bounds b) {
+INLINE PlaneDistances plane_sum(PlaneDistances a, PlaneDistances b) {
     a.z += b.z;
     a.base += b.base;
     a.right += b.right;
@@ -28,7 +28,7 @@ INLINE Bounds bounds_sum(Bounds a, Bounds b) {
     return a;
 }
 
-INLINE Bounds bounds_product(Bounds a, float factor) {
+INLINE PlaneDistances plane_product(PlaneDistances a, float factor) {
     a.z *= factor;
     a.base *= factor;
     a.right *= factor;
@@ -37,8 +37,8 @@ INLINE Bounds bounds_product(Bounds a, float factor) {
 }
 
 typedef struct LanePolyhedra {
-    Bounds at;                                  // the centre of a group of blocks
-    Bounds step_x, step_y, step_z;              // of one sample
+    PlaneDistances at;                          // the centre of a group of blocks
+    PlaneDistances step_x, step_y, step_z;      // of one sample
     floatL gradient_x, gradient_y, gradient_z;  // of X
     floatL along_right, along_left, across_right, across_left;
     floatL above[3], below[3], greater[3];  // slopes by edge
@@ -128,7 +128,7 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     return p;
 }
 
-// The half widths of blocks along each bound, with slack.
+// The half widths of blocks along the normal of each plane, with slack.
 typedef struct LaneExtent {
     floatL z, base, right, left;
     // At a corner: the extents along the two planes that meet there together, less the corner's own extent.
@@ -139,7 +139,7 @@ typedef struct LaneExtent {
 INLINE LaneExtent extent_of_lanes(const LanePolyhedra* p, float half_x, float half_y, float half_z, float slack) {
     LaneExtent extent;
 #define EXTENT(x, y, z) ((fabs(x) * half_x + (fabs(y) * half_y + fabs(z) * half_z)) * (1.0f + 1.0e-6f))
-#define EXTENT_OF(bound) EXTENT(p->step_x.bound, p->step_y.bound, p->step_z.bound)
+#define EXTENT_OF(plane) EXTENT(p->step_x.plane, p->step_y.plane, p->step_z.plane)
     const floatL x = EXTENT(p->gradient_x, p->gradient_y, p->gradient_z), y = EXTENT_OF(base);
     extent.z = EXTENT_OF(z) + slack;
     extent.base = y + slack;
@@ -155,7 +155,7 @@ INLINE LaneExtent extent_of_lanes(const LanePolyhedra* p, float half_x, float ha
     return extent;
 }
 
-INLINE Bounds without_extent(Bounds at, const LaneExtent* extent) {
+INLINE PlaneDistances without_extent(PlaneDistances at, const LaneExtent* extent) {
     at.base -= extent->base;
     at.right -= extent->right;
     at.left -= extent->left;
@@ -178,7 +178,8 @@ INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL extent, floatL* s
 // Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet overlap both. The
 // polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of
 // the planes' own, each times a normal's component.
-INLINE intL overlaps(const LanePolyhedra* p, Bounds at, const floatL* slopes, const LaneExtent* extent, float bound) {
+INLINE intL overlaps(const LanePolyhedra* p, PlaneDistances at, const floatL* slopes, const LaneExtent* extent,
+                     float bound) {
     const floatL height = fabs(at.z), wide = height + extent->z;
     floatL past_base, past_right, past_left;
     intL in = as_intL(height - extent->z - bound);
@@ -199,17 +200,16 @@ INLINE intL overlaps(const LanePolyhedra* p, Bounds at, const floatL* slopes, co
            as_intL(p->along_left * past_right + (p->along_right * past_left + extent->past_apex));
 }
 
-// Where all blocks of a group lie on one side of all faces, the heights are affine too, and with them all that
-// overlaps() compares: a step from block to block is seven additions, and only the bound remains to be subtracted. Not
-// for polyhedra that the upper bound limits at the sides.
+// If all blocks of a group lie on one side of all faces, all values that overlaps() compares are affine. A step to the
+// next block is then seven additions. Only for compact polyhedra.
 typedef struct OneSide {
     floatL height, base, right, left;  // without extent
     floatL right_end, left_end, apex;  // the corners
 } OneSide;
 
-// At a point, `at` being without extent but for z, whose extent is taken off here; or of a step, which has no extent:
-// `extent` null. side: 1 above the face, -1 below it.
-INLINE OneSide one_side(const LanePolyhedra* p, Bounds at, floatL side, const floatL* slopes,
+// With `extent`: the values at a point; `at` has no extent subtracted from z yet. Without (null): the values of a step.
+// side: 1 above the face, -1 below it.
+INLINE OneSide one_side(const LanePolyhedra* p, PlaneDistances at, floatL side, const floatL* slopes,
                         const LaneExtent* extent) {
     OneSide one;
     const floatL height = side * at.z, wide = extent ? height + extent->z : height;

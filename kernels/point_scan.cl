@@ -164,7 +164,7 @@ INLINE uint overlapped_children(__global const ScanRecord* p, Frame f, const __p
     return bits & children->present;
 }
 
-// Asks for a record of a list that comes later.
+// Prefetches a record of a list that comes later.
 INLINE void request_later(__global const uint* list, uint i, uint count, __global const ScanRecord* records) {
     __global const ScanRecord* later = records + list[LESSER(i + 8u, count - 1u)];
     prefetch_line_to_l1(later);
@@ -484,9 +484,9 @@ static uint choose(uint count, __global const uint* list, __global const ushort*
     return length;
 }
 
-// Work-items take blocks begin + queue[0]++ until `end`. lists: room for two lists of all polyhedra and one more number
-// for each work-item; marks: for one.
-__kernel void nearest_by_groups(uint begin, uint end, __global uint* queue, __global const PointGroup* blocks,
+// Work-items take blocks begin + next_block[0]++ until `end`. lists: room for two lists of all polyhedra and one more
+// number for each work-item; marks: for one.
+__kernel void nearest_by_groups(uint begin, uint end, __global uint* next_block, __global const PointGroup* blocks,
                                 __global const PointGroup* bricks, __global const double* points, uint point_count,
                                 double most, ScanCounts counts, __global const ScanRecord* records,
                                 __global const Polyhedron* polyhedra, __global const FaceFrame* frames,
@@ -502,7 +502,7 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* queue, __gl
     __global ushort* marks = all_marks + get_global_id(0) * (size_t)all;
     __global PointBrick* brick = all_bricks + get_global_id(0);
     for (;;) {
-        const uint block = begin + atomic_inc(queue);
+        const uint block = begin + atomic_inc(next_block);
         if (block >= end) break;
         const uint count = choose(all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
                                   block % CLSDF_GROUP_WIDTH, list);

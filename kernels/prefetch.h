@@ -1,11 +1,12 @@
-// Memory asked for ahead of its use. OpenCL's own prefetch does nothing in PoCL; on GPUs nothing is asked for.
+// Prefetch of memory ahead of its use. OpenCL's own prefetch() does nothing in PoCL; on GPUs these functions do
+// nothing.
 #ifndef CLSDF_PREFETCH_H
 #define CLSDF_PREFETCH_H
 
 #include "bits.h"
 #include "layout.h"
 
-// A line of memory, which need not be ours: into the second cache; into the innermost one, for soon.
+// Prefetches a cache line, which need not be in our buffers: to the L2, to the L1 cache.
 #if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_prefetch)
 #define PREFETCH(address, locality) __builtin_prefetch((__private const void*)(size_t)(address), 0, locality)
 #else

@@ -13,6 +13,9 @@
 #include "layout.h"
 #include "sweep_edges.h"
 
+// A crossing has the same coordinate in every vector width, on every device.
+#pragma OPENCL FP_CONTRACT OFF
+
 // The rows (y, z) of the part that a box holds, limits included.
 typedef struct RowRange {
     long begin_y, end_y, begin_z, end_z;
@@ -165,7 +168,7 @@ INLINE LaneRows lane_rows_within(Layout layout, LaneVertices a, LaneVertices b, 
     rows.begin_z = GREATER(begin_z, (longL)first_z);
     rows.end_z = LESSER(end_z, (longL)last_z);
     const longL is_crossed = rows.begin_y <= rows.end_y && rows.begin_z <= rows.end_z;
-    // Of a triangle that 64 bits may not suffice for, more than a small one has.
+    // Triangles that may overflow 64 bits count as large.
     const longL is_wide = high_y - low_y >= (1L << 30) || high_z - low_z >= (1L << 30);
     const longL count = is_wide ? (longL)(CLSDF_LARGE_ROWS + 1)
                                 : product_of_ints(rows.end_y - rows.begin_y + 1, rows.end_z - rows.begin_z + 1);

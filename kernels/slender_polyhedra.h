@@ -162,7 +162,7 @@ static inline PartOfCoarse part_of_coarse(Layout layout, int3 coarse) {
 }
 
 // Which triangles may be within the bound of a sample of the part: their balls are, around the feet of their altitudes.
-INLINE intL reaches_part(Layout layout, const LaneTriangles* t, const PartOfCoarse* part, float bound, float margin) {
+INLINE intL is_near_part(Layout layout, const LaneTriangles* t, const PartOfCoarse* part, float bound, float margin) {
     const floatL right = t->words[NUMBER_BASE + CLSDF_HALF_RIGHT], left = t->words[NUMBER_BASE + CLSDF_HALF_LEFT];
     const floatL longer = GREATER(right, left), slanted = 0.8661f * (right + left);
     const floatL far = GREATER(longer, slanted) * (1.0f + 1.0e-4f) + (bound * (1.0f + 1.0e-4f) + margin);
@@ -215,7 +215,7 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
         regular &= fabs(t.to_origin[axis] - 0.5f * (CLSDF_COARSE - 1)) <= SLENDER_RANGE;
     const intL slender = regular & present & ~wide;
     if (part->is_whole) return lanes_to_bits(slender);
-    const intL near = reaches_part(layout, &t, part, bound, margin);
+    const intL near = is_near_part(layout, &t, part, bound, margin);
     *absent |= lanes_to_bits(slender & ~near);
     return lanes_to_bits(slender & near);
 }

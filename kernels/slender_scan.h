@@ -32,9 +32,8 @@ INLINE void evaluate_and_empty(const SlenderScan* scan, uint polyhedron, __priva
 
 #define LANE_OF(vectors, lane) (((__private const float*)&(vectors))[lane])
 
-// How far the boxes of a lane's layers extend beyond their first sample, in samples: a bound, which may be one too
-// many. Taken from the lines' ends it is known before the boxes are, so that loops need not wait for their greatest
-// lane.
+// An upper bound, up to one too large, of the width of a lane's boxes in samples. It follows from the lines' ends, so
+// loops need not wait for the widest lane.
 INLINE int widest(__private const Line* low, __private const Line* high, uint lane, float first, float last) {
     const float at = LANE_OF(high->at, lane) - LANE_OF(low->at, lane);
     const float step = LANE_OF(high->step, lane) - LANE_OF(low->step, lane);
@@ -180,11 +179,12 @@ typedef struct SlenderQueue {
     uint count;
 } SlenderQueue;
 
-// Takes the first LANES polyhedra of the queue, or all where there are fewer.
+// Takes the first LANES polyhedra of the queue, or all if there are fewer.
 static inline void scan_queue(const SlenderScan* scan, float bound, float slack, __private SlenderQueue* queue,
                               __global const Polyhedron* polyhedra, __private ulong* counters) {
     const uint count = min(queue->count, (uint)LANES);
-    for (uint n = count; n < LANES; ++n) queue->numbers[n] = queue->numbers[0];  // lanes that nothing is made of
+    for (uint n = count; n < LANES; ++n)
+        queue->numbers[n] = queue->numbers[0];  // padding lanes; their results are discarded
     SlenderPolyhedra slender;
     uint present = bound_slender(scan->layout, polyhedra, queue->numbers, scan->first, bound, slack, &slender);
     present &= (1u << count) - 1;

@@ -47,7 +47,7 @@ enum MarkArgument : cl_uint {
 enum ScanArgument : cl_uint {
     scan_begin,
     scan_end,
-    scan_queue,
+    scan_next_block,
     scan_blocks,
     scan_bricks,
     scan_points_argument,
@@ -285,9 +285,9 @@ public:
             job_.pool.lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
         const auto marks = job_.pool.lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
         const auto memory = job_.pool.lease(items * sizeof(PointBrick), "bricks of points in work");
-        const auto queue = job_.pool.lease(sizeof(cl_uint), "queue");
+        const auto next_block = job_.pool.lease(sizeof(cl_uint), "next block");
         cl::Kernel kernel(program_, "nearest_by_groups");
-        kernel.setArg(scan_queue, *queue);
+        kernel.setArg(scan_next_block, *next_block);
         kernel.setArg(scan_blocks, *blocks_);
         kernel.setArg(scan_bricks, *bricks_);
         kernel.setArg(scan_points_argument, job_.points);
@@ -314,7 +314,7 @@ public:
             const std::size_t end = std::min(block_count_, begin + std::max(size, items));
             if (between) between(static_cast<double>(begin) / static_cast<double>(block_count_));
             const Stopwatch watch;
-            queue_.enqueueFillBuffer(*queue, cl_uint{0}, 0, sizeof(cl_uint));
+            queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
             kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
             kernel.setArg(scan_end, static_cast<cl_uint>(end));
             enqueue(kernel, items);

@@ -132,7 +132,7 @@ void for_each_site(const MeshTopology& topology, const Function& f) {
 }
 
 /// Far above the rounding of frames and of what kernels take for no distance (kernels/finish.h). In samples.
-constexpr double touch_tolerance = 1e-5;
+constexpr double meeting_tolerance = 1e-5;
 /// Edges that are longer, or lie farther out, are not looked at. In samples.
 constexpr double longest_edge = 64, farthest_end = 0x1p31;
 
@@ -141,7 +141,7 @@ double nearest_whole(double x) {
 }
 
 /// Whether an edge may pass a point with whole coordinates: it does so near a whole coordinate on its longest axis.
-bool may_touch_sample(const Vec3& a, const Vec3& b) {
+bool may_meet_sample(const Vec3& a, const Vec3& b) {
     std::size_t axis = 0;
     bool is_near = true;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -150,13 +150,13 @@ bool may_touch_sample(const Vec3& a, const Vec3& b) {
     }
     const double length = b[axis] - a[axis];
     if (!is_near || !(std::abs(length) < longest_edge)) return true;
-    const double low = std::min(a[axis], b[axis]) - touch_tolerance;
-    const double high = std::max(a[axis], b[axis]) + touch_tolerance;
+    const double low = std::min(a[axis], b[axis]) - meeting_tolerance;
+    const double high = std::max(a[axis], b[axis]) + meeting_tolerance;
     for (double whole = nearest_whole(low); whole <= high; ++whole) {
         const double part = length != 0 ? std::clamp((whole - a[axis]) / length, 0.0, 1.0) : 0;
         const auto is_whole = [&](std::size_t i) {
             const double at = a[i] + part * (b[i] - a[i]);
-            return std::abs(at - nearest_whole(at)) <= touch_tolerance;
+            return std::abs(at - nearest_whole(at)) <= meeting_tolerance;
         };
         if (is_whole((axis + 1) % 3) && is_whole((axis + 2) % 3) && is_whole(axis)) return true;
     }
@@ -182,7 +182,7 @@ bool may_meet_samples(const MeshTopology& topology, std::span<const Vec3> positi
                 const std::uint32_t next = next_of_three(k);
                 // Of two faces that run along an edge in opposite directions, one looks at it.
                 if (triangle[k] > triangle[next] && topology.edges.faces[face].marks[k] == 0) continue;
-                if (may_touch_sample(corners[k], corners[next])) found = true;
+                if (may_meet_sample(corners[k], corners[next])) found = true;
             }
         }
     });

@@ -34,12 +34,12 @@ public:
           finishing_(inputs.finishing),
           kernel_(programs.bricks(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
-        queue_counters_ = pool->lease(launches_.size() * sizeof(cl_uint), "queues of the launches");
+        next_slots_ = pool->lease(launches_.size() * sizeof(cl_uint), "next slots of the launches");
         scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");
         minima_ = pool->lease(work_items_ * minima_bytes(variant), "minima of the bricks");
 
         kernel_.setArg(arg_layout, inputs.layout);
-        kernel_.setArg(arg_queue, *queue_counters_);
+        kernel_.setArg(arg_next_slot, *next_slots_);
         kernel_.setArg(arg_order, order_);
         kernel_.setArg(arg_starts, *lists.starts);
         kernel_.setArg(arg_parts, static_cast<cl_uint>(lists.parts));
@@ -59,7 +59,7 @@ public:
         kernel_.setArg(arg_distance, outputs.distance);
         if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
-        chain.then_fill(*queue_counters_, launches_.size() * sizeof(cl_uint));
+        chain.then_fill(*next_slots_, launches_.size() * sizeof(cl_uint));
     }
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override {
@@ -72,7 +72,7 @@ public:
     }
 
     std::size_t device_bytes() const override {
-        return BrickKernel::device_bytes() + queue_counters_.bytes() + scratch_.bytes() + minima_.bytes();
+        return BrickKernel::device_bytes() + next_slots_.bytes() + scratch_.bytes() + minima_.bytes();
     }
 
 private:
@@ -81,7 +81,7 @@ private:
         arg_launch,
         arg_begin,
         arg_end,
-        arg_queue,
+        arg_next_slot,
         arg_order,
         arg_starts,
         arg_parts,
@@ -111,7 +111,7 @@ private:
     std::size_t work_items_;
     const Finishing* finishing_;
     cl::Kernel kernel_;
-    device::BufferPool::Lease queue_counters_;
+    device::BufferPool::Lease next_slots_;
     device::BufferPool::Lease scratch_;
     device::BufferPool::Lease minima_;
 };

@@ -70,9 +70,7 @@ struct Restriction {
 ///     Frusta, index  + positions                         kept until the vertices move
 ///     device's faces + positions                         the same
 ///     sites' names   of the triangles                    kept, once an output names sites
-///     pseudonormals  + positions                         kept until the vertices move, once the gradient is asked for
-///     on
-///                                                       an edge or a vertex
+///     pseudonormals  + positions                         kept until the vertices move, once gradients need them
 ///     records        + lattice (origin and spacing)      kept for the lattices that were used last
 ///     points' tree   + positions                         kept until the vertices move, once points are asked for
 ///     face sides     + sign rule                         the same, once about as many points are asked for
@@ -138,8 +136,8 @@ public:
     /// The records that the scan of many points reads beside the tree. `program`: the scan's. Throws as points().
     std::shared_ptr<const points::ScannedMesh> scanned_mesh(const cl::Program& program);
 
-    /// The signs on the sides of faces; null if it is not known and not to be `found`, too. The
-    /// rule is the same in all calls.
+    /// The signs on the sides of faces. If they are not known, they are found if `is_found`; otherwise null. Always
+    /// null for a part of a mesh. The sign rule is the same in all calls.
     std::shared_ptr<const points::FaceSides> face_sides(SignRule sign, bool is_found);
 
     /// Limit of the device memory that is kept, in bytes.
@@ -147,8 +145,8 @@ public:
     /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
     void keep_within(std::size_t budget);
 
-    std::size_t host_bytes() const;    ///< of the mesh's topology, frusta and index
-    std::size_t device_bytes() const;  ///< of the lattices' records
+    std::size_t host_bytes() const;    ///< all memory of the host that is kept
+    std::size_t device_bytes() const;  ///< all memory of the device that is kept
     /// Bytes of the records that a lattice keeps.
     std::size_t record_bytes() const;
 
@@ -166,7 +164,7 @@ private:
         std::size_t faces_packed = 0;
         std::size_t faces_swept = 0;
         std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of
-        std::optional<bool> may_be_touched{};          ///< see may_meet_samples()
+        std::optional<bool> may_meet_samples{};        ///< see may_meet_samples()
 
         std::size_t bytes() const;
     };

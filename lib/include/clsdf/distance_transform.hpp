@@ -314,7 +314,8 @@ public:
     /// Points and targets are memory of the host or of the device, each for itself, also the same memory. A target has
     /// points.count values, packed or strides[0] bytes from point to point. The call begins after the events of
     /// `wait_list`, and returns when the targets are written. Memory of the device is mapped: on a device with memory
-    /// of its own, points and outputs pass through the host, which sorts the points.
+    /// of its own, points and outputs pass through the host, which sorts the points. No other command or call may write
+    /// to these buffers, from the first to the last byte of the targets, until the call returns.
     ///
     /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
     /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 550
