@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -58,7 +59,8 @@ Shape shape_of(const PointMesh& mesh, std::size_t face) {
 /// Whether a plane separates all of the points by more than the gap from the others.
 template <typename Points, typename Others>
 bool separates(const Vector& axis, const Points& points, const Others& others, double gap) {
-    double least = INFINITY, most = -INFINITY, least_other = INFINITY, most_other = -INFINITY;
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    double least = infinite, most = -infinite, least_other = infinite, most_other = -infinite;
     for (const Vector& p : points) {
         const double at = polyhedra::dot(axis, p);
         least = std::min(least, at);

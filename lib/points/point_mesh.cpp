@@ -169,7 +169,8 @@ polyhedra::LatticeView lattice_for_points(const Mesh& mesh) {
     polyhedra::LatticeView lattice;
     lattice.origin = mesh.box().lower;
     if (longest > 0) lattice.unit = std::ldexp(1.0, std::max(std::ilogb(longest) - 8, -1000));
-    constexpr double smallest = std::numeric_limits<float>::min(), largest = std::numeric_limits<float>::max();
+    constexpr auto smallest = static_cast<double>(std::numeric_limits<float>::min()),
+                   largest = static_cast<double>(std::numeric_limits<float>::max());
     if (!(lattice.unit >= smallest && lattice.unit <= largest / 512))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("the longest side of {}, {}, is beyond the floats that distances are given in; scale "
