@@ -162,7 +162,7 @@ private:
         const double seconds = seconds_of_a_cluster(job_.layout) * static_cast<double>(clusters);
         const std::size_t expected = std::min(expected_pairs(job_.layout, job_.programs.lanes) * records,
                                               job_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2);
-        // The first room is a guess. Where there is no memory for it, pairs are only counted at first.
+        // The first room is a guess. If there is no memory for it, the first pass only counts pairs.
         std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
         if (auto guess = job_.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))
             pairs_ = std::move(*guess);
