@@ -140,16 +140,26 @@ double nearest_whole(double x) {
     return static_cast<double>(static_cast<std::int64_t>(x < 0 ? x - 0.5 : x + 0.5));
 }
 
+/// Whether there is a whole number in [low, high]. low: above -farthest_end.
+bool has_whole(double low, double high) {
+    const auto whole = static_cast<double>(static_cast<std::int64_t>(high + farthest_end)) - farthest_end;
+    return whole >= low;
+}
+
 /// Whether an edge may pass a point with whole coordinates: it does so near a whole coordinate on its longest axis.
 bool may_meet_sample(const Vec3& a, const Vec3& b) {
-    std::size_t axis = 0;
-    bool is_near = true;
+    bool is_near = true, has_point = true;  // without branches: most edges have no such point in their box
     for (std::size_t i = 0; i < 3; ++i) {
-        if (std::abs(b[i] - a[i]) > std::abs(b[axis] - a[axis])) axis = i;
-        is_near = is_near && std::abs(a[i]) < farthest_end && std::abs(b[i]) < farthest_end;
+        is_near &= std::abs(a[i]) < farthest_end && std::abs(b[i]) < farthest_end;
+        has_point &= has_whole(std::min(a[i], b[i]) - meeting_tolerance, std::max(a[i], b[i]) + meeting_tolerance);
     }
+    if (!is_near) return true;
+    if (!has_point) return false;
+    std::size_t axis = 0;
+    for (std::size_t i = 1; i < 3; ++i)
+        if (std::abs(b[i] - a[i]) > std::abs(b[axis] - a[axis])) axis = i;
     const double length = b[axis] - a[axis];
-    if (!is_near || !(std::abs(length) < longest_edge)) return true;
+    if (!(std::abs(length) < longest_edge)) return true;
     const double low = std::min(a[axis], b[axis]) - meeting_tolerance;
     const double high = std::max(a[axis], b[axis]) + meeting_tolerance;
     for (double whole = nearest_whole(low); whole <= high; ++whole) {
