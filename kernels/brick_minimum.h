@@ -125,6 +125,24 @@ static inline bool has_distances(__global const Minimum* minimum) {
     return -greatest_lane(-least) < INFINITY;
 }
 
+// A vector of a brick's samples is one or two rows of a slice.
+#define ROWS_PER_VECTOR (LANES / CLSDF_BRICK)
+#if ROWS_PER_VECTOR == 1
+#define ROW_OF_VECTOR(rows, n) (rows)
+#else
+#define ROW_OF_VECTOR(rows, n) ((n) == 0 ? (rows).lo : (rows).hi)
+#endif
+#if ROWS_PER_VECTOR == 1
+#define ROWS_FROM(row_of, minimum, y, z) row_of(minimum, y, z)
+#else
+#define ROWS_FROM(row_of, minimum, y, z) ((uintL)(row_of(minimum, y, z), row_of(minimum, (y) + 1, z)))
+#endif
+
+// The first row of the vector that has row y.
+INLINE int first_of_vector(int y) {
+    return y / ROWS_PER_VECTOR * ROWS_PER_VECTOR;
+}
+
 // Row (y, z) of a brick's samples, out of its sub-blocks.
 INLINE uint8 squares_of_row(__global const Minimum* minimum, uint y, uint z) {
     __global const Least* half_row = (__global const Least*)minimum->least + (INDEX_OF_Y(y) | INDEX_OF_Z(z));

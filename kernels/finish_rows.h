@@ -1,59 +1,90 @@
-// Finishing of a brick's samples row by row, for processors: by the formulas of finish.h, the eight samples of a row a
-// lane each.
+// Finishing of a brick's samples in vectors, for processors: by the formulas of finish.h, one or two rows at a time.
 //
-// A row of up to four bricks is put together in a work-item's own memory, and goes to the field as whole lines.
+// A slice of up to four bricks is put together in a work-item's own memory, and its rows go to the field as whole
+// lines.
 #ifndef CLSDF_FINISH_ROWS_H
 #define CLSDF_FINISH_ROWS_H
 
 #include "bits.h"
+#include "brick_minimum.h"
 #include "field_lines.h"
 #include "finish.h"
 #include "lane_offsets.h"
 
-DEFINE_FROM_SITE(from_sites, double8, long8)
+DEFINE_FROM_SITE(from_sites, doubleL, longL)
 
 // The outputs that are computed in vectors, or as vectors tell their sites; the others are finished lane by lane.
 #define CLSDF_OUTPUTS_BY_ROW \
     (1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | 1u << CLSDF_OUTPUT_closest | 1u << CLSDF_OUTPUT_gradient)
 
-// Eight samples along x, a lane each.
-typedef struct Row {
+// A vector of samples of a slice of a brick, a lane each: one or two rows.
+typedef struct Rows {
     int3 first;       // sample, of the lattice
     uint found;       // a bit a lane: it has a polyhedron, and is in the band; of other lanes nothing matters
     uint inside;      // a bit a lane
-    double8 x, y, z;  // from the closest points, along the mesh's axes, in units
-    double8 squared;
-    double8 frame_site;
-    uint polyhedra[CLSDF_BRICK];
-} Row;
+    doubleL x, y, z;  // from the closest points, along the mesh's axes, in units
+    doubleL squared;
+    doubleL frame_site;
+    uint polyhedra[LANES];  // the nearest; of lanes that are not found, any
+} Rows;
 
 #define ALONG_ROW (double8)(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+
+// A vector of what each row has eight lanes of.
+#if ROWS_PER_VECTOR == 1
+#define OF_ROWS(row_of) row_of(0)
+#else
+#define OF_ROWS(row_of) ((doubleL)(row_of(0), row_of(1)))
+#endif
+
+// How far the sample of a lane lies behind the first one in a slice.
+#define OFFSET_OF_LANE(lane) ((lane) / CLSDF_BRICK * CLSDF_COARSE + (lane) % CLSDF_BRICK)
+
+INLINE int3 sample_of(__private const Rows* rows, uint lane) {
+    return rows->first + (int3)((int)(lane % CLSDF_BRICK), (int)(lane / CLSDF_BRICK), 0);
+}
+
+// Finds the closest points of the samples.
+INLINE void find_rows(__private const Finishing* finishing, __private Rows* rows) {
+    double8 numbers[ROWS_PER_VECTOR][EXACT_NUMBERS];
+    FromOrigins from[ROWS_PER_VECTOR];
+#pragma unroll
+    for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
+        __private const uint* polyhedra = rows->polyhedra + r * CLSDF_BRICK;
+        from[r] = from_origins(finishing->polyhedra, polyhedra, (double)rows->first.x + ALONG_ROW,
+                               (double8)(double)(rows->first.y + r), (double8)(double)rows->first.z);
+        load_exact(finishing->polyhedra, polyhedra, numbers[r]);
+    }
+    doubleL exact[EXACT_NUMBERS];
+#define NUMBER_OF(r) numbers[r][n]
+#define FROM_x(r) from[r].x
+#define FROM_y(r) from[r].y
+#define FROM_z(r) from[r].z
+#pragma unroll
+    for (uint n = 0; n < EXACT_NUMBERS; ++n) exact[n] = OF_ROWS(NUMBER_OF);
+    const doubleL from_x = OF_ROWS(FROM_x), from_y = OF_ROWS(FROM_y), from_z = OF_ROWS(FROM_z);
+#undef NUMBER_OF
+#undef FROM_x
+#undef FROM_y
+#undef FROM_z
+    const doubleL x = FRAME_AT(exact, 0, from_x, from_y, from_z), y = FRAME_AT(exact, 1, from_x, from_y, from_z),
+                  z = FRAME_AT(exact, 2, from_x, from_y, from_z);
+    doubleL in_x, in_y;
+    from_sites(exact + NUMBER_BASE, x, y, z, &in_x, &in_y, &rows->frame_site);
+#define ALONG_AXIS(n) ((exact[3 * n] * in_x + (exact[3 * n + 1] * in_y + exact[3 * n + 2] * z)) * per_spacing[n])
+    __private const double* per_spacing = finishing->how.per_spacing;
+    rows->x = ALONG_AXIS(0);
+    rows->y = ALONG_AXIS(1);
+    rows->z = ALONG_AXIS(2);
+#undef ALONG_AXIS
+    rows->squared = in_x * in_x + (in_y * in_y + z * z);
+}
 
 INLINE int8 lanes_of(uint bits) {
     return ((int8)(int)bits & (int8)(1, 2, 4, 8, 16, 32, 64, 128)) != 0;
 }
 
-// Finds the closest points of a row's samples. polyhedra: the nearest; what is not found may be any number.
-INLINE void find_row(__private const Finishing* finishing, uint8 polyhedra, __private Row* row) {
-    store_eight(select((uint8)0, polyhedra, lanes_of(row->found)), 0, row->polyhedra);
-    double8 exact[EXACT_NUMBERS];
-    load_exact(finishing->polyhedra, row->polyhedra, exact);
-    const FromOrigins from = from_origins(finishing->polyhedra, row->polyhedra, (double)row->first.x + ALONG_ROW,
-                                          (double8)(double)row->first.y, (double8)(double)row->first.z);
-    const double8 x = FRAME_AT(exact, 0, from.x, from.y, from.z), y = FRAME_AT(exact, 1, from.x, from.y, from.z),
-                  z = FRAME_AT(exact, 2, from.x, from.y, from.z);
-    double8 in_x, in_y;
-    from_sites(exact + NUMBER_BASE, x, y, z, &in_x, &in_y, &row->frame_site);
-#define ALONG_AXIS(n) ((exact[3 * n] * in_x + (exact[3 * n + 1] * in_y + exact[3 * n + 2] * z)) * per_spacing[n])
-    __private const double* per_spacing = finishing->how.per_spacing;
-    row->x = ALONG_AXIS(0);
-    row->y = ALONG_AXIS(1);
-    row->z = ALONG_AXIS(2);
-#undef ALONG_AXIS
-    row->squared = in_x * in_x + (in_y * in_y + z * z);
-}
-
-// Stores a vector of each lane. Lanes that are not found get every bit.
+// Stores a vector of each lane of a row. Lanes that are not found get every bit.
 #define DEFINE_STORE_VECTORS(name, Real, Vector, as_bits, as_vector, Bits, convert_lanes, Order, store) \
     INLINE void name(Vector x, Vector y, Vector z, uint found, __global Real* to) {                     \
         const Bits missing = ~(Bits)convert_lanes(lanes_of(found));                                     \
@@ -72,78 +103,94 @@ DEFINE_STORE_VECTORS(store_double_vectors, double, double8, as_long8, as_double8
                      store_eight_doubles)
 #undef DEFINE_STORE_VECTORS
 
-INLINE void store_vectors(double8 x, double8 y, double8 z, uint found, __global uchar* to, bool in_double) {
-    if (in_double)
-        store_double_vectors(x, y, z, found, (__global double*)to);
-    else
-        store_float_vectors(convert_float8(x), convert_float8(y), convert_float8(z), found, (__global float*)to);
+// The same of rows of a slice. to: output of the first sample.
+INLINE void store_vectors(doubleL x, doubleL y, doubleL z, uint found, __global uchar* to, bool in_double) {
+#pragma unroll
+    for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
+        const double8 row_x = ROW_OF_VECTOR(x, r), row_y = ROW_OF_VECTOR(y, r), row_z = ROW_OF_VECTOR(z, r);
+        const size_t at = 3 * r * CLSDF_COARSE;
+        const uint lanes = found >> (r * CLSDF_BRICK) & 0xFFu;
+        if (in_double)
+            store_double_vectors(row_x, row_y, row_z, lanes, (__global double*)to + at);
+        else
+            store_float_vectors(convert_float8(row_x), convert_float8(row_y), convert_float8(row_z), lanes,
+                                (__global float*)to + at);
+    }
 }
 
-INLINE void store_closest(__private const Finishing* finishing, __private const Row* row, size_t at) {
+INLINE void store_closest(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
     const bool in_double = IS_DOUBLE(finishing, closest);
     const double unit = finishing->how.unit;
-    double8 x = -(row->x * unit), y = -(row->y * unit), z = -(row->z * unit);
+    doubleL x = -(rows->x * unit), y = -(rows->y * unit), z = -(rows->z * unit);
     if (in_double) {
         __private const double* origin = finishing->how.origin;
         __private const double* spacing = finishing->how.spacing;
-        x = (origin[0] + ((double)row->first.x + ALONG_ROW) * spacing[0]) - row->x * unit;
-        y = (origin[1] + (double)row->first.y * spacing[1]) - row->y * unit;
-        z = (origin[2] + (double)row->first.z * spacing[2]) - row->z * unit;
+#define X_OF(r) (origin[0] + ((double)rows->first.x + ALONG_ROW) * spacing[0])
+#define Y_OF(r) (double8)(origin[1] + (double)(rows->first.y + r) * spacing[1])
+        x = OF_ROWS(X_OF) - rows->x * unit;
+        y = OF_ROWS(Y_OF) - rows->y * unit;
+        z = (origin[2] + (double)rows->first.z * spacing[2]) - rows->z * unit;
+#undef X_OF
+#undef Y_OF
     }
-    store_vectors(x, y, z, row->found, finishing->of_closest + 3 * at * (in_double ? sizeof(double) : sizeof(float)),
+    store_vectors(x, y, z, rows->found, finishing->of_closest + 3 * at * (in_double ? sizeof(double) : sizeof(float)),
                   in_double);
 }
 
-INLINE void store_gradient(__private const Finishing* finishing, __private const Row* row, size_t at) {
+INLINE void store_gradient(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
     const bool in_double = IS_DOUBLE(finishing, gradient);
-    const double8 sign = select((double8)1.0, (double8)-1.0, convert_long8(lanes_of(row->inside)));
-    const double8 scale = sign / sqrt(row->squared);
-    store_vectors(row->x * scale, row->y * scale, row->z * scale, row->found,
+    const intL inside = (((intL)(int)rows->inside >> as_intL(LANE_NUMBERS)) & 1) != 0;
+    const doubleL scale = select((doubleL)1.0, (doubleL)-1.0, TO_LONGS(inside)) / sqrt(rows->squared);
+    store_vectors(rows->x * scale, rows->y * scale, rows->z * scale, rows->found,
                   finishing->of_gradient + 3 * at * (in_double ? sizeof(double) : sizeof(float)), in_double);
-    if (all(row->squared > SQUARE_OF_NO_DISTANCE)) return;
-    __private const double* squared = (__private const double*)&row->squared;
-    for (uint lanes = row->found; lanes; lanes &= lanes - 1) {
+    for (uint lanes = rows->found & lanes_to_bits(TO_INTS(rows->squared <= SQUARE_OF_NO_DISTANCE)); lanes;
+         lanes &= lanes - 1) {
         const uint lane = lowest_bit(lanes);
-        if (squared[lane] > SQUARE_OF_NO_DISTANCE) continue;
         Nearest nearest;
-        find_nearest_at(finishing, convert_double3(row->first + (int3)((int)lane, 0, 0)), row->polyhedra[lane],
-                        row->inside >> lane & 1u, &nearest);
-        STORE_real(finished_gradient(finishing, &nearest), 3, at + lane, finishing->of_gradient, in_double);
+        find_nearest_at(finishing, convert_double3(sample_of(rows, lane)), rows->polyhedra[lane],
+                        rows->inside >> lane & 1u, &nearest);
+        STORE_real(finished_gradient(finishing, &nearest), 3, at + OFFSET_OF_LANE(lane), finishing->of_gradient,
+                   in_double);
     }
 }
 
-INLINE void store_names(__private const Finishing* finishing, __private const Row* row, size_t at) {
-    __private const double* frame_site = (__private const double*)&row->frame_site;
-    for (uint lane = 0; lane < CLSDF_BRICK; ++lane) {
+INLINE void store_names(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    __private const double* frame_site = (__private const double*)&rows->frame_site;
+    for (uint lane = 0; lane < LANES; ++lane) {
         NamedSite named = {CLSDF_NO_TRIANGLE, 0xFFu, false};
-        if ((row->found >> lane & 1u) != 0)
-            named = name_site(finishing, finishing->polyhedra + row->polyhedra[lane], (uint)frame_site[lane]);
-        if (IS_WANTED(finishing, triangle)) ((__global uint*)finishing->of_triangle)[at + lane] = named.triangle;
-        if (IS_WANTED(finishing, site)) finishing->of_site[at + lane] = (uchar)named.site;
+        if ((rows->found >> lane & 1u) != 0)
+            named = name_site(finishing, finishing->polyhedra + rows->polyhedra[lane], (uint)frame_site[lane]);
+        const size_t to = at + OFFSET_OF_LANE(lane);
+        if (IS_WANTED(finishing, triangle)) ((__global uint*)finishing->of_triangle)[to] = named.triangle;
+        if (IS_WANTED(finishing, site)) finishing->of_site[to] = (uchar)named.site;
     }
 }
 
-// Stores the outputs of a row's samples other than the distance. at: the first one's index among the results.
-static inline void finish_row(__private const Finishing* finishing, __private const Row* row, size_t at) {
-    if (IS_WANTED(finishing, triangle) || IS_WANTED(finishing, site)) store_names(finishing, row, at);
-    if (IS_WANTED(finishing, closest)) store_closest(finishing, row, at);
-    if (IS_WANTED(finishing, gradient)) store_gradient(finishing, row, at);
+// Stores the outputs of samples other than the distance into a slice. at: the first one's index there.
+static inline void finish_rows(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    if (IS_WANTED(finishing, triangle) || IS_WANTED(finishing, site)) store_names(finishing, rows, at);
+    if (IS_WANTED(finishing, closest)) store_closest(finishing, rows, at);
+    if (IS_WANTED(finishing, gradient)) store_gradient(finishing, rows, at);
     if ((finishing->how.wanted & ~CLSDF_OUTPUTS_BY_ROW) == 0) return;
     Finishing others = *finishing;
     others.how.wanted &= ~CLSDF_OUTPUTS_BY_ROW;
-    for (uint lane = 0; lane < CLSDF_BRICK; ++lane)
-        if ((row->found >> lane & 1u) != 0)
-            finish_sample(&others, row->first + (int3)((int)lane, 0, 0), row->polyhedra[lane], row->inside >> lane & 1u,
-                          at + lane);
+    for (uint lane = 0; lane < LANES; ++lane)
+        if ((rows->found >> lane & 1u) != 0)
+            finish_sample(&others, sample_of(rows, lane), rows->polyhedra[lane], rows->inside >> lane & 1u,
+                          at + OFFSET_OF_LANE(lane));
         else
-            leave_sample(&others, at + lane);
+            leave_sample(&others, at + OFFSET_OF_LANE(lane));
 }
 
 // A slice of rows of up to four bricks, in memory of its own: each row begins CLSDF_COARSE samples after the one before
-// it. All rows are found before they are finished: the steps of each of both wait for each other.
+// it. All rows are found before they are finished: the steps of each of both wait for each other. They are stored while
+// the next slice's rows are found, because stores past the caches go on beside arithmetic.
 typedef struct Slice {
-    Row rows[CLSDF_BRICK][CLSDF_BRICKS_PER_COARSE];
+    Rows rows[CLSDF_BRICK / ROWS_PER_VECTOR][CLSDF_BRICKS_PER_COARSE];
     Finishing finishing;  // into the slice
+    // What is not stored yet: samples [begin, end) of each row, x and y; none if the ends are the beginnings.
+    int2 begin, end;
+    size_t at, row;  // the index of the slice's first sample among the results, and how far rows lie apart
 } Slice;
 
 #define SLICE_SAMPLES (CLSDF_BRICK * CLSDF_COARSE)
@@ -152,6 +199,7 @@ typedef struct Slice {
 
 INLINE void set_slice(__private const Finishing* finishing, __global uchar* room, __private Slice* slice) {
     slice->finishing = *finishing;
+    slice->begin = slice->end = (int2)(0);
 #define SET_OF_SLICE(name, content, element, components) \
     slice->finishing.of_##name = room;                   \
     room += SLICE_SAMPLES * sizeof(double) * components;
@@ -159,16 +207,11 @@ INLINE void set_slice(__private const Finishing* finishing, __global uchar* room
 #undef SET_OF_SLICE
 }
 
-// Finishes the rows [begin, end) of `bricks` bricks.
-static inline void finish_slice(__private const Slice* slice, int bricks, int begin, int end) {
-    for (int y = begin; y < end; ++y)
-        for (int n = 0; n < bricks; ++n)
-            finish_row(&slice->finishing, &slice->rows[y][n], y * CLSDF_COARSE + n * CLSDF_BRICK);
-}
-
-// Stores samples [begin, end) of row y to place `at` of the results.
-INLINE void store_slice_row(__private const Slice* slice, __private const Finishing* finishing, int y, int begin,
-                            int end, size_t at) {
+// Stores row y, if it is not stored yet.
+INLINE void store_slice_row(__private const Finishing* finishing, __private const Slice* slice, int y) {
+    if (y < slice->begin.y || y >= slice->end.y) return;
+    const int begin = slice->begin.x, end = slice->end.x;
+    const size_t at = slice->at + y * slice->row + begin;
 #define WIDTH_uint32(is_double) sizeof(uint)
 #define WIDTH_uint8(is_double) sizeof(uchar)
 #define WIDTH_real(is_double) ((is_double) ? sizeof(double) : sizeof(float))
@@ -181,6 +224,35 @@ INLINE void store_slice_row(__private const Slice* slice, __private const Finish
     }
     CLSDF_OUTPUTS(STORE_ROW)
 #undef STORE_ROW
+}
+
+// Stores the rows that are not stored yet.
+static inline void store_slice(__private const Finishing* finishing, __private Slice* slice) {
+    for (int y = 0; y < CLSDF_BRICK; ++y) store_slice_row(finishing, slice, y);
+    slice->end = slice->begin;
+}
+
+// Finishes the rows of the next slice of `bricks` bricks, and stores those of the one before. Its samples [begin, end)
+// will be stored, with `at` and `row` as in Slice.
+static inline void finish_slice(__private const Finishing* finishing, __private Slice* slice, int bricks, int3 begin,
+                                int3 end, size_t at, size_t row) {
+    for (int y = 0; y < CLSDF_BRICK; y += ROWS_PER_VECTOR) {
+        const bool is_part = y + ROWS_PER_VECTOR > begin.y && y < end.y;
+        for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
+            store_slice_row(finishing, slice, y + r);
+            for (int n = r; is_part && n < bricks; n += ROWS_PER_VECTOR) {
+                __private Rows* rows = &slice->rows[y / ROWS_PER_VECTOR][n];
+                if (rows->found != 0) find_rows(finishing, rows);
+            }
+        }
+    }
+    for (int y = first_of_vector(begin.y); y < end.y; y += ROWS_PER_VECTOR)
+        for (int n = 0; n < bricks; ++n)
+            finish_rows(&slice->finishing, &slice->rows[y / ROWS_PER_VECTOR][n], y * CLSDF_COARSE + n * CLSDF_BRICK);
+    slice->begin = begin.xy;
+    slice->end = end.xy;
+    slice->at = at;
+    slice->row = row;
 }
 
 #endif

@@ -20,6 +20,7 @@ typedef ulong16 ulongL;
 #define convert_floatL convert_float16
 #define convert_intL convert_int16
 #define convert_doubleL convert_double16
+#define convert_longL convert_long16
 #define as_uintL as_uint16
 #define as_ulong_halfL as_ulong8
 #define as_intL as_int16
@@ -37,6 +38,7 @@ typedef ulong8 ulongL;
 #define convert_floatL convert_float8
 #define convert_intL convert_int8
 #define convert_doubleL convert_double8
+#define convert_longL convert_long8
 #define as_uintL as_uint8
 #define as_ulong_halfL as_ulong4
 #define as_intL as_int8
@@ -111,7 +113,7 @@ DEFINE_STORE(store_eight_doubles, double8, double, 8, global)
 #define TO_FLOATS convert_floatL
 #define TO_DOUBLES convert_doubleL
 #define TO_INTS convert_intL
-#define TO_LONGS convert_long8
+#define TO_LONGS convert_longL
 #endif
 #define AS_FLOATS as_floatL
 #define AS_UINTS as_uintL

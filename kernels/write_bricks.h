@@ -51,24 +51,6 @@ INLINE uint sign_shift_of(Layout layout, int3 brick) {
     return (uint)(brick.x - layout.brick_first[0]) % 4 * CLSDF_BRICK;
 }
 
-// A vector of a brick's samples is one or two rows of a slice.
-#define ROWS_PER_VECTOR (LANES / CLSDF_BRICK)
-#if ROWS_PER_VECTOR == 1
-#define ROW_OF_VECTOR(rows, n) (rows)
-#else
-#define ROW_OF_VECTOR(rows, n) ((n) == 0 ? (rows).lo : (rows).hi)
-#endif
-#if ROWS_PER_VECTOR == 1
-#define ROWS_FROM(row_of, minimum, y, z) row_of(minimum, y, z)
-#else
-#define ROWS_FROM(row_of, minimum, y, z) ((uintL)(row_of(minimum, y, z), row_of(minimum, (y) + 1, z)))
-#endif
-
-// The first row of the vector that has row y.
-INLINE int first_of_vector(int y) {
-    return y / ROWS_PER_VECTOR * ROWS_PER_VECTOR;
-}
-
 #ifdef COUNT
 // Which samples of the rows from y on belong to the part: a bit a lane.
 static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
@@ -82,8 +64,8 @@ static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
 }
 #endif
 
-// A vector's samples of slice z of a brick, from row y on: returns their distances. If more is asked for, their closest
-// points are found, for the n-th brick of the slice's rows.
+// A vector's samples of slice z of a brick, from row y on: returns their distances. If more is asked for, their nearest
+// polyhedra are kept, for the n-th brick of the slice's rows.
 INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* minimum, uint n, int y, int z,
                            Output output, __private ulong* counters) {
     __global const uint* sign_bits = sign_bits_of(layout, brick, z, output);
@@ -97,15 +79,12 @@ INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* mi
     const uintL distances = as_uintL(signed_distances(layout, inside, squared, &in_band));
 #ifdef NEAREST
     const uintL polyhedra = ROWS_FROM(polyhedra_of_row, minimum, y, z);
-    const uint found = lanes_to_bits(in_band & (polyhedra != CLSDF_NO_POLYHEDRON));
-#pragma unroll
-    for (int r = 0; r < ROWS_PER_VECTOR; ++r) {
-        __private Row* row = &output.slice->rows[y + r][n];
-        row->first = brick * CLSDF_BRICK + (int3)(0, y + r, z);
-        row->found = found >> (r * CLSDF_BRICK) & 0xFFu;
-        row->inside = inside >> (r * CLSDF_BRICK) & 0xFFu;
-        if (row->found != 0) find_row(output.finishing, ROW_OF_VECTOR(polyhedra, r), row);
-    }
+    const intL has_polyhedron = in_band & (polyhedra != CLSDF_NO_POLYHEDRON);
+    __private Rows* rows = &output.slice->rows[y / ROWS_PER_VECTOR][n];
+    rows->first = brick * CLSDF_BRICK + (int3)(0, y, z);
+    rows->found = lanes_to_bits(has_polyhedron);
+    rows->inside = inside;
+    store_lanes(select((uintL)0, polyhedra, has_polyhedron), 0, rows->polyhedra);
 #endif
 #ifdef COUNT
     counters[CLSDF_COUNT_BAND] += popcount(lanes_to_bits(in_band) & lanes_in_part(layout, brick, y));
@@ -131,7 +110,8 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
                     store_eight(ROW_OF_VECTOR(rows, r), n, output.rows + (y + r) * CLSDF_COARSE);
             }
 #ifdef NEAREST
-        finish_slice(output.slice, count, begin.y, end.y);
+        const size_t slice = ((size_t)(first.z + z) * size.y + first.y) * size.x + first.x;
+        finish_slice(output.finishing, output.slice, count, begin, end, slice, size.x);
 #endif
         // Rows that are read right after they are stored would be waited for.
         for (int y = begin.y; y < end.y; ++y) {
@@ -139,9 +119,6 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
             const size_t from = row + first.x + begin.x, to = row + first.x + end.x;
             store_values(output.rows + y * CLSDF_COARSE + begin.x, (__global uint*)output.distance + from,
                          (__global uint*)output.distance + to);
-#ifdef NEAREST
-            store_slice_row(output.slice, output.finishing, y, begin.x, end.x, from);
-#endif
         }
     }
     for (int n = 0; n < count; ++n) clear_minimum(minima + n);  // while they are in the innermost cache
@@ -178,11 +155,9 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
             }
         }
 #ifdef NEAREST
-        finish_slice(output.slice, 2, begin.y, end.y);
-        for (int y = begin.y; y < end.y; ++y) {
-            const size_t at = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x + first.x;
-            store_slice_row(output.slice, output.finishing, y, 0, 2 * CLSDF_BRICK, at);
-        }
+        const size_t slice = ((size_t)(first.z + z) * size.y + first.y) * size.x + first.x;
+        finish_slice(output.finishing, output.slice, 2, (int3)(0, begin.y, z), (int3)(2 * CLSDF_BRICK, end.y, z + 1),
+                     slice, size.x);
 #endif
     }
     for (int n = 0; n < 2; ++n) clear_minimum(minima + n);
@@ -216,6 +191,9 @@ static inline ulong write_used(Layout layout, int3 coarse, ulong used, ulong in_
         write_lines(layout, brick_of_coarse(coarse, b), minima + b, output, counters);
     }
     write_runs(layout, coarse, others, minima, output, counters);
+#ifdef NEAREST
+    store_slice(output.finishing, output.slice);
+#endif
     return in_lines | others;
 }
 
