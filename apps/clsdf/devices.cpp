@@ -3,7 +3,7 @@
 #include "command.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
-#include "progress_bar.hpp"
+#include "report.hpp"
 
 #include "core/stopwatch.hpp"
 

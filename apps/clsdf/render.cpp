@@ -2,7 +2,6 @@
 #include "devices.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
-#include "progress_bar.hpp"
 #include "report.hpp"
 
 #include <clsdf/clsdf.hpp>

@@ -1,7 +1,6 @@
 #include "command.hpp"
 #include "interruption.hpp"
 #include "option_values.hpp"
-#include "progress_bar.hpp"
 #include "report.hpp"
 
 #include <clsdf/clsdf.hpp>

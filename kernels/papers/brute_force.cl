@@ -7,7 +7,7 @@
 // work-item takes; NEAREST; LONG_BRICKS (distance.h).
 
 #include "distance.h"
-#include "slices_key.h"
+#include "slices.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 
@@ -32,7 +32,7 @@ INLINE void lower(__private Least* least, uint v, floatL squared, uint triangle)
 }
 
 // Bricks [first_brick, end_brick) of the part's, x first, and records [first_record, end_record). The minima are those
-// of slices from first_slice on (slices_key.h), and none is there before the first record.
+// of slices from first_slice on (slices.h), and none is there before the first record.
 __kernel void brute_force(Layout layout, int first_slice, uint first_brick, uint end_brick, uint first_record,
                           uint end_record, __global const Polyhedron* polyhedra, __global uint* squares,
                           __global uint* triangles) {

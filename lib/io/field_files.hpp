@@ -4,10 +4,16 @@
 #include "io/raw_values.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/field.hpp>
 #include <clsdf/io.hpp>
 
+#include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace clsdf {
 
@@ -83,5 +89,48 @@ std::string file_name(const std::string& path);
 /// The path of a file in the folder of another file that names it. Throws Error(unreadable_input) if `name` is not a
 /// plain name.
 std::string path_beside(const std::string& path, const std::string& name);
+
+/// The properties of a field for which most formats have no fields of their own, as the text of a JSON object. Its
+/// members:
+///   "origin", "spacing", "size"   of the samples: three numbers along x, y, z; the origin is the first sample
+///   "lattice": {"origin", "first"}  if the samples are a part of a lattice, as in Grid
+///   "band": {"inside", "outside"}   in the mesh's units; null if infinite
+///   "sign", "mesh", "program"
+///   "triangle"                      the name of the file beside it, if the output is in one; so for each output
+struct Description {
+    Field field;                               ///< without its arrays
+    std::map<std::string, std::string> files;  ///< by the names of outputs
+};
+
+std::string description_text(const FieldDescription& field, const std::map<std::string, std::string>& files = {});
+
+/// The sidecar of an .npy file, "bunny.npy.json". Only origin, spacing and size are needed.
+/// Throws Error(unreadable_input), or Error(invalid_argument) if a value makes no sense.
+Description read_description(const std::string& path);
+
+/// The text in a file whose header states its grid: the members origin, spacing and size are ignored. `source` names
+/// the file and the part of it that holds the text.
+Description parse_description(const std::string& source, const std::string& text, const Grid& stated);
+
+/// The rule of that name. Throws Error(invalid_argument) that lists the names.
+SignRule sign_rule_of(const std::string& text);
+
+/// The same for a file that states no size; null if the text states none either.
+std::optional<Index3> described_size(const std::string& source, const std::string& text);
+
+/// The text before the values of an .npy file (numpy.org, "numpy.lib.format"), whose array is in C order.
+struct NpyHeader {
+    RawValues values;
+    std::vector<std::int64_t> shape;  ///< slowest first: (nz, ny, nx)
+};
+
+/// Throws Error(unreadable_input).
+NpyHeader read_npy_header(InputFile& file);
+
+/// `type` is numpy's as it is written in Python, as "'<f4'" or a list of the members of a structure.
+std::string npy_header(std::string_view type, const std::vector<std::int64_t>& shape);
+
+/// Numpy's name of a type, as "<f4".
+const char* npy_name_of(ValueType type);
 
 }  // namespace clsdf

@@ -1,18 +1,20 @@
 #include "io/mesh_files.hpp"
 
+#include "core/atomic_file.hpp"
+#include "core/descriptor.hpp"
+#include "core/text.hpp"
+
 #include <clsdf/error.hpp>
 #include <clsdf/io.hpp>
 
-#include "core/atomic_file.hpp"
-#include "core/descriptor.hpp"
-#include "io/text_scanner.hpp"
-
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <fcntl.h>
-#include <sys/stat.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -23,6 +25,147 @@
 #include <utility>
 
 namespace clsdf {
+
+namespace {
+
+bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+
+bool is_line_end(char c) {
+    return c == '\n' || c == '\r';
+}
+
+/// from_chars does not set a value that is out of range. Here numbers that are too small round to zero, and numbers
+/// that are too large to infinity.
+double out_of_range_value(std::string_view word) {
+    const bool negative = word.front() == '-';
+    const std::size_t exponent = word.find_first_of("eE");
+    const bool tiny = exponent + 1 < word.size() && exponent != std::string_view::npos && word[exponent + 1] == '-';
+    const double magnitude = tiny ? 0.0 : std::numeric_limits<double>::infinity();
+    return negative ? -magnitude : magnitude;
+}
+
+}  // namespace
+
+TextScanner::TextScanner(std::string_view text, const std::string& path, Syntax syntax, std::size_t first_line)
+    : position_(text.data()), end_(text.data() + text.size()), path_(&path), syntax_(syntax), line_(first_line) {
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    if (text.starts_with(byte_order_mark)) position_ += byte_order_mark.size();
+}
+
+std::size_t TextScanner::line_end_length() const {
+    if (position_ == end_ || !is_line_end(*position_)) return 0;
+    return *position_ == '\r' && position_ + 1 != end_ && position_[1] == '\n' ? 2 : 1;
+}
+
+void TextScanner::skip_line_end() {
+    position_ += line_end_length();
+    ++line_;
+}
+
+void TextScanner::skip_blanks() {
+    while (position_ != end_) {
+        if (is_blank(*position_)) {
+            ++position_;
+        } else if (*position_ == '\\' && syntax_.line_continuation) {
+            ++position_;
+            if (line_end_length() == 0) {
+                --position_;
+                return;
+            }
+            skip_line_end();
+        } else if (*position_ == '#' && syntax_.hash_comments) {
+            while (position_ != end_ && !is_line_end(*position_)) ++position_;
+            return;
+        } else {
+            return;
+        }
+    }
+}
+
+bool TextScanner::at_end_of_line() {
+    skip_blanks();
+    return position_ == end_ || is_line_end(*position_);
+}
+
+bool TextScanner::next_line() {
+    if (!before_first_line_)
+        while (!at_end_of_line()) word();
+    before_first_line_ = false;
+    while (at_end_of_line()) {
+        if (position_ == end_) return false;
+        skip_line_end();
+    }
+    return true;
+}
+
+bool TextScanner::end_line() {
+    if (!at_end_of_line() || position_ == end_) return false;
+    skip_line_end();
+    return true;
+}
+
+std::string_view TextScanner::word() {
+    if (at_end_of_line()) return {};
+    const char* begin = position_;
+    const auto ends_word = [&](const char* c) {
+        if (is_blank(*c) || is_line_end(*c)) return true;
+        if (*c == '#') return syntax_.hash_comments;
+        return *c == '\\' && syntax_.line_continuation && c + 1 != end_ && is_line_end(c[1]);
+    };
+    while (position_ != end_ && !ends_word(position_)) ++position_;
+    return {begin, static_cast<std::size_t>(position_ - begin)};
+}
+
+std::string_view TextScanner::word_of_text() {
+    before_first_line_ = false;
+    while (at_end_of_line()) {
+        if (position_ == end_) return {};
+        skip_line_end();
+    }
+    return word();
+}
+
+double TextScanner::real(const char* what) {
+    const std::string_view text = word();
+    std::string_view digits = text;
+    if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) fail_word(what, text);
+    return error == std::errc::result_out_of_range ? out_of_range_value(digits) : value;
+}
+
+std::int64_t TextScanner::integer(const char* what) {
+    const std::string_view text = word();
+    std::string_view digits = text;
+    if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size()) fail_word(what, text);
+    return value;
+}
+
+void TextScanner::fail(const std::string& reason) const {
+    fail(ErrorCode::unreadable_input, reason);
+}
+
+void TextScanner::fail(ErrorCode code, const std::string& reason) const {
+    throw Error(code, fmt::format("{}: line {}: {}", *path_, line_, reason));
+}
+
+void TextScanner::fail_word(const char* what, std::string_view word) const {
+    if (!word.empty()) fail(fmt::format("expected {}, found {}", what, quoted(word)));
+    if (position_ == end_) fail(fmt::format("expected {}, but the file ends", what));
+    fail(fmt::format("expected {}, but the line ends", what));
+}
+
+bool equals_ignoring_case(std::string_view word, std::string_view lower) {
+    return std::equal(word.begin(), word.end(), lower.begin(), lower.end(), [](char a, char b) {
+        return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b;
+    });
+}
 
 namespace {
 

@@ -1,8 +1,6 @@
-#include "io/npy.hpp"
+#include "io/field_files.hpp"
 
 #include "core/text.hpp"
-#include "io/description.hpp"
-#include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 
 #include <clsdf/error.hpp>

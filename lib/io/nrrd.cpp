@@ -1,5 +1,4 @@
 #include "core/text.hpp"
-#include "io/description.hpp"
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 

@@ -2,8 +2,6 @@
 #include "core/text.hpp"
 #include "io/field_files.hpp"
 #include "io/mesh_files.hpp"
-#include "io/npy.hpp"
-#include "io/text_scanner.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/io.hpp>

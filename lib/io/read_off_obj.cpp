@@ -1,6 +1,5 @@
 #include "core/text.hpp"
 #include "io/mesh_files.hpp"
-#include "io/text_scanner.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,5 @@
 #include "core/large_memory.hpp"
 #include "io/mesh_files.hpp"
-#include "io/text_scanner.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

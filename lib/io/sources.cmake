@@ -7,9 +7,8 @@ target_sources(
   clsdf_io
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/description.cpp
           ${CMAKE_CURRENT_LIST_DIR}/field_files.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/h5_read.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/h5_write.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/hdf5.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5_read.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/hdf5_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_old_format.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy.cpp
@@ -20,10 +19,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp
           ${CMAKE_CURRENT_LIST_DIR}/read_stl.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/text_scanner.cpp
           ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_WITH_OPENVDB}>,vdb_write,vdb_absent>.cpp
           $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
-          ${CMAKE_CURRENT_LIST_DIR}/vdb_seal.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vti_write.cpp)
 target_include_directories(clsdf_io PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

@@ -1,7 +1,5 @@
-#include "io/description.hpp"
 #include "io/field_files.hpp"
 #include "io/vdb.hpp"
-#include "io/vdb_seal.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/version.hpp>

@@ -1,4 +1,3 @@
-#include "io/description.hpp"
 #include "io/field_files.hpp"
 #include "io/raw_values.hpp"
 

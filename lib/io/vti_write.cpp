@@ -1,4 +1,3 @@
-#include "io/description.hpp"
 #include "io/field_files.hpp"
 
 #include <clsdf/error.hpp>

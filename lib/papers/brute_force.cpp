@@ -1,7 +1,6 @@
-#include "papers/brute_force.hpp"
+#include "papers/scans.hpp"
 
 #include "core/parallel.hpp"
-#include "papers/slice_scan.hpp"
 #include "scan/layout_of.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +29,7 @@ std::size_t rows_of_item(KernelBody body) {
 }
 
 scan::ProgramSource finish_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant) {
-    return slices_source(programs, "slices_finish.cl", {variant, false});
+    return slices_source(programs, {variant, false});
 }
 
 cl::Program program_of(device::Context& context, const scan::ProgramSource& source,

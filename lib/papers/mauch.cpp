@@ -1,4 +1,4 @@
-#include "papers/mauch.hpp"
+#include "papers/pieces.hpp"
 
 #include "core/parallel.hpp"
 #include "polyhedra/face_order.hpp"

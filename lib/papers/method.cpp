@@ -2,10 +2,8 @@
 #include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
-#include "papers/brute_force.hpp"
-#include "papers/mauch.hpp"
-#include "papers/peikert_sigg.hpp"
-#include "papers/slice_scan.hpp"
+#include "papers/pieces.hpp"
+#include "papers/scans.hpp"
 #include "scan/layout_of.hpp"
 
 #include <fmt/format.h>
@@ -99,13 +97,10 @@ public:
 
     std::vector<cl::Program> build(device::Context& context, const scan::Programs& programs,
                                    const scan::BrickVariant& variant, const device::BuildWatch& watch) const override {
-        std::vector<cl::Program> result;
-        for (const char* file : slice_files)
-            result.push_back(slices_program(context, programs, file, {variant, has_one_pass()}, watch));
-        return result;
+        return {slices_program(context, programs, {variant, has_one_pass()}, watch)};
     }
 
-    std::size_t step_count() const override { return slice_files.size() + (has_one_pass() ? 1 : 2); }
+    std::size_t step_count() const override { return has_one_pass() ? 2 : 3; }
 
 private:
     bool has_one_pass() const { return options_.slice_minimum == SliceMinimum::one_pass; }

@@ -1,4 +1,4 @@
-#include "papers/peikert_sigg.hpp"
+#include "papers/pieces.hpp"
 
 #include "core/parallel.hpp"
 #include "papers/gap_tests.hpp"

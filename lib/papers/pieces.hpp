@@ -1,7 +1,12 @@
 #pragma once
 
-#include "piece.h"
+#include "papers/convex_polyhedron.hpp"
 #include "polyhedra/frames.hpp"
+#include "polyhedra/records.hpp"
+
+#include "piece.h"
+
+#include <clsdf/mesh.hpp>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -155,5 +160,70 @@ private:
 /// what that mixes of both within the slack about the face; each by itself holds what docs/method.md, 'Why nothing is
 /// lost', asks of it.
 ConvexPieces leaned_pieces(std::span<const Polyhedron> polyhedra, double half_width, double slack, const Layout& grid);
+
+/// The bounding polyhedra as Peikert & Sigg published them. They are not exact (docs/method.md, 'Why the published
+/// polyhedra are not exact'): they are here to be compared with.
+/// The slab of the half width about a triangle, cut by the bisector planes of the dihedral angles at its edges.
+struct BisectorPolyhedron {
+    std::uint32_t triangle = 0;  ///< index in the mesh
+    polyhedra::Vector normal;
+    double half_width = 0;
+    // By edge; edge k runs from the triangle's vertex k to the next:
+    std::array<polyhedra::Vector, 3> corners;   ///< where the edge begins
+    std::array<polyhedra::Vector, 3> bisector;  ///< unit normal of its lateral plane, pointing outward
+    std::array<double, 3> shift{};              ///< how far gap closing moved the plane outward
+
+    bool contains(const polyhedra::Vector& point) const;
+};
+
+/// The remedy for a gap: the lateral planes at a vertex moved outward until every polyhedron there has `vertex + point`
+/// and `vertex - point` within its two.
+struct GapClosing {
+    std::uint32_t vertex = 0;
+    polyhedra::Vector point;
+};
+
+struct BisectorPolyhedra {
+    std::vector<BisectorPolyhedron> polyhedra;  ///< of each triangle with three different vertices, in the mesh's order
+    std::vector<GapClosing> closings;           ///< of the vertices at which the published test fails
+};
+
+/// Where an edge does not have exactly one other face, or one that is folded onto the triangle, the lateral plane is
+/// perpendicular to the triangle. `half_width` > 0 in the mesh's units.
+BisectorPolyhedra peikert_sigg_polyhedra(const Mesh& mesh, double half_width, bool close_gaps = true);
+
+struct PeikertSiggPieces {
+    UninitializedVector<Polyhedron> polyhedra;  ///< for the distances alone: without slopes
+    ConvexPieces pieces;                        ///< one a polyhedron
+    std::size_t closed_gaps = 0;                ///< vertices at which the published test fails
+};
+
+/// The polyhedra that Peikert & Sigg published, for a band of `half_width` units. They are not
+/// widened: CLSDF_PIECE_SLACK repairs none of their errors.
+PeikertSiggPieces peikert_sigg_pieces(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width,
+                                      bool close_gaps, const Layout& grid);
+
+struct MauchPieces {
+    UninitializedVector<Polyhedron> polyhedra;  ///< of the triangles, for the distances alone: no slopes
+    ConvexPieces pieces;
+    std::size_t towers = 0;
+    std::size_t wedges = 0;
+    std::size_t cones = 0;
+    std::size_t boxes = 0;  ///< of degenerate triangles
+
+    std::size_t count() const { return towers + wedges + cones + boxes; }
+};
+
+/// Mauch's polyhedra (S. Mauch, Efficient Algorithms for Solving Static Hamilton-Jacobi Equations, 2003), for a band of
+/// `half_width` units: a tower on both sides of each face, a wedge at each edge, a cone at each vertex, each with the
+/// distance to its own site. They are the sites' normal cones (docs/method.md, 'What an exact polyhedron must
+/// contain'), and therefore exact for every set of triangles, not only for closed surfaces: at an edge the one sector,
+/// at a vertex the one cone whose directions lead away from all faces there. An edge whose faces are in one plane has
+/// none, nor has a vertex whose neighbours surround it.
+///
+/// A face too degenerate for its walls to be known within CLSDF_PIECE_SLACK gets a box with the distance to the nearest
+/// of its seven sites instead, which does for its edges and vertices too.
+MauchPieces mauch_pieces(const Mesh& mesh, const polyhedra::LatticeView& lattice, double half_width,
+                         const Layout& grid);
 
 }  // namespace clsdf::papers

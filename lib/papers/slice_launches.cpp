@@ -1,4 +1,4 @@
-#include "papers/slice_scan.hpp"
+#include "papers/scans.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "papers/slice_scan.hpp"
+#include "papers/scans.hpp"
 
 #include "scan/prefix_sums.hpp"
 
@@ -144,16 +144,17 @@ private:
     }
 
     void make_kernels(device::Context& context, const Programs& programs, const PreparedPieces& mesh) {
-        active_kernel_ = cl::Kernel(slices_program(context, programs, "slices_active.cl", variant_), "slices_active");
+        const cl::Program program = slices_program(context, programs, variant_);
+        active_kernel_ = cl::Kernel(program, "slices_active");
         active_kernel_.setArg(active_layout, layout_);
         active_kernel_.setArg(active_count, static_cast<cl_uint>(piece_count_));
         active_kernel_.setArg(active_pieces, *mesh.pieces);
-        scan_kernel_ = cl::Kernel(slices_program(context, programs, "slices_scan.cl", variant_), "slices_scan");
+        scan_kernel_ = cl::Kernel(program, "slices_scan");
         scan_kernel_.setArg(scan_layout, layout_);
         scan_kernel_.setArg(scan_pieces, *mesh.pieces);
         scan_kernel_.setArg(scan_planes, *mesh.planes);
         scan_kernel_.setArg(scan_polyhedra, *mesh.polyhedra);
-        finish_kernel_ = cl::Kernel(slices_program(context, programs, "slices_finish.cl", variant_), "slices_finish");
+        finish_kernel_ = cl::Kernel(program, "slices_finish");
         finish_kernel_.setArg(finish_layout, layout_);
     }
 
@@ -313,20 +314,19 @@ SliceShape slice_shape(KernelBody body) {
     return body == KernelBody::by_vector ? SliceShape{1, 8} : SliceShape{64, 64};
 }
 
-scan::ProgramSource slices_source(const scan::ProgramSources& programs, const char* kernel_file,
-                                  const SliceVariant& variant) {
+scan::ProgramSource slices_source(const scan::ProgramSources& programs, const SliceVariant& variant) {
     // Rows of a piece are short: a vector is one brick's at most.
     const std::size_t lanes = std::min<std::size_t>(programs.lanes, CLSDF_BRICK);
     const SliceShape shape = slice_shape(programs.body);
-    return {kernel_file,
+    return {"slices.cl",
             fmt::format("{} -DGROUP={} -DBATCH={}{}{}", programs.common_options(lanes), shape.group, shape.batch,
                         options_of(variant.brick), variant.key_64 ? " -DKEY_64" : ""),
             kernels::files};
 }
 
-cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const char* kernel_file,
-                           const SliceVariant& variant, const device::BuildWatch& watch) {
-    const scan::ProgramSource source = slices_source(programs, kernel_file, variant);
+cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const SliceVariant& variant,
+                           const device::BuildWatch& watch) {
+    const scan::ProgramSource source = slices_source(programs, variant);
     return context.program(source.kernel_file, source.options, watch, source.files);
 }
 

@@ -3,7 +3,7 @@
 
 #include "core/parallel.hpp"
 #include "papers/convex_polyhedron.hpp"
-#include "papers/peikert_sigg.hpp"
+#include "papers/pieces.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/gaps.hpp"
 #include "polyhedra/slopes.hpp"

@@ -6,15 +6,12 @@ target_sources(
   clsdf_picture
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/camera.cpp
           ${CMAKE_CURRENT_LIST_DIR}/canvas.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/colours.cpp
           ${CMAKE_CURRENT_LIST_DIR}/panel.cpp
           ${CMAKE_CURRENT_LIST_DIR}/plane.cpp
           ${CMAKE_CURRENT_LIST_DIR}/scene.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_pictures.cpp
           ${CMAKE_CURRENT_LIST_DIR}/surface_pictures.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/surface_shading.cpp
           ${CMAKE_CURRENT_LIST_DIR}/text.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/traced_samples.cpp
           ${CMAKE_CURRENT_LIST_DIR}/tracer.cpp)
 # The renderer's kernel is one of the library's; it and the host share kernels/render.h.
 target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

@@ -5,11 +5,196 @@
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clsdf::picture {
+
+namespace {
+
+struct Range {
+    float lower = std::numeric_limits<float>::infinity();
+    float upper = -std::numeric_limits<float>::infinity();
+    bool negative = false;
+    std::size_t first_not_a_number = std::numeric_limits<std::size_t>::max();
+};
+
+Range range_of(std::span<const float> values) {
+    using Block = tbb::blocked_range<std::size_t>;
+    return tbb::parallel_reduce(
+        Block(0, values.size()), Range{},
+        [&](const Block& block, Range range) {
+            for (std::size_t i = block.begin(); i < block.end(); ++i) {
+                const float value = values[i];
+                if (std::isnan(value)) range.first_not_a_number = std::min(range.first_not_a_number, i);
+                range.negative = range.negative || (std::signbit(value) && !std::isnan(value));
+                if (!std::isfinite(value)) continue;
+                range.lower = std::min(range.lower, value);
+                range.upper = std::max(range.upper, value);
+            }
+            return range;
+        },
+        [](const Range& one, const Range& other) {
+            return Range{std::min(one.lower, other.lower), std::max(one.upper, other.upper),
+                         one.negative || other.negative, std::min(one.first_not_a_number, other.first_not_a_number)};
+        });
+}
+
+// The least distance of a value beyond the band from the band's limit, in voxels. If the band has only an outside, -0
+// inside must become a number below zero.
+constexpr double clearly = 1e-6;
+
+}  // namespace
+
+TracedSamples::TracedSamples(const Field& field)
+    : field_(field),
+      voxel_(field.grid.voxel()),
+      inside_(-static_cast<float>(field.band.inside)),
+      outside_(static_cast<float>(field.band.outside)) {
+    field.grid.validate();
+    field.band.validate();
+    const Index3& size = field.grid.size;
+    if (field.distance.size() != field.grid.sample_count())
+        throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",
+                                                             field.distance.size(), field.grid.sample_count()));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (size[axis] < 2 || size[axis] > std::numeric_limits<std::int32_t>::max())
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("render: the field has {} samples along {}; a surface needs 2 or more on every "
+                                    "axis, and less than 2^31; draw a flat field with \"clsdf slice\"",
+                                    size[axis], "xyz"[axis]));
+    const Range range = range_of(field.distance);
+    if (range.first_not_a_number < field.distance.size()) {
+        const auto index = static_cast<std::int64_t>(range.first_not_a_number);
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("render: the field's sample ({}, {}, {}) is not a number, so there is no surface to "
+                                "follow; \"clsdf slice\" draws such fields",
+                                index % size[0], index / size[0] % size[1], index / size[0] / size[1]));
+    }
+    if (range.lower <= range.upper) {
+        lower_ = static_cast<double>(range.lower);
+        upper_ = static_cast<double>(range.upper);
+    }
+    is_inside_somewhere_ = range.negative;
+    // A file of another program may not state whether its distances have signs.
+    has_sign_ = field.sign == SignRule::automatic ? range.negative : field.sign != SignRule::none;
+    if (!has_sign_) inside_ = -std::numeric_limits<float>::infinity();
+}
+
+bool TracedSamples::has_surface(double level) const {
+    // If the band has only an outside, -0 means inside.
+    const bool has_below = level == 0 && has_sign_ ? is_inside_somewhere_ : lower_ < level;
+    return has_below && upper_ >= level;
+}
+
+float TracedSamples::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const float value = field_.distance[field_.grid.offset(i, j, k)];
+    return std::clamp(value, static_cast<float>(lower_), static_cast<float>(upper_));
+}
+
+double TracedSamples::continued(std::int64_t i, std::int64_t j, std::int64_t k, float own) const {
+    const bool is_inside = std::signbit(own) && has_sign_;
+    const double side = is_inside ? -1 : 1;
+    const double limit = side * static_cast<double>(is_inside ? inside_ : outside_);
+    double sum = 0;
+    int lines = 0;
+    double most = limit + voxel_;  // as seen from the band: distances are taken as positive
+    for (std::int64_t dz = -1; dz <= 1; ++dz)
+        for (std::int64_t dy = -1; dy <= 1; ++dy)
+            for (std::int64_t dx = -1; dx <= 1; ++dx) {
+                const Index3 step{dx, dy, dz};
+                const Index3 at{i, j, k};
+                bool has_near = step != Index3{};
+                bool has_far = has_near;
+                double squared = 0;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const std::int64_t size = field_.grid.size[axis];
+                    has_near = has_near && at[axis] + step[axis] >= 0 && at[axis] + step[axis] < size;
+                    has_far = has_far && at[axis] + 2 * step[axis] >= 0 && at[axis] + 2 * step[axis] < size;
+                    const double length = static_cast<double>(step[axis]) * field_.grid.spacing[axis];
+                    squared += length * length;
+                }
+                if (!has_near) continue;
+                const float near = value(i + dx, j + dy, k + dz);
+                if (!within(near)) continue;
+                most = std::min(most, side * static_cast<double>(near) + std::sqrt(squared));
+                if (!has_far) continue;
+                const float far = value(i + 2 * dx, j + 2 * dy, k + 2 * dz);
+                if (!within(far)) continue;
+                sum += side * (2 * static_cast<double>(near) - static_cast<double>(far));
+                ++lines;
+            }
+    const double mean = lines == 0 ? limit : sum / lines;
+    const double least = limit + (is_inside ? clearly * voxel_ : 0);
+    return side * std::max(least, std::min(mean, most));
+}
+
+void TracedSamples::write(std::int64_t first, std::int64_t last, std::span<float> values) const {
+    const auto& [nx, ny, nz] = field_.grid.size;
+    tbb::parallel_for(std::int64_t{0}, (last - first) * ny, [&, rows = ny, columns = nx](std::int64_t row) {
+        const std::int64_t j = row % rows;
+        const std::int64_t k = first + row / rows;
+        for (std::int64_t i = 0; i < columns; ++i) {
+            const float own = value(i, j, k);
+            const double drawn = within(own) ? static_cast<double>(own) : continued(i, j, k, own);
+            values[static_cast<std::size_t>(row * columns + i)] = static_cast<float>(drawn / voxel_);
+        }
+    });
+}
+
+std::array<double, 3> TracedSamples::slopes(std::int64_t slices, std::span<const float> values) const {
+    using Block = tbb::blocked_range<std::int64_t>;
+    using Slopes = std::array<double, 3>;
+    const std::int64_t columns = field_.grid.size[0];
+    const std::int64_t rows = field_.grid.size[1];
+    const std::int64_t strides[] = {1, columns, columns * rows};
+    const Slopes steepest = tbb::parallel_reduce(
+        Block(0, slices * rows), Slopes{},
+        [&](const Block& block, Slopes found) {
+            for (std::int64_t row = block.begin(); row < block.end(); ++row) {
+                const bool has_next[] = {false, row % rows + 1 < rows, row / rows + 1 < slices};
+                for (std::int64_t i = 0; i < columns; ++i)
+                    for (std::size_t axis = 0; axis < 3; ++axis) {
+                        if (axis == 0 ? i + 1 == columns : !has_next[axis]) continue;
+                        const std::int64_t at = row * columns + i;
+                        const double rise = static_cast<double>(values[static_cast<std::size_t>(at + strides[axis])]) -
+                                            static_cast<double>(values[static_cast<std::size_t>(at)]);
+                        found[axis] = std::max(found[axis], std::abs(rise));
+                    }
+            }
+            return found;
+        },
+        [](const Slopes& one, const Slopes& other) {
+            return Slopes{std::max(one[0], other[0]), std::max(one[1], other[1]), std::max(one[2], other[2])};
+        });
+    const Vec3& spacing = field_.grid.spacing;
+    return {steepest[0] * voxel_ / spacing[0], steepest[1] * voxel_ / spacing[1], steepest[2] * voxel_ / spacing[2]};
+}
+
+std::vector<TracedSamples::RowEnds> TracedSamples::rows_below(double level) const {
+    const auto& [nx, ny, nz] = field_.grid.size;
+    const auto limit = static_cast<float>(level);
+    const auto is_below = [&](float value) {
+        return value < limit || (level == 0 && has_sign_ && value == 0 && std::signbit(value));
+    };
+    std::vector<RowEnds> ends;
+    for (std::int64_t k = 0; k < nz; ++k)
+        for (std::int64_t j = 0; j < ny; ++j) {
+            const auto row =
+                std::span(field_.distance).subspan(field_.grid.offset(0, j, k), static_cast<std::size_t>(nx));
+            const auto first = std::find_if(row.begin(), row.end(), is_below);
+            if (first == row.end()) continue;
+            const auto last = std::find_if(row.rbegin(), row.rend(), is_below);
+            ends.push_back({{first - row.begin(), j, k}, nx - 1 - (last - row.rbegin())});
+        }
+    return ends;
+}
+
 namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{4} << 20U;  // of samples or hits that are handled at a time

@@ -6,9 +6,163 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
 #include <mutex>
 
 namespace clsdf::reference {
+
+namespace {
+
+constexpr std::size_t kept_findings = 10;
+
+/// The step from the float nearest to a distance to the next larger one.
+double ulp(double distance) {
+    const auto nearest = static_cast<float>(std::fabs(distance));
+    if (!std::isfinite(nearest)) {
+        return 0;
+    }
+    return static_cast<double>(std::nextafter(nearest, std::numeric_limits<float>::infinity())) -
+           static_cast<double>(nearest);
+}
+
+}  // namespace
+
+void Tally::append(const Tally& next) {
+    report.samples += next.report.samples;
+    report.band_samples += next.report.band_samples;
+    report.wrong_values += next.report.wrong_values;
+    report.wrong_signs += next.report.wrong_signs;
+    report.missed += next.report.missed;
+    report.leaked += next.report.leaked;
+    visit_outputs([](const char*, std::size_t& count, std::size_t of_next) { count += of_next; }, report.wrong_outputs,
+                  next.report.wrong_outputs);
+    report.max_error_voxels = std::max(report.max_error_voxels, next.report.max_error_voxels);
+    report.max_error_ulp = std::max(report.max_error_ulp, next.report.max_error_ulp);
+    squared_errors += next.squared_errors;
+    for (const CheckReport::Finding& finding : next.report.findings) {
+        if (report.findings.size() < kept_findings) {
+            report.findings.push_back(finding);
+        }
+    }
+}
+
+CheckReport Tally::finish() const {
+    CheckReport finished = report;
+    if (report.band_samples > 0) {
+        finished.rms_error_voxels = std::sqrt(squared_errors / static_cast<double>(report.band_samples));
+    }
+    return finished;
+}
+
+void Judge::Case::report(std::size_t& counter, std::string what) const {
+    ++counter;
+    if (tally.report.findings.size() < kept_findings) {
+        tally.report.findings.push_back({index, expected, static_cast<double>(found), std::move(what)});
+    }
+}
+
+Judge::Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options)
+    : truth_(truth), field_(field), options_(options), voxel_(field.grid.voxel()) {
+    if (!field.site.empty() || !field.gradient.empty()) {
+        sites_.emplace(truth.tree().mesh());
+    }
+}
+
+double Judge::tolerance(double distance) const {
+    return std::max(options_.tolerance_voxels * voxel_, options_.tolerance_ulp * ulp(distance));
+}
+
+float Judge::fill(bool inside) const {
+    const double width = half_width(field_.band, truth_.is_signed(), inside);
+    return static_cast<float>(truth_.is_signed() && inside ? -width : width);
+}
+
+void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) const {
+    const bool in_doubt =
+        truth.on_surface || truth.distance <= std::max(options_.sign_margin_voxels * voxel_, truth.rounding);
+    const double limit = half_width(field_.band, truth_.is_signed(), truth.inside);
+    const bool in_band = truth.distance <= limit;
+    const bool at_limit = std::isfinite(limit) && std::fabs(truth.distance - limit) <= tolerance(limit);
+    const std::size_t offset = field_.grid.offset(index[0], index[1], index[2]);
+    const Case sample{index,
+                      truth,
+                      offset,
+                      field_.distance[offset],
+                      in_band ? truth.signed_distance() : static_cast<double>(fill(truth.inside)),
+                      at_limit ? Case::Place::at_limit : (in_band ? Case::Place::in_band : Case::Place::beyond),
+                      !in_doubt,
+                      tally};
+
+    ++tally.report.samples;
+    tally.report.band_samples += in_band ? 1 : 0;
+    judge_sign(sample);
+    judge_distance(sample);
+    judge_outputs(sample);
+}
+
+void Judge::judge_sign(const Case& sample) const {
+    if (std::isnan(sample.found)) {
+        return;  // NaN, which has been counted
+    }
+    const bool negative = std::signbit(sample.found);
+    if (!truth_.is_signed()) {
+        if (negative) {
+            sample.report(sample.tally.report.wrong_signs, "negative in an unsigned field");
+        }
+    } else if (sample.sign_is_certain) {
+        if (negative != sample.truth.inside) {
+            sample.report(sample.tally.report.wrong_signs,
+                          sample.truth.inside ? "inside, but not negative" : "outside, but negative");
+        }
+    } else if (negative && sample.found == 0 && sample.found != fill(true)) {
+        sample.report(sample.tally.report.wrong_signs, "a zero distance written as -0");
+    }
+}
+
+void Judge::judge_distance(const Case& sample) const {
+    const double magnitude = std::fabs(static_cast<double>(sample.found));
+    const double error = std::fabs(magnitude - sample.truth.distance);
+    const double allowed = tolerance(sample.truth.distance);
+    // The sign has been judged, so a sample with the wrong sign is compared with the fill value of that side. An
+    // infinite half width has no fill value.
+    const bool on_found_side = std::signbit(sample.found);
+    const bool is_fill = std::isfinite(fill(on_found_side)) && sample.found == fill(on_found_side);
+
+    const bool measured = sample.place == Case::Place::in_band || (sample.place == Case::Place::at_limit && !is_fill);
+    if (sample.truth.distance <= half_width(field_.band, truth_.is_signed(), sample.truth.inside) && measured &&
+        std::isfinite(error)) {
+        sample.tally.report.max_error_voxels = std::max(sample.tally.report.max_error_voxels, error / voxel_);
+        sample.tally.squared_errors += (error / voxel_) * (error / voxel_);
+        if (sample.truth.distance > voxel_ && ulp(sample.truth.distance) > 0) {
+            sample.tally.report.max_error_ulp =
+                std::max(sample.tally.report.max_error_ulp, error / ulp(sample.truth.distance));
+        }
+    }
+
+    switch (sample.place) {
+        case Case::Place::in_band:
+            if (error <= allowed) {
+                return;
+            }
+            if (is_fill) {
+                sample.report(sample.tally.report.missed, "in the band, but with the fill value");
+            } else {
+                sample.report(sample.tally.report.wrong_values, "in the band, with another distance");
+            }
+            return;
+        case Case::Place::at_limit:
+            if (!(error <= allowed) && !is_fill) {
+                sample.report(sample.tally.report.wrong_values, "at the band's limit, with another distance");
+            }
+            return;
+        case Case::Place::beyond:
+            if (!is_fill) {
+                sample.report(sample.tally.report.leaked, "beyond the band, but not with the fill value");
+            }
+            return;
+    }
+}
 
 namespace {
 

@@ -2,8 +2,8 @@
 #include <clsdf/reference.hpp>
 
 #include "core/moved_from.hpp"
-#include "ray_counter.hpp"
-#include "triangle_frame.hpp"
+#include "triangle.hpp"
+#include "triangle_tree.hpp"
 
 #include <fmt/format.h>
 

@@ -5,13 +5,10 @@ add_library(clsdf::reference ALIAS clsdf_reference)
 set_target_properties(clsdf_reference PROPERTIES EXPORT_NAME reference)
 target_sources(
   clsdf_reference
-  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/triangle_frame.cpp
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/triangle.cpp
           ${CMAKE_CURRENT_LIST_DIR}/triangle_tree.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/exact_geometry.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/ray_counter.cpp
           ${CMAKE_CURRENT_LIST_DIR}/oracle.cpp
           ${CMAKE_CURRENT_LIST_DIR}/true_samples.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/judge.cpp
           ${CMAKE_CURRENT_LIST_DIR}/judge_outputs.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh_sites.cpp
           ${CMAKE_CURRENT_LIST_DIR}/check.cpp

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "exact_geometry.hpp"
-#include "triangle_frame.hpp"
+#include "triangle.hpp"
 
 #include <clsdf/reference.hpp>
 
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace clsdf::reference {
@@ -37,6 +37,19 @@ public:
 private:
     struct State;
     std::unique_ptr<State> state_;
+};
+
+/// Counts what rays along +x cross, exactly. Constant functions may be called from several threads at once.
+class RayCounter {
+public:
+    /// The tree must outlive the counter.
+    explicit RayCounter(const TriangleTree& tree) : tree_(tree) {}
+
+    /// For each point (x[i], y, z), x ascending: the crossings of the ray from there along +x; nullopt on the surface.
+    std::vector<std::optional<RayCount>> count_along_row(std::span<const double> x, double y, double z) const;
+
+private:
+    const TriangleTree& tree_;
 };
 
 }  // namespace clsdf::reference

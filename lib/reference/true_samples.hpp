@@ -2,8 +2,7 @@
 
 #include <clsdf/field.hpp>
 
-#include "exact_geometry.hpp"
-#include "ray_counter.hpp"
+#include "triangle.hpp"
 #include "triangle_tree.hpp"
 
 namespace clsdf::reference {

@@ -2,8 +2,7 @@
 // text and NAME.options are the options that clBuildProgram gets. scripts/gpu-compile and the test without_inlining
 // read them.
 #include "device/kernel_text.hpp"
-#include "papers/brute_force.hpp"
-#include "papers/slice_scan.hpp"
+#include "papers/scans.hpp"
 #ifdef CLSDF_TEST_PICTURE
 #include "picture/tracer.hpp"
 #endif
@@ -54,9 +53,7 @@ std::vector<scan::ProgramSource> sources_of_gpus() {
         for (const scan::BrickVariant& variant : scan::every_variant()) {
             sources.push_back(papers::brute_force_source(programs, variant));
             for (const bool key_64 : {false, true})
-                for (const char* file : papers::slice_files)
-                    if (variant.nearest || !key_64)
-                        sources.push_back(papers::slices_source(programs, file, {variant, key_64}));
+                if (variant.nearest || !key_64) sources.push_back(papers::slices_source(programs, {variant, key_64}));
         }
     }
 #ifdef CLSDF_TEST_PICTURE

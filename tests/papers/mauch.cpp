@@ -1,5 +1,5 @@
-#include "papers/mauch.hpp"
 #include "papers/exact.hpp"
+#include "papers/pieces.hpp"
 #include "scan/layout_of.hpp"
 #include "support/hostile_meshes.hpp"
 

@@ -1,4 +1,4 @@
-#include "papers/peikert_sigg.hpp"
+#include "papers/pieces.hpp"
 #include "papers/scanned.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/test_meshes.hpp"

@@ -1,5 +1,5 @@
-#include "papers/peikert_sigg.hpp"
-#include "papers/slice_scan.hpp"
+#include "papers/pieces.hpp"
+#include "papers/scans.hpp"
 #include "polyhedra/awkward_meshes.hpp"
 #include "polyhedra/pointwise.hpp"
 

@@ -1,4 +1,4 @@
-#include "papers/peikert_sigg.hpp"
+#include "papers/pieces.hpp"
 
 #include "papers/random_fans.hpp"
 

@@ -1,7 +1,6 @@
 #include <clsdf/picture.hpp>
 
 #include "picture/canvas.hpp"
-#include "picture/colours.hpp"
 #include "picture/example.hpp"
 #include "picture/rasters.hpp"
 #include "picture/text.hpp"

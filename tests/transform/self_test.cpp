@@ -194,7 +194,7 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
           "nearest = better ? chosen[n] + (chosen[n] == 3) : nearest"}},
         {"a row too few",
          slices(vector_body, false, false, false),
-         {"slices_scan.cl", "int end = layout.first[1] + (int)(LESSER(high, last) - first) + 1",
+         {"slices.cl", "int end = layout.first[1] + (int)(LESSER(high, last) - first) + 1",
           "int end = layout.first[1] + (int)(LESSER(high, last) - first)"}},
         {"a wrong counter",
          bricks(vector_body, true, true),

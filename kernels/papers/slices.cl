@@ -1,3 +1,70 @@
+// The scan by slices, in three kernels: slices_active lists the pieces that cut each slice, slices_scan finds the least
+// key of each sample, slices_finish writes the values.
+//
+// Compile-time options: GROUP, BATCH; LANES, 8 or 1 (lanes.h): samples of a row at a time; NEAREST and KEY_64
+// (slices.h); LONG_BRICKS (distance.h); COUNT counts work.
+
+#include "frame.h"
+#include "piece.h"
+#include "signed_distance.h"
+#include "slices.h"
+
+// The pieces that cut each slice, by count, scan, fill: no other slice of a piece is ever looked at.
+//
+// Each work-item takes a contiguous range of pieces and counts into a histogram of its own, so that no atomics are
+// needed and the lists are in the order of the pieces, whatever the number of work-items:
+//   counts[(slice - the part's first) * parts + part], scanned, is where a part's entries of a slice begin.
+
+// Slices [begin, end) of the lattice. With `fill` 0 it counts; with 1 it writes (piece, slice), `counts` being where
+// each part's entries begin, `base` entries before the first of `active`.
+__kernel void slices_active(Layout layout, uint count, __global const Piece* pieces, int begin, int end,
+                            __global uint* counts, __global uint2* active, uint base, int fill) {
+    const uint part = get_global_id(0), parts = get_global_size(0);
+    const uint last = (uint)((ulong)count * (part + 1) / parts);
+    for (uint i = (uint)((ulong)count * part / parts); i < last; ++i) {
+        const int slice_end = min(pieces[i].slice_end, end);
+        for (int slice = max(pieces[i].slice_begin, begin); slice < slice_end; ++slice) {
+            const uint slot = counts[(size_t)(slice - layout.first[2]) * parts + part]++;
+            if (fill) active[slot - base] = (uint2)(i, as_uint(slice));
+        }
+    }
+}
+
+// The values of whole slices from their keys: the distance with its sign where it lies in the band, else the fill.
+
+// Slices [first_slice, end_slice) of the lattice are those that the keys hold. Global size: (samples of x, rows of y,
+// slices), or more.
+__kernel void slices_finish(Layout layout, int first_slice, int end_slice, KEY_PARAMETERS,
+                            __global const uint* sign_bits, __global float* distance
+#ifdef NEAREST
+                            ,
+                            __global uint* triangle
+#endif
+#ifdef COUNT
+                            ,
+                            __global uint* band_samples  // of each slice of the part
+#endif
+) {
+    const int x = get_global_id(0), y = get_global_id(1), z = get_global_id(2);
+    if (x >= layout.size[0] || z >= end_slice - first_slice) return;
+    const uint2 key = square_and_triangle(KEY_ARGUMENTS, ((size_t)z * layout.size[1] + y) * layout.size[0] + x);
+    // The rows of sign bits cover whole bricks.
+    const int3 from_brick = vload3(0, layout.first) - vload3(0, layout.brick_first) * CLSDF_BRICK;
+    const int slice = first_slice - layout.first[2] + z;
+    const size_t bit_row = (size_t)(from_brick.z + slice) * (layout.bricks[1] * CLSDF_BRICK) + (from_brick.y + y);
+    const int bit = from_brick.x + x;
+    const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
+    const size_t at = ((size_t)slice * layout.size[1] + y) * layout.size[0] + x;
+    bool in_band;
+    distance[at] = signed_distance(layout, negative, as_float(key.x), &in_band);
+#ifdef NEAREST
+    triangle[at] = in_band ? key.y : CLSDF_NO_TRIANGLE;
+#endif
+#ifdef COUNT
+    if (in_band) atomic_inc(band_samples + slice);
+#endif
+}
+
 // The distance at every sample of the pieces that cut a slice, by seven sites or by the piece's own: the polygon in
 // which a piece cuts it gives the rows, the piece's half-spaces the samples of a row, and the least key of a sample
 // stays.
@@ -5,12 +72,6 @@
 // A group takes BATCH entries of the active list, and its work-items their rows, so that a large polygon is shared
 // among them. Offsets are those of the sample's brick: a sample and a triangle have the same distance as in the scan by
 // bricks, within the accuracy; as in bricks_by_group.cl, to the last bit.
-//
-// Compile-time options: GROUP, BATCH; LANES, 8 or 1 (lanes.h): samples of a row at a time; NEAREST and KEY_64
-// (slices_key.h); LONG_BRICKS (distance.h); COUNT counts work.
-
-#include "site_distance.h"
-#include "slices_key.h"
 
 // Of all but the distances.
 #pragma OPENCL FP_CONTRACT OFF

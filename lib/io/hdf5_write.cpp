@@ -1,5 +1,4 @@
 #include "core/atomic_file.hpp"
-#include "io/description.hpp"
 #include "io/field_files.hpp"
 #include "io/hdf5.hpp"
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <clsdf/papers.hpp>
-
 #include "device/buffer_pool.hpp"
 #include "papers/pieces.hpp"
 #include "transform/field_method.hpp"
+
+#include <clsdf/papers.hpp>
 
 #include <array>
 #include <cstddef>
@@ -95,12 +95,10 @@ SliceShape slice_shape(KernelBody body);
 /// Of counters, one for each slice; blocks.
 std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count);
 
-/// The scan's programs, a kernel each.
-inline constexpr std::array slice_files{"slices_active.cl", "slices_scan.cl", "slices_finish.cl"};
-scan::ProgramSource slices_source(const scan::ProgramSources& programs, const char* kernel_file,
-                                  const SliceVariant& variant);
-cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const char* kernel_file,
-                           const SliceVariant& variant, const device::BuildWatch& watch = {});
+/// The program of the scan's three kernels.
+scan::ProgramSource slices_source(const scan::ProgramSources& programs, const SliceVariant& variant);
+cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const SliceVariant& variant,
+                           const device::BuildWatch& watch = {});
 
 /// Whether distance and triangle are one 64-bit number; without triangles the distances alone are the key, and 32 bits
 /// are enough. Throws Error(unsupported) if the device has no 64-bit atomics and `asked` needs them.
@@ -108,5 +106,12 @@ bool takes_64_bits(const device::Context& context, const Layout& layout, bool wi
 
 /// The scan by slices of PreparedPieces. Throws what takes_64_bits() does.
 std::unique_ptr<scan::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum);
+
+/// The distance at every sample to every triangle, on the device: exact, and a time that grows with their product. It
+/// gives the distance and the triangle.
+std::shared_ptr<const FieldMethod> make_brute_force();
+
+/// The program of the distances; slices_finish makes the outputs of them.
+scan::ProgramSource brute_force_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant);
 
 }  // namespace clsdf::papers
