@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -133,17 +134,19 @@ std::vector<Vec3> read_positions(const Triples& positions) {
 
 std::vector<Triangle> read_triangles(const Triples& triangles, const std::string& mesh_name) {
     std::vector<Triangle> result(triangles.count);
-    const auto store = [&](std::size_t i, const auto& numbers) {
-        for (std::size_t k = 0; k < 3; ++k)
-            result[i][k] = static_cast<std::uint32_t>(std::min<std::uint64_t>(numbers[k], no_index));
-    };
     if (triangles.type == NumberType::uint32) {
-        for_each_triple<std::uint32_t>(triangles, store);
+        for_each_triple<std::uint32_t>(triangles, [&](std::size_t i, const auto& numbers) { result[i] = numbers; });
         return result;
     }
-    for_each_triple<std::uint64_t>(triangles, store);
-    for (std::size_t t = 0; t < result.size(); ++t)
-        if (std::ranges::count(result[t], no_index) > 0) refuse_triangle(triangles, t, mesh_name);
+    std::atomic<std::size_t> first_refused = triangles.count;
+    for_each_triple<std::uint64_t>(triangles, [&](std::size_t i, const auto& numbers) {
+        for (std::size_t k = 0; k < 3; ++k) result[i][k] = static_cast<std::uint32_t>(numbers[k]);
+        if (std::max({numbers[0], numbers[1], numbers[2]}) < no_index) return;
+        std::size_t first = first_refused;
+        while (i < first && !first_refused.compare_exchange_weak(first, i)) {
+        }
+    });
+    if (first_refused < triangles.count) refuse_triangle(triangles, first_refused, mesh_name);
     return result;
 }
 

@@ -66,6 +66,20 @@ BOOST_AUTO_TEST_CASE(a_view_reads_the_callers_arrays_whatever_their_type) {
     check_is_the_tetrahedron(MeshView(float_corners, faces));
 }
 
+// Whichever core finds it first.
+BOOST_AUTO_TEST_CASE(the_first_index_that_is_out_of_range_is_named) {
+    const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    std::vector<std::array<std::uint64_t, 3>> wide(300'000, {0, 1, 2});
+    for (const std::size_t triangle : {299'999U, 180'007U, 70'001U, 180'008U})
+        wide[triangle][triangle % 3] = 0xFFFFFFFFU;
+    for (int run = 0; run < 10; ++run)
+        check_throws(ErrorCode::invalid_mesh, {"triangle 70001", "4294967295"},
+                     [&] { Mesh(MeshView(vertices, wide), "wide"); });
+    wide[70'001] = wide[180'007] = wide[180'008] = wide[299'999] = {2, 0, 1};
+    const Mesh mesh(MeshView(vertices, wide));
+    BOOST_TEST((mesh.triangles()[180'007] == Triangle{2, 0, 1}));
+}
+
 BOOST_AUTO_TEST_CASE(indices_of_64_bits_are_named_as_they_are) {
     std::vector<std::array<std::int64_t, 3>> wide{{0, 2, 1}, {0, 1, 5'000'000'000}};
     check_throws(ErrorCode::invalid_mesh, {"mesh: triangle 1", "index 5000000000"},
