@@ -24,7 +24,9 @@ std::vector<std::uint32_t> faces_of(const Frusta& frusta, const NearRecords& nea
     for (const RecordRange& range : near.sites)
         for (std::size_t site = range.begin; site < range.end; ++site)
             is_wanted[frusta.sites[site].face / ClusterIndex::cluster] = true;
+    const auto clusters = static_cast<std::size_t>(std::count(is_wanted.begin(), is_wanted.end(), true));
     std::vector<std::uint32_t> faces;
+    faces.reserve(clusters * ClusterIndex::cluster);
     for (std::size_t face = 0; face < face_count; ++face)
         if (is_wanted[face / ClusterIndex::cluster]) faces.push_back(static_cast<std::uint32_t>(face));
     return faces;
@@ -48,18 +50,18 @@ struct PartMaker {
 
 MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near) {
     const std::vector<std::uint32_t> faces = faces_of(frusta, near, topology.order.size());
-    std::vector<std::uint32_t> triangles, vertices;
-    for (const std::uint32_t face : faces) triangles.push_back(topology.order[face]);
+    // The lists are kept: their memory has just their size.
+    std::vector<std::uint32_t> triangles(faces.size()), vertices;
+    for_each_index(faces.size(), [&](std::size_t i) { triangles[i] = topology.order[faces[i]]; });
     std::sort(triangles.begin(), triangles.end());
     std::vector<bool> is_used(mesh.vertices().size());
     for (const std::uint32_t triangle : triangles)
         for (const std::uint32_t vertex : mesh.triangles()[triangle]) is_used[vertex] = true;
-    std::vector<Vec3> positions;
+    vertices.reserve(static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), true)));
     for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex)
-        if (is_used[vertex]) {
-            vertices.push_back(static_cast<std::uint32_t>(vertex));
-            positions.push_back(mesh.vertices()[vertex]);
-        }
+        if (is_used[vertex]) vertices.push_back(static_cast<std::uint32_t>(vertex));
+    std::vector<Vec3> positions(vertices.size());
+    for_each_index(vertices.size(), [&](std::size_t i) { positions[i] = mesh.vertices()[vertices[i]]; });
     const auto vertex_places = places_in(vertices, mesh.vertices().size());
     const auto triangle_places = places_in(triangles, mesh.triangles().size());
     std::vector<Triangle> of_part(triangles.size());

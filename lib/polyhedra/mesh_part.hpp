@@ -21,7 +21,8 @@ struct MeshPart {
 };
 
 /// Whole clusters of faces (ClusterIndex) and whole groups of point sites, so that clusters and groups of the part are
-/// those of the whole. To the faces those of the point sites' vertices are added. `mesh`: with its present positions.
+/// those of the whole. Ranges of faces may overlap; those of the point sites' vertices are added. `mesh`: with its
+/// present positions.
 MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near);
 
 /// As mesh.move(), without a look at the triangles. `topology`: the mesh's.

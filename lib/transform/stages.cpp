@@ -105,11 +105,16 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
         restriction.half_width = half_width;
         restriction.spacing = spacing;
         // Up to the grid's outermost coarse bricks and the slack of their tests, which is far less than a sample.
-        Box needed = widened(box, half_width * (1 + 1e-3) + (CLSDF_COARSE + 1) * spacing);
-        const polyhedra::NearRecords with_records = index().near(needed);
-        restriction.record_count = with_records.face_count + with_records.site_count;
-        if (sign != SignRule::none) needed.lower[0] = -std::numeric_limits<double>::infinity();
-        polyhedra::NearRecords near = index().near(needed);
+        polyhedra::NearRecords near =
+            index().near(widened(box, half_width * (1 + 1e-3) + (CLSDF_COARSE + 1) * spacing));
+        restriction.record_count = near.face_count + near.site_count;
+        if (sign != SignRule::none) {
+            // The sweep's rows are those of the grid's bricks: see near_rows().
+            Box rows = widened(box, (CLSDF_BRICK + 1) * spacing);
+            rows.lower[0] = -std::numeric_limits<double>::infinity();
+            const polyhedra::NearRecords crossed = index().near(rows);
+            near.faces.insert(near.faces.end(), crossed.faces.begin(), crossed.faces.end());
+        }
         if (near.faces.empty()) near.faces.push_back({0, 1});  // a mesh has a triangle
         polyhedra::MeshPart part = polyhedra::part_of(mesh_, topology(), frusta(), near);
         restriction.numbers = std::move(part.triangles);
