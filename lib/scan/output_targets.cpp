@@ -52,7 +52,7 @@ Error misuse(const std::string& what) {
 /// Sets the element of a target, and throws if there is no way to such elements.
 void resolve_element(const OutputRow& row, Element natural, OutputTarget& target) {
     if (target.element == Element::automatic) target.element = natural;
-    const bool has_both = row.element == OutputRow::real && row.bit != 0;  // not the distance
+    const bool has_both = row.element == OutputRow::real;
     const bool is_real = target.element == Element::float32 || target.element == Element::float64;
     if (target.element == natural || (has_both && is_real)) return;
     throw Error(ErrorCode::unsupported,
@@ -66,6 +66,11 @@ std::ptrdiff_t width_of(Element element) {
 
 bool is_in_double(const OutputTarget& target) {
     return target.element == Element::float64;
+}
+
+/// Whether the elements that are computed are doubles.
+bool is_computed_in_double(const OutputRow& row, const OutputTarget& target) {
+    return is_in_double(target) && !is_widened(row, target);
 }
 
 /// Bytes of the samples, which lie side by side.
@@ -101,7 +106,7 @@ ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& t
     if (lowest < 0 || highest > static_cast<double>(bytes))
         throw misuse(
             fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
-                        "strides, and its memory holds {}",
+                        "strides, and its memory holds {} bytes",
                         row.name, lowest, highest, bytes));
     const auto is_whole = [&](std::ptrdiff_t length) { return length % width == 0; };
     if (!is_whole(static_cast<std::ptrdiff_t>(target.offset)) || !is_whole(target.component_stride) ||
@@ -145,6 +150,13 @@ Outputs outputs_of(const OutputTargets& targets) {
     return outputs;
 }
 
+Outputs outputs_of(const HostArrays& arrays) {
+    Outputs outputs;
+    for_each_extra([](const OutputRow&, const HostArray& array, bool& wanted) { wanted = array.is_wanted; }, arrays,
+                   outputs);
+    return outputs;
+}
+
 HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid)
     : HostTargets(targets, grid, "the grid has {} samples") {}
 
@@ -158,8 +170,8 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const c
             resolve_element(row, natural.element, target);
             const bool is_packed = resolve_strides(row, grid, target);
             check_host_memory(row, grid, owner, target, is_packed);
-            are_packed_ = are_packed_ && is_packed;
-            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
+            are_packed_ = are_packed_ && is_packed && !is_widened(row, target);
+            array = {true, is_computed_in_double(row, target), static_cast<std::byte*>(target.host) + target.offset};
         },
         targets_, elements, arrays_);
 }
@@ -231,10 +243,10 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
     for_each_output(
         [&](const OutputRow& row, const OutputTarget& target, const HostArray& array) {
             if (!target.is_given()) return;
-            const auto element = static_cast<std::size_t>(width_of(target.element));
-            const std::size_t sample = element * row.components;
+            const std::size_t sample = row.sample_bytes(array.in_double), element = sample / row.components;
             const bool is_row_packed = target.strides[0] == static_cast<std::ptrdiff_t>(sample) &&
-                                       (row.components == 1 || target.component_stride == width_of(target.element));
+                                       (row.components == 1 || target.component_stride == width_of(target.element)) &&
+                                       !is_widened(row, target);
             std::byte* const first = static_cast<std::byte*>(target.host) + target.offset;
             for_each_index(rows_of_slice * static_cast<std::size_t>(count[2]), [&](std::size_t number) {
                 const Index3 at{begin[0], begin[1] + static_cast<std::int64_t>(number % rows_of_slice),
@@ -246,6 +258,15 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
                     to += static_cast<std::ptrdiff_t>(at[axis] - grid_.first[axis]) * target.strides[axis];
                 if (is_row_packed) {
                     std::memcpy(to, from, width * sample);
+                    return;
+                }
+                if (is_widened(row, target)) {
+                    for (std::size_t x = 0; x < width; ++x, to += target.strides[0], from += element) {
+                        float value = 0;
+                        std::memcpy(&value, from, sizeof value);
+                        const auto widened = static_cast<double>(value);
+                        std::memcpy(to, &widened, sizeof widened);
+                    }
                     return;
                 }
                 for (std::size_t x = 0; x < width; ++x, to += target.strides[0])
@@ -265,17 +286,9 @@ void HostTargets::store_row(std::size_t first, std::size_t count, const HostArra
 
 namespace {
 
-/// The buffer from `offset` on.
-cl::Buffer buffer_from(const OutputRow& row, const cl::Buffer& buffer, std::size_t offset, std::size_t bytes,
-                       const device::Context& context) {
+/// The buffer from `offset` on, which is aligned.
+cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t bytes) {
     if (offset == 0) return buffer;
-    const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
-    if (offset % alignment != 0)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format("the target of the output {} begins at byte {} of its buffer; the device can only begin "
-                        "at multiples of {}; make a plan of requests, which copies",
-                        row.name, offset, alignment));
     cl::Buffer parent = buffer;
     if (const auto whole = buffer.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>(); whole() != nullptr) {
         offset += buffer.getInfo<CL_MEM_OFFSET>();
@@ -285,23 +298,11 @@ cl::Buffer buffer_from(const OutputRow& row, const cl::Buffer& buffer, std::size
     return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
-/// Memory of the caller's that is too small, or of another context, would be written past, or fail later and less
-/// clearly.
+/// Memory of another context would fail later and less clearly.
 void check_context(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
     if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
         throw misuse(fmt::format("the target of the output {} belongs to another OpenCL context than the plan's device",
                                  row.name));
-}
-
-void check_device_memory(const OutputRow& row, const OutputTarget& target, const cl::Memory& memory, std::size_t needed,
-                         const device::Context& context) {
-    check_context(row, memory, context);
-    const std::size_t bytes = memory.getInfo<CL_MEM_SIZE>();
-    if (bytes < target.offset || bytes - target.offset < needed)
-        throw misuse(
-            fmt::format("the target of the output {} holds {} bytes from byte {} on, and the grid's samples "
-                        "need {}",
-                        row.name, bytes - std::min(bytes, target.offset), target.offset, needed));
 }
 
 }  // namespace
@@ -310,12 +311,14 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
     : targets_(targets) {
     require_distance(targets);
     OutputBuffers buffers;
-    bool is_in_place = true;
     const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
     const PerOutput<ElementOf> elements;
     for_each_output(
         [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array, cl::Buffer& buffer) {
-            if (!target.is_given()) return;
+            if (!target.is_given()) {
+                target = {};
+                return;
+            }
             if (target.device == nullptr)
                 throw Error(ErrorCode::unsupported,
                             fmt::format("the target of the output {} is memory of the host, and this call writes to "
@@ -327,55 +330,33 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
             const cl::Buffer memory(target.device, true);
             check_context(row, memory, context);
             range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
-            array = {true, is_in_double(target), nullptr};
-            if (is_in_double(target)) buffers.in_double |= row.bit;
-            is_in_place = is_in_place && is_packed && target.offset % alignment == 0;
-            if (is_in_place) buffer = buffer_from(row, memory, target.offset, packed_bytes(row, target, grid), context);
+            array = {true, is_computed_in_double(row, target), nullptr};
+            if (array.in_double) buffers.in_double |= row.bit;
+            if (!why_not_in_place_.empty()) return;
+            if (!is_packed)
+                why_not_in_place_ = fmt::format("{} has strides", row.name);
+            else if (is_widened(row, target))
+                why_not_in_place_ = fmt::format("{} has doubles", row.name);
+            else if (target.offset % alignment != 0)
+                why_not_in_place_ = fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
+                                                row.name, target.offset, alignment);
+            else
+                buffer = buffer_from(memory, target.offset, packed_bytes(row, target, grid));
         },
         targets_, elements, arrays_, buffers);
-    if (is_in_place) in_place_ = buffers;
+    if (why_not_in_place_.empty()) in_place_ = buffers;
 }
 
-OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
-                             const device::Context& context) {
-    require_distance(targets);
-    for_each_extra(
-        [](const OutputRow& row, const OutputTarget& target, bool is_expected) {
-            if (target.is_given() == is_expected) return;
-            throw misuse(is_expected ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
-                                                   "memory, or plan without",
-                                                   row.name)
-                                     : fmt::format("{0} has a target, and the plan was made without; plan with "
-                                                   "Outputs{{.{0} = true}}",
-                                                   row.name));
-        },
-        targets, expected);
-    OutputBuffers buffers;
-    OutputTargets resolved = targets;
+DeviceTargets::DeviceTargets(const Outputs& outputs, const Grid& grid)
+    : arrays_(arrays_for(outputs)), in_place_(OutputBuffers()) {
     const PerOutput<ElementOf> elements;
     for_each_output(
-        [&](const OutputRow& row, OutputTarget& target, const auto& natural, cl::Buffer& buffer) {
-            if (!target.is_given()) return;
-            if (target.device == nullptr)
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the target of the output {} is memory of the host, and a plan writes to the "
-                                        "device's; use DistanceTransform::compute",
-                                        row.name));
+        [&](const OutputRow& row, OutputTarget& target, const auto& natural, const HostArray& array) {
+            if (!array.is_wanted) return;
             resolve_element(row, natural.element, target);
-            if (!resolve_strides(row, grid, target))
-                throw Error(
-                    ErrorCode::unsupported,
-                    fmt::format("the target of the output {} has strides, which a plan of one grid cannot write "
-                                "to; make a plan of requests, or give it a packed buffer",
-                                row.name));
-            const cl::Buffer memory(target.device, true);
-            const std::size_t bytes = packed_bytes(row, target, grid);
-            check_device_memory(row, target, memory, bytes, context);
-            buffer = buffer_from(row, memory, target.offset, bytes, context);
-            if (is_in_double(target)) buffers.in_double |= row.bit;
+            resolve_strides(row, grid, target);
         },
-        resolved, elements, buffers);
-    return buffers;
+        targets_, elements, arrays_);
 }
 
 }  // namespace clsdf::scan

@@ -8,11 +8,19 @@
 #include "scan/slab_pipeline.hpp"
 
 #include <optional>
+#include <string>
 
 namespace clsdf::scan {
 
 /// The outputs that have a target.
 Outputs outputs_of(const OutputTargets& targets);
+/// The outputs that are asked for.
+Outputs outputs_of(const HostArrays& arrays);
+
+/// The samples are computed as floats, and the target gets doubles of the same values.
+inline bool is_widened(const OutputRow& row, const OutputTarget& target) {
+    return row.bit == 0 && target.element == OutputTarget::Element::float64;
+}
 
 /// The caller's host memory for a grid. Throws Error(invalid_argument) if the distance has none, or if memory is too
 /// small, and Error(unsupported) for what cannot be written to yet.
@@ -25,7 +33,7 @@ public:
 
     /// Whether the samples of every output are packed, so that they can be computed in place.
     bool are_packed() const { return are_packed_; }
-    /// The packed arrays; of others only that they are asked for, and their elements.
+    /// The packed arrays; of others only that they are asked for, and the elements that are computed.
     const HostArrays& arrays() const { return arrays_; }
 
     /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are
@@ -53,22 +61,23 @@ OutputTargets on_host(const OutputTargets& targets, std::size_t points, const de
 class DeviceTargets {
 public:
     DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context);
+    /// Without memory yet: packed, with the elements of PerOutput, in place.
+    DeviceTargets(const Outputs& outputs, const Grid& grid);
 
-    /// With all elements and strides set.
+    /// With all elements and strides set; empty for outputs that are not asked for.
     const OutputTargets& targets() const { return targets_; }
-    /// Which outputs are asked for, and their elements, without memory.
+    /// Which outputs are asked for, and the elements that are computed, without memory.
     const HostArrays& arrays() const { return arrays_; }
     /// The targets, if the device can write a packed field there in place.
     const std::optional<OutputBuffers>& in_place() const { return in_place_; }
+    /// The name of the output that needs a copy, and why; empty if none does.
+    const std::string& why_not_in_place() const { return why_not_in_place_; }
 
 private:
     OutputTargets targets_;
     HostArrays arrays_;
     std::optional<OutputBuffers> in_place_;
+    std::string why_not_in_place_;
 };
-
-/// The caller's packed device memory for a grid; throws as HostTargets does. expected: those that a plan computes.
-OutputBuffers device_buffers(const OutputTargets& targets, const Grid& grid, const Outputs& expected,
-                             const device::Context& context);
 
 }  // namespace clsdf::scan

@@ -192,25 +192,6 @@ bool DistanceTransform::compile(const Grid& grid, const Band& band, const Output
     return is_tested;
 }
 
-Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
-                             const CallOptions& call) const {
-    State& state = this->state();
-    const std::scoped_lock lock(state.mutex);
-    transform::Compiling compiling(call, state.options.log);
-    state.compile(grid, band, outputs, call.count, compiling);
-    const Stopwatch watch;
-    transform::Inputs inputs = state.inputs(grid, band, outputs, true);
-    const double seconds = watch.seconds();
-    auto made = state.make_plan(std::move(inputs), grid, band, outputs, {}, call, compiling);
-    made->statistics.polyhedra_seconds = seconds;
-    state.report(compiling, made->statistics);
-    if (call.statistics != nullptr) *call.statistics = made->statistics;
-    Plan plan(std::move(made));
-    device::guarded(
-        [&] { device::context_of(state.device).queue().finish(); });  // errors of the set-up's commands are thrown here
-    return plan;
-}
-
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
                                        const scan::HostTargets& targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);

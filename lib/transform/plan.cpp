@@ -1,21 +1,15 @@
 #include "transform/plan_state.hpp"
 
 #include "core/keep.hpp"
-#include "core/moved_from.hpp"
 #include "core/stopwatch.hpp"
 #include "device/has_ended.hpp"
 #include "scan/brick_scan.hpp"
 #include "scan/layout_of.hpp"
-#include "scan/output_targets.hpp"
 #include "scan/programs.hpp"
 #include "scan/sign_sweep.hpp"
 #include "transform/field_method.hpp"
 
-#include <fmt/format.h>
-
-namespace clsdf {
-
-namespace transform {
+namespace clsdf::transform {
 
 PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs,
                      Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
@@ -119,43 +113,4 @@ void PlanState::read_times(const cl::CommandQueue& queue) {
     statistics.fill_seconds = seconds(after_launches_, last_);
 }
 
-}  // namespace transform
-
-Plan::Plan(std::unique_ptr<transform::PlanState> state) : state_(std::move(state)) {}
-Plan::Plan(Plan&&) noexcept = default;
-Plan& Plan::operator=(Plan&&) noexcept = default;
-Plan::~Plan() = default;
-
-transform::PlanState& Plan::state() const {
-    return held_by(state_, "Plan");
-}
-
-const Grid& Plan::grid() const {
-    return state().grid;
-}
-const Band& Plan::band() const {
-    return state().band;
-}
-SignRule Plan::sign() const {
-    return state().sign;
-}
-const TransformStatistics& Plan::statistics() const {
-    return state().statistics;
-}
-
-cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
-    transform::PlanState& state = this->state();
-    return device::guarded([&] {
-        const scan::OutputBuffers buffers =
-            scan::device_buffers(targets, state.grid, state.outputs, device::context_of(state.device));
-        std::vector<cl::Event> events;
-        for (cl_event event : wait_list) events.emplace_back(event, true);
-        const cl::CommandQueue target =
-            queue != nullptr ? cl::CommandQueue(queue, true) : device::context_of(state.device).callers_queue();
-        const cl::Event last = state.enqueue(target, buffers, events, {});
-        clRetainEvent(last());
-        return last();
-    });
-}
-
-}  // namespace clsdf
+}  // namespace clsdf::transform

@@ -4,13 +4,10 @@
 #include "core/moved_from.hpp"
 #include "core/stopwatch.hpp"
 #include "device/has_ended.hpp"
-#include "device/host_filling.hpp"
-#include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/programs.hpp"
 #include "scan/slabs.hpp"
-#include "stored_box.h"
-#include "transform/self_test.hpp"
+#include "transform/stored_boxes.hpp"
 #include "transform/transform_state.hpp"
 
 #include <fmt/format.h>
@@ -27,125 +24,19 @@ namespace transform {
 
 namespace {
 
-enum StoreArgument : cl_uint {
-    store_boxes,
-    store_row,
-    store_slice,
-    store_components,
-    store_element_bytes,
-    store_from,
-    store_to
-};
-
-// Rows of a work-group. On a GPU 32 work-items store a row together.
-constexpr std::size_t group_rows = 8, pieces_of_gpu = 32;
-
-struct StoreRange {
-    cl::NDRange all, group;
-};
-
-StoreRange store_range(const device::Context& context, std::size_t rows, std::size_t boxes) {
-    const std::size_t pieces = context.capabilities().is_processor ? 1 : pieces_of_gpu;
-    return {cl::NDRange(pieces, in_whole_groups(rows, group_rows), boxes), cl::NDRange(pieces, group_rows, 1)};
-}
-
 template <typename>
 using BytesOf = std::size_t;
 /// The boxes that go to each of the caller's buffers.
 template <typename>
 using BoxesOf = std::map<cl_mem, std::vector<StoredBox>>;
 
-/// The samples that a block and a request have in common; nothing if there are none.
-std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, const OutputTarget& target) {
-    StoredBox box{};
-    Index3 in_block{};
-    box.to = static_cast<std::int64_t>(target.offset);
-    box.component_stride = target.component_stride;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::int64_t begin = std::max(block.first[axis], request.first[axis]);
-        const std::int64_t end =
-            std::min(block.first[axis] + block.size[axis], request.first[axis] + request.size[axis]);
-        if (begin >= end) return std::nullopt;
-        in_block[axis] = begin - block.first[axis];
-        box.size[axis] = static_cast<std::int32_t>(end - begin);
-        box.strides[axis] = target.strides[axis];
-        box.to += (begin - request.first[axis]) * target.strides[axis];
-    }
-    box.from = static_cast<std::int64_t>(block.offset(in_block[0], in_block[1], in_block[2]));
-    return box;
-}
-
-cl::Kernel store_kernel(const cl::Program& program, const cl::Buffer& boxes, const Grid& block, std::size_t components,
-                        std::size_t element_bytes, const cl::Buffer& from, const cl::Buffer& to) {
-    cl::Kernel kernel(program, "store_boxes");
-    kernel.setArg(store_boxes, boxes);
-    kernel.setArg(store_row, static_cast<cl_int>(block.size[0]));
-    kernel.setArg(store_slice, static_cast<cl_long>(block.size[0] * block.size[1]));
-    kernel.setArg(store_components, static_cast<cl_int>(components));
-    kernel.setArg(store_element_bytes, static_cast<cl_int>(element_bytes));
-    kernel.setArg(store_from, from);
-    kernel.setArg(store_to, to);
-    return kernel;
-}
-
-/// Boxes of numbers, of elements of each width, to targets with strides.
-std::optional<std::string> run_store_test(const Device& device, const cl::Program& program) {
-    const device::Context& context = device::context_of(device);
-    const cl::CommandQueue& queue = context.queue();
-    Grid block, request;
-    block.size = {11, 6, 5};
-    request.first = {2, 1, -1};
-    request.size = {40, 4, 4};
-    constexpr std::size_t components = 3, copies = 2;
-    for (const std::size_t width : {std::size_t{1}, std::size_t{4}, std::size_t{8}}) {
-        const auto stride = static_cast<std::ptrdiff_t>(width);
-        OutputTarget target;
-        target.offset = 7 * width;
-        target.strides = {2 * stride, 90 * stride, 400 * stride};
-        target.component_stride = 1800 * stride;
-        StoredBox box = *stored_box(block, request, target);
-        std::vector<StoredBox> boxes(1, box);
-        box.to += 6000 * stride;
-        boxes.push_back(box);
-        std::vector<unsigned char> from(block.sample_count() * components * width), to(12000 * width, 0);
-        for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<unsigned char>(1 + i * 7 % 251);
-        std::vector<unsigned char> expected = to;
-        for (std::size_t copy = 0; copy < copies; ++copy)
-            for (int z = 0; z < box.size[2]; ++z)
-                for (int y = 0; y < box.size[1]; ++y)
-                    for (int x = 0; x < box.size[0]; ++x)
-                        for (std::size_t c = 0; c < components; ++c) {
-                            const std::size_t sample =
-                                static_cast<std::size_t>(boxes[copy].from) + block.offset(x, y, z);
-                            const std::int64_t place = boxes[copy].to + x * box.strides[0] + y * box.strides[1] +
-                                                       z * box.strides[2] +
-                                                       static_cast<std::int64_t>(c) * box.component_stride;
-                            std::copy_n(from.begin() + static_cast<std::ptrdiff_t>((sample * components + c) * width),
-                                        width, expected.begin() + place);
-                        }
-        const cl::Buffer samples = device::copied(context, from), of_boxes = device::copied(context, boxes);
-        const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size(), to.data());
-        const cl::Kernel kernel = store_kernel(program, of_boxes, block, components, width, samples, memory);
-        const StoreRange range = store_range(context, 16, copies);
-        queue.enqueueNDRangeKernel(kernel, cl::NullRange, range.all, range.group);
-        queue.enqueueReadBuffer(memory, CL_TRUE, 0, to.size(), to.data());
-        if (to != expected) return fmt::format("elements of {} bytes are stored in wrong places", width);
-    }
-    return std::nullopt;
-}
-
 }  // namespace
 
-bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch) {
-    return device::guarded([&] {
-        const cl::Program program = programs.store(device::context_of(device), watch);
-        return test_once(device, {"stored boxes", {program}}, watch, [&] { return run_store_test(device, program); });
-    });
-}
-
-RequestPlanState::RequestPlanState(Device device_in, std::vector<Request> requests_in)
+RequestPlanState::RequestPlanState(Device device_in, std::vector<Request> requests_in,
+                                   std::shared_ptr<device::BufferPool> pool_in)
     : device(std::move(device_in)),
-      pool(std::make_shared<device::BufferPool>(device::shared_context_of(device))),
+      has_own_pool(pool_in == nullptr),
+      pool(has_own_pool ? std::make_shared<device::BufferPool>(device::shared_context_of(device)) : std::move(pool_in)),
       requests(std::move(requests_in)) {}
 
 RequestPlanState::~RequestPlanState() {
@@ -154,7 +45,7 @@ RequestPlanState::~RequestPlanState() {
     if (code == CL_SUCCESS || code == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return;
     // The plans of the parts cannot tell either, and keep what is theirs.
     keep_for_good(samples_);
-    keep_for_good(boxes_);
+    for (Part& part : parts_) keep_for_good(part.stores);
 }
 
 void RequestPlanState::make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets) {
@@ -178,73 +69,105 @@ void RequestPlanState::make_room(std::span<const Block> blocks, std::span<const 
 void RequestPlanState::add(const Block& block, std::unique_ptr<PlanState> plan, std::span<const DeviceTargets> targets,
                            const Programs& programs) {
     const std::vector<std::size_t>& chosen = block.batch->requests;
+    planned_ = targets.front().targets();
     if (block.in_place) {
-        parts_.push_back({std::move(plan), *targets[chosen.front()].in_place(), {}});
+        parts_.push_back({std::move(plan), true, *targets[chosen.front()].in_place(), {}});
         return;
     }
     const device::Context& context = device::context_of(device);
     const cl::Program program = programs.store(device::context_of(device));
-    Part part{std::move(plan), {}, {}};
+    Part part{std::move(plan), false, {}, {}};
     PerOutput<BoxesOf> all_boxes;
     for (const std::size_t n : chosen)
         for_each_output(
-            [&](const OutputRow&, const OutputTarget& target, auto& boxes) {
-                if (!target.is_given()) return;
+            [&](const OutputRow&, const OutputTarget& target, const HostArray& array, auto& boxes) {
+                if (!array.is_wanted) return;
                 if (const auto box = stored_box(block.grid, requests[n].grid, target))
                     boxes[target.device].push_back(*box);
             },
-            targets[n].targets(), all_boxes);
+            targets[n].targets(), targets[n].arrays(), all_boxes);
     for_each_output(
-        [&](const OutputRow& row, const HostArray& array, const device::BufferPool::Lease& lease, const auto& boxes,
-            cl::Buffer& buffer) {
+        [&](const OutputRow& row, const OutputTarget& any, const HostArray& array,
+            const device::BufferPool::Lease& lease, const auto& boxes, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             buffer = *lease;
             if (array.in_double) part.buffers.in_double |= row.bit;
-            const std::size_t element_bytes = row.sample_bytes(array.in_double) / row.components;
-            for (const auto& [memory, of_memory] : boxes) {
-                std::size_t rows = 0;
-                for (const StoredBox& box : of_memory)
-                    rows =
-                        std::max(rows, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
-                boxes_.push_back(device::copied(context, of_memory));
-                box_bytes_ += of_memory.size() * sizeof(StoredBox);
-                const StoreRange range = store_range(context, rows, of_memory.size());
-                part.stores.push_back({store_kernel(program, boxes_.back(), block.grid, row.components, element_bytes,
-                                                    *lease, cl::Buffer(memory, true)),
-                                       range.all, range.group});
-            }
+            const StoredElements elements{row.components, row.sample_bytes(array.in_double) / row.components,
+                                          is_widened(row, any)};
+            for (const auto& [memory, of_memory] : boxes)
+                part.stores.emplace_back(context, program, block.grid, elements, *lease, memory, of_memory);
         },
-        targets[chosen.front()].arrays(), samples_, all_boxes, part.buffers);
+        targets[chosen.front()].targets(), targets[chosen.front()].arrays(), samples_, all_boxes, part.buffers);
     parts_.push_back(std::move(part));
+}
+
+OutputBuffers RequestPlanState::set_targets(const OutputTargets& targets) {
+    const Grid& grid = requests.front().grid;
+    const DeviceTargets given(targets, grid, device::context_of(device));
+    const bool needs_copy = std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return !part.in_place; });
+    for_each_output(
+        [&](const OutputRow& row, const OutputTarget& planned, const OutputTarget& target, const HostArray& array) {
+            const bool is_planned = planned.element != OutputTarget::Element::automatic;
+            if (array.is_wanted != is_planned)
+                throw Error(ErrorCode::invalid_argument,
+                            is_planned ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
+                                                     "memory, or plan without",
+                                                     row.name)
+                                       : fmt::format("{0} has a target, and the plan was made without; plan with "
+                                                     "Outputs{{.{0} = true}}",
+                                                     row.name));
+            if (needs_copy && target.element != planned.element)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} has other elements than the plan was made for, "
+                                        "and the plan copies; make a plan of a request with such a target",
+                                        row.name));
+        },
+        planned_, given.targets(), given.arrays());
+    if (!needs_copy) {
+        if (given.in_place()) return *given.in_place();
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the target of the output {}, and the plan was made without memory to copy from; make "
+                                "it with DistanceTransform::plan(request)",
+                                given.why_not_in_place()));
+    }
+    for (Part& part : parts_) {
+        auto store = part.stores.begin();
+        for_each_output(
+            [&](const OutputRow&, const OutputTarget& target, const HostArray& array) {
+                if (array.is_wanted) (store++)->move(target.device, *stored_box(part.plan->grid, grid, target));
+            },
+            given.targets(), given.arrays());
+    }
+    return {};
 }
 
 void RequestPlanState::clear() {
     if (last_() != nullptr) device::guarded([&] { device::wait_for(last_); });
     is_whole = false;
     parts_.clear();
-    boxes_.clear();
-    box_bytes_ = 0;
     samples_ = {};
     statistics = {};
 }
 
 std::size_t RequestPlanState::own_bytes() const {
-    std::size_t bytes = box_bytes_;
+    std::size_t bytes = 0;
     for_each_output([&](const OutputRow&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
                     samples_);
-    for (const Part& part : parts_) bytes += part.plan->own_bytes();
+    for (const Part& part : parts_) {
+        bytes += part.plan->own_bytes();
+        for (const BoxStore& store : part.stores) bytes += store.bytes();
+    }
     return bytes;
 }
 
-cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before) {
+cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
+                                    const OutputBuffers* in_place) {
     if (!device::has_ended(last_)) before.push_back(last_);
     for (Part& part : parts_) {
-        last_ = part.plan->enqueue(queue, part.buffers, before, {});
+        last_ = part.plan->enqueue(queue, part.in_place && in_place != nullptr ? *in_place : part.buffers, before, {});
         CommandChain chain(queue, {last_});
-        for (Store& store : part.stores) {
-            chain.then([&](auto& target, auto* wait, auto* event) {
-                target.enqueueNDRangeKernel(store.kernel, cl::NullRange, store.range, store.group, wait, event);
-            });
+        for (BoxStore& store : part.stores) {
+            store.enqueue(chain);
             last_ = chain.last();  // which the next run and the destructor wait for, if what follows fails
         }
         before.assign(1, last_);
@@ -253,13 +176,36 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
     return last_;
 }
 
+namespace {
+
+/// For the caller, who releases the event.
+cl_event enqueue_run(RequestPlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list,
+                     const OutputBuffers* in_place) {
+    const cl::CommandQueue target =
+        queue != nullptr ? cl::CommandQueue(queue, true) : device::context_of(state.device).callers_queue();
+    std::vector<cl::Event> events;
+    for (cl_event event : wait_list) events.emplace_back(event, true);
+    const cl::Event last = state.enqueue(target, std::move(events), in_place);
+    clRetainEvent(last());
+    return last();
+}
+
+}  // namespace
+
 }  // namespace transform
 
 void DistanceTransform::State::plan(transform::RequestPlanState& made, const CallOptions& call) {
+    plan(made,
+         transform::device_targets_of(
+             made.requests, device::context_of(device),
+             [this](const Request& request) { stages->check_inside(request.grid, request.band); }),
+         call);
+}
+
+void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets,
+                                    const CallOptions& call) {
     const std::span<const Request> requests = made.requests;
     const device::Context& context = device::context_of(device);
-    const std::vector<scan::DeviceTargets> targets = transform::device_targets_of(
-        requests, context, [this](const Request& request) { stages->check_inside(request.grid, request.band); });
     std::vector<scan::HostArrays> arrays;
     for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays());
     const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, mesh().box());
@@ -276,16 +222,19 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, const Cal
     const std::scoped_lock lock(mutex);
     transform::throw_if_stopped(call);
     transform::Compiling compiling(call, options.log);
-    const Stopwatch compile_watch;
-    compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(1));
-    compiling.seconds = compile_watch.seconds();
+    if (!std::all_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.in_place; })) {
+        const Stopwatch compile_watch;
+        compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(1));
+        compiling.seconds = compile_watch.seconds();
+    }
+    made.sign = sign;
     made.make_room(blocks, targets);
     transform::Inputs inputs_of_batch;
     double polyhedra_seconds = 0;
     const transform::Batch* batch = nullptr;
     for (const transform::RequestPlanState::Block& block : blocks) {
         const Request& any = requests[block.batch->requests.front()];
-        const Outputs outputs = scan::outputs_of(any.targets);
+        const Outputs outputs = scan::outputs_of(targets[block.batch->requests.front()].arrays());
         if (block.batch != batch) {
             batch = block.batch;
             compile(batch->block, any.band, outputs, call.count, compiling);
@@ -305,12 +254,42 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, const Cal
         made.add(block, std::move(of_block), targets, programs);
     }
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
-    made.pool->release();
+    if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
     made.statistics.polyhedra_seconds = polyhedra_seconds;
     made.statistics.device_bytes = made.own_bytes();
     report(compiling, made.statistics);
     if (call.statistics != nullptr) *call.statistics = made.statistics;
+}
+
+Plan::Plan(std::unique_ptr<transform::RequestPlanState> state) : state_(std::move(state)) {}
+Plan::Plan(Plan&&) noexcept = default;
+Plan& Plan::operator=(Plan&&) noexcept = default;
+Plan::~Plan() = default;
+
+transform::RequestPlanState& Plan::state() const {
+    return held_by(state_, "Plan");
+}
+
+const Grid& Plan::grid() const {
+    return state().requests.front().grid;
+}
+const Band& Plan::band() const {
+    return state().requests.front().band;
+}
+SignRule Plan::sign() const {
+    return state().sign;
+}
+const TransformStatistics& Plan::statistics() const {
+    return state().statistics;
+}
+
+cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
+    transform::RequestPlanState& state = this->state();
+    return device::guarded([&] {
+        const scan::OutputBuffers in_place = state.set_targets(targets);
+        return transform::enqueue_run(state, queue, wait_list, &in_place);
+    });
 }
 
 RequestPlan::RequestPlan(std::unique_ptr<transform::RequestPlanState> state) : state_(std::move(state)) {}
@@ -336,15 +315,7 @@ cl_event RequestPlan::enqueue(cl_command_queue queue, std::span<const cl_event> 
         throw Error(ErrorCode::invalid_argument,
                     "the plan's last move() failed, so that it has nothing to compute with; move it again, or make a "
                     "new plan");
-    return device::guarded([&] {
-        const cl::CommandQueue target =
-            queue != nullptr ? cl::CommandQueue(queue, true) : device::context_of(state.device).callers_queue();
-        std::vector<cl::Event> events;
-        for (cl_event event : wait_list) events.emplace_back(event, true);
-        const cl::Event last = state.enqueue(target, std::move(events));
-        clRetainEvent(last());
-        return last();
-    });
+    return device::guarded([&] { return transform::enqueue_run(state, queue, wait_list, nullptr); });
 }
 
 void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
@@ -357,6 +328,31 @@ void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid>
     state.clear();
     for (std::size_t n = 0; n < grids.size(); ++n) state.requests[n].grid = grids[n];
     transform.state().plan(state, call);
+}
+
+Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
+                             const CallOptions& call) const {
+    State& state = this->state();
+    grid.validate();
+    band.validate();
+    state.stages->check_inside(grid, band);
+    auto made =
+        std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>{{grid, band, {}}}, state.pool);
+    const scan::DeviceTargets targets(outputs, grid);
+    state.plan(*made, {&targets, 1}, call);
+    return Plan(std::move(made));
+}
+
+Plan DistanceTransform::plan(const Request& request, const CallOptions& call) const {
+    State& state = this->state();
+    request.grid.validate();
+    request.band.validate();
+    state.stages->check_inside(request.grid, request.band);
+    const scan::DeviceTargets targets = device::guarded(
+        [&] { return scan::DeviceTargets(request.targets, request.grid, device::context_of(state.device)); });
+    auto made = std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>{request}, state.pool);
+    state.plan(*made, {&targets, 1}, call);
+    return Plan(std::move(made));
 }
 
 RequestPlan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {

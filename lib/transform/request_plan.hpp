@@ -5,6 +5,7 @@
 #include "core/per_output.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/requests.hpp"
+#include "transform/stored_boxes.hpp"
 
 #include <memory>
 #include <span>
@@ -12,15 +13,13 @@
 
 namespace clsdf::transform {
 
-/// Builds the program that stores boxes and, the first time on this device and driver version, tests it. Returns
-/// whether it was tested here. Throws Error(device_failure).
-bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch);
-
 /// The plans of the blocks that requests are computed by, one after the other, and the launches that take their samples
 /// to the targets. A block that is one request, in packed memory, is computed in place; others by way of memory that
 /// all share. For one thread at a time.
 struct RequestPlanState {
-    RequestPlanState(Device device_in, std::vector<Request> requests_in);
+    /// pool_in: for the plan's buffers; null: a pool of its own, whose free buffers the plan's next move takes.
+    RequestPlanState(Device device_in, std::vector<Request> requests_in,
+                     std::shared_ptr<device::BufferPool> pool_in = nullptr);
     /// Waits for what is under way: the buffers go back to the pool.
     ~RequestPlanState();
     RequestPlanState(const RequestPlanState&) = delete;
@@ -42,31 +41,34 @@ struct RequestPlanState {
     /// Device memory of this plan, without records that are shared with the transform.
     std::size_t own_bytes() const;
 
-    cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before);
+    /// Other targets for a plan of one request, from the next run on. Returns the buffers of that run, if it computes
+    /// in place. Throws as Plan::enqueue() does.
+    OutputBuffers set_targets(const OutputTargets& targets);
+
+    /// in_place: the buffers of blocks that are computed in place; null: those that they were added with.
+    cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
+                      const OutputBuffers* in_place = nullptr);
 
     Device device;
-    std::shared_ptr<device::BufferPool> pool;  ///< of this plan alone
+    bool has_own_pool;
+    std::shared_ptr<device::BufferPool> pool;
     std::vector<Request> requests;
+    SignRule sign = SignRule::none;
     TransformStatistics statistics;
     bool is_whole = false;  ///< all blocks have been added
 
 private:
-    /// A launch that stores boxes.
-    struct Store {
-        cl::Kernel kernel;
-        cl::NDRange range, group;
-    };
     struct Part {
         std::unique_ptr<PlanState> plan;
+        bool in_place;
         OutputBuffers buffers;
-        std::vector<Store> stores;
+        std::vector<BoxStore> stores;  ///< in the order of outputs
     };
     template <typename>
     using LeaseOf = device::BufferPool::Lease;
 
     PerOutput<LeaseOf> samples_;  ///< of a block
-    std::vector<cl::Buffer> boxes_;
-    std::size_t box_bytes_ = 0;
+    OutputTargets planned_;       ///< of the first request
     std::vector<Part> parts_;
     cl::Event last_;
 };

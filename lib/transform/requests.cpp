@@ -102,7 +102,8 @@ auto kind_of(const Request& request, const HostArrays& arrays) {
     for_each_extra([&](const OutputRow& row, const HostArray& array) { in_double |= array.in_double ? row.bit : 0; },
                    arrays);
     return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
-                      bits_of(outputs_of(request.targets)), in_double);
+                      bits_of(outputs_of(arrays)), in_double,
+                      request.targets.distance.element == OutputTarget::Element::float64);
 }
 
 /// make(request) for each of them, with its index in the message of what it throws.

@@ -9,5 +9,6 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/requests.cpp
           ${CMAKE_CURRENT_LIST_DIR}/self_test.cpp
           ${CMAKE_CURRENT_LIST_DIR}/stages.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/stored_boxes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/transform_state.cpp
           ${CMAKE_CURRENT_LIST_DIR}/vertices.cpp)

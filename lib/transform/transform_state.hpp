@@ -92,8 +92,9 @@ struct DistanceTransform::State {
                  bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
                  const CallOptions& call);
 
-    /// Makes the blocks of a plan that has none. (request_plan.cpp)
+    /// Makes the blocks of a plan that has none, for the targets of its requests. (request_plan.cpp)
     void plan(transform::RequestPlanState& made, const CallOptions& call);
+    void plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();

@@ -12,9 +12,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <limits>
 #include <random>
+#include <span>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 // The mesh, new positions, points and results lie in the caller's memory, on the host or on the device, in any layout;
@@ -283,7 +286,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_without_triangles_on_the_device_is_refused_like_one_
     const cl::Buffer buffer = buffer_of(vertices);
     const MeshView on_device(Triples(buffer(), NumberType::float64, 3), Triples(buffer(), NumberType::uint32, 0));
     check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [&] { DistanceTransform(test_device(), on_device); });
-    check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [&] { Mesh(MeshView(vertices, std::vector<Triangle>{})); });
+    check_throws(ErrorCode::invalid_mesh, {"no triangle"}, [&] { Mesh(MeshView(vertices, std::span<Triangle>())); });
 }
 
 BOOST_AUTO_TEST_CASE(no_points_need_no_memory) {
@@ -297,6 +300,75 @@ BOOST_AUTO_TEST_CASE(no_points_need_no_memory) {
     BOOST_CHECK_NO_THROW(transform.query(Triples(static_cast<const double*>(nullptr), 0), 1,
                                          {.distance = distance, .gradient = gradient}));
 }
+
+// Of grids, packed and with strides, of many boxes and of points; on the host and on the device.
+BOOST_AUTO_TEST_CASE(distances_in_double_have_the_values_of_floats) {
+    const Mesh mesh = tilted(make_shape("noisy"));
+    const Grid grid = grid_around(mesh, 30, 4);
+    const std::size_t count = grid.sample_count();
+    const DistanceTransform transform(test_device(), mesh);
+    const Band band{0, 3 * grid.voxel()};  // -0.0 in the inside
+    const Field field = transform(grid, band);
+    const std::vector<double> expected(field.distance.begin(), field.distance.end());
+    const auto is_expected = [&](const std::vector<double>& values, std::size_t step) {
+        for (std::size_t i = 0; i < count; ++i)
+            if (std::memcmp(&values[step * i], &expected[i], sizeof(double)) != 0) return false;
+        return true;
+    };
+    constexpr std::ptrdiff_t step = 2;
+    const auto spread = [&](OutputTarget target) {
+        const std::ptrdiff_t stride = step * static_cast<std::ptrdiff_t>(sizeof(double));
+        target.strides = {stride, stride * grid.size[0], stride * grid.size[0] * grid.size[1]};
+        return target;
+    };
+    std::vector<double> packed(count), apart(step * count, 7);
+    std::vector<float> floats(count);
+    transform.compute(grid, band, {.distance = packed});
+    transform.compute(grid, band, {.distance = spread(apart)});
+    BOOST_TEST(is_expected(packed, 1));
+    BOOST_TEST(is_expected(apart, step));
+    BOOST_TEST(apart[1] == 7);
+    const std::vector<Request> requests{{grid, band, {.distance = packed}},
+                                        {grid, band, {.distance = floats}},
+                                        {grid, band, {.distance = spread(apart)}}};
+    packed.assign(count, 7);
+    apart.assign(step * count, 7);
+    transform.compute(requests);
+    BOOST_TEST(is_expected(packed, 1));
+    BOOST_TEST(is_expected(apart, step));
+    BOOST_TEST(std::memcmp(floats.data(), field.distance.data(), count * sizeof(float)) == 0);
+
+    const cl::Buffer buffer = buffer_of(apart);
+    transform.compute(grid, band, {.distance = OutputTarget(buffer(), OutputTarget::Element::float64)});
+    BOOST_TEST(is_expected(contents_of<double>(buffer), 1));
+    transform.compute(grid, band, {.distance = spread(OutputTarget(buffer(), OutputTarget::Element::float64))});
+    BOOST_TEST(is_expected(contents_of<double>(buffer), step));
+
+    const std::vector<Vec3> points = points_around(mesh, 5000);
+    std::vector<float> at_points(points.size());
+    std::vector<double> in_double(points.size());
+    transform.query(points, 0.1, {.distance = at_points});
+    transform.query(points, 0.1, {.distance = in_double});
+    BOOST_TEST(in_double == std::vector<double>(at_points.begin(), at_points.end()), boost::test_tools::per_element());
+    transform.query(points, 0.1, {.distance = OutputTarget(buffer(), OutputTarget::Element::float64)});
+    std::vector<double> on_device = contents_of<double>(buffer);
+    on_device.resize(points.size());
+    BOOST_TEST((on_device == in_double));
+}
+
+// A view of a temporary container would dangle.
+static_assert(!std::is_constructible_v<Triples, std::vector<Vec3>>);
+static_assert(!std::is_constructible_v<Triples, const std::vector<Vec3>>);
+static_assert(!std::is_constructible_v<Triples, std::array<float, 6>>);
+static_assert(!std::is_constructible_v<MeshView, std::vector<Vec3>&, std::vector<Triangle>>);
+static_assert(!std::is_constructible_v<OutputTarget, std::vector<float>>);
+static_assert(std::is_constructible_v<Triples, std::vector<Vec3>&>);
+static_assert(std::is_constructible_v<Triples, const std::vector<Vec3>&>);
+static_assert(std::is_constructible_v<Triples, std::span<const Vec3>>);
+static_assert(std::is_constructible_v<Triples, std::initializer_list<Vec3>>);
+static_assert(std::is_constructible_v<MeshView, std::span<const float>, std::vector<Triangle>&>);
+static_assert(std::is_constructible_v<OutputTarget, std::vector<float>&>);
+static_assert(std::is_constructible_v<OutputTarget, std::span<double>>);
 
 // A double is the value that a float is rounded from.
 BOOST_AUTO_TEST_CASE(gradients_and_weights_in_double_round_to_those_in_float) {

@@ -274,10 +274,9 @@ BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
     const Band band = Band::full();
     DistanceTransform transform(test_device(), mesh);
     std::vector<float> distance(grid.sample_count());
-    std::vector<double> doubles(3 * grid.sample_count());
-    check_throws(ErrorCode::unsupported, {"output distance", "double", "float"},
-                 [&] { transform.compute(grid, band, {.distance = std::span(doubles).first(grid.sample_count())}); });
     std::vector<std::uint32_t> integers(3 * grid.sample_count());
+    check_throws(ErrorCode::unsupported, {"output distance", "uint32", "float or double"},
+                 [&] { transform.compute(grid, band, {.distance = std::span(integers).first(grid.sample_count())}); });
     check_throws(ErrorCode::unsupported, {"output gradient", "uint32", "float or double"},
                  [&] { transform.compute(grid, band, {.distance = distance, .gradient = integers}); });
     check_throws(ErrorCode::unsupported, {"output site", "float", "uint8"},
@@ -288,16 +287,12 @@ BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
     check_throws(ErrorCode::invalid_argument, {"output distance", "offset and strides"},
                  [&] { transform.compute(grid, band, {.distance = beyond}); });
     Plan plan = transform.plan(grid, band);
-    check_throws(ErrorCode::unsupported, {"output distance", "host", "compute"},
+    check_throws(ErrorCode::unsupported, {"output distance", "memory of the host"},
                  [&] { plan.enqueue(nullptr, {.distance = distance}); });
     const DeviceMemory memory(test_device().context(), grid.sample_count());
     OutputTargets mixed{.distance = distance};
     mixed.triangle = memory.handle();
     check_throws(ErrorCode::unsupported, {"host", "device"}, [&] { transform.compute(grid, band, mixed); });
-    OutputTarget strided = memory.handle();
-    strided.strides = {8, 64, 512};
-    check_throws(ErrorCode::unsupported, {"output distance", "strides"},
-                 [&] { plan.enqueue(nullptr, {.distance = strided}); });
     OutputTarget uneven = memory.handle();
     uneven.offset = 4;
     check_throws(ErrorCode::invalid_argument, {"output distance", "from byte 4"},

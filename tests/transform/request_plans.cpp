@@ -25,14 +25,15 @@ constexpr unsigned char blank = 0xAB;
 const device::Context& context() {
     return device::context_of(test_device());
 }
-cl::CommandQueue callers_queue(cl_command_queue_properties properties = 0) {
-    return {context().context(), context().device(), properties};
+cl::CommandQueue callers_queue(cl_command_queue_properties properties = 0, const Device& device = test_device()) {
+    return {device::context_of(device).context(), device::context_of(device).device(), properties};
 }
 
 /// A target in a buffer of its own, with room before and between the samples, and the bytes it should hold.
 class Target {
 public:
-    Target(const Grid& grid, std::size_t components, std::size_t element, Random& random) : element_(element) {
+    Target(const Device& device, const Grid& grid, std::size_t components, std::size_t element, Random& random)
+        : element_(element) {
         const auto width = static_cast<std::ptrdiff_t>(element);
         const bool is_packed = random.index(3) == 0, is_turned = random.index(2) == 0;
         const auto pad = [&] { return is_packed ? 0 : static_cast<std::ptrdiff_t>(random.index(3)); };
@@ -50,13 +51,25 @@ public:
         const std::size_t bytes =
             target.offset + static_cast<std::size_t>(stride) * (is_split ? components : 1) + 16 * element;
         expected.assign(bytes, blank);
-        memory_ = cl::Buffer(context().context(), CL_MEM_READ_WRITE, bytes);
+        memory_ = cl::Buffer(device::context_of(device).context(), CL_MEM_READ_WRITE, bytes);
         target.device = memory_();
         components_ = components;
     }
 
+    /// Distances are floats, and may be stored as doubles.
+    void expect(const Grid& grid, const FieldArray<float>& values) {
+        if (element_ == sizeof(float))
+            expect_elements(grid, values);
+        else
+            expect_elements(grid, std::vector<double>(values.begin(), values.end()));
+    }
     template <typename Values>
     void expect(const Grid& grid, const Values& values) {
+        expect_elements(grid, values);
+    }
+
+    template <typename Values>
+    void expect_elements(const Grid& grid, const Values& values) {
         static_assert(sizeof(values[0]) <= 8);
         BOOST_REQUIRE(sizeof(values[0]) == element_);
         std::fill(expected.begin(), expected.end(), blank);
@@ -99,15 +112,18 @@ struct Boxes {
         std::vector<Target> targets;  // distance, then those of the outputs
     };
     std::vector<Box> boxes;
+    Device device = test_device();
 
     void add(const Grid& grid, const Band& band, const Outputs& outputs, Random& random) {
         Box box{grid, band, outputs, {}};
-        box.targets.emplace_back(grid, 1, 4, random);
+        const bool in_double = random.index(3) == 0;
+        box.targets.emplace_back(device, grid, 1, in_double ? 8 : 4, random);
+        if (in_double) box.targets.front().target.element = OutputTarget::Element::float64;
         visit_extras(
             [&](const char* name, bool wanted) {
                 if (!wanted) return;
                 const std::string of(name);
-                box.targets.emplace_back(grid,
+                box.targets.emplace_back(device, grid,
                                          of == "barycentric"                   ? 2
                                          : of == "closest" || of == "gradient" ? 3
                                                                                : 1,
@@ -149,12 +165,12 @@ struct Boxes {
     }
 
     void clear() const {
-        const cl::CommandQueue queue = callers_queue();
+        const cl::CommandQueue queue = callers_queue(0, device);
         for (const Box& box : boxes)
             for (const Target& target : box.targets) target.clear(queue);
     }
     void check() const {
-        const cl::CommandQueue queue = callers_queue();
+        const cl::CommandQueue queue = callers_queue(0, device);
         for (std::size_t n = 0; n < boxes.size(); ++n)
             for (std::size_t t = 0; t < boxes[n].targets.size(); ++t)
                 BOOST_TEST_CONTEXT("request " << n << ", target " << t)
@@ -212,6 +228,73 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_writes_the_bytes_of_calls_of_their_own) {
         transform.compute(boxes.requests());
         boxes.check();
     }
+}
+
+// Packed and with strides, from any offset; on a device with little memory the box is computed in several blocks.
+BOOST_AUTO_TEST_CASE(a_plan_of_one_request_takes_other_targets_from_run_to_run) {
+    constexpr std::uint64_t seed = 20261122;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh mesh = make_shape("knot");
+    const Grid grid = grid_around(mesh, 100, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    for (const KernelBody body : both_bodies)
+        for (const bool is_small : {false, true}) {
+            const bool all = !is_small;
+            const Outputs outputs{true, true, all, all, all};
+            const Device device = is_small ? test_device().limited({.memory = std::size_t{6} << 20}) : test_device();
+            const DistanceTransform transform(device, mesh, {.body = body});
+            Boxes first{{}, device}, others{{}, device};
+            while (first.boxes.empty() || first.boxes.front().targets.front().target.offset == 0) {
+                first.boxes.clear();
+                first.add(grid, band, outputs, random);
+            }
+            const bool in_double = first.boxes.front().targets.front().target.element == OutputTarget::Element::float64;
+            while (others.boxes.size() < 3) {
+                others.add(grid, band, outputs, random);
+                const OutputTarget& target = others.boxes.back().targets.front().target;
+                if ((target.element == OutputTarget::Element::float64) != in_double) others.boxes.pop_back();
+            }
+            others.boxes.insert(others.boxes.begin(), first.boxes.front());
+            others.expect(DistanceTransform(test_device(), mesh, {.body = body}));
+            others.clear();
+            const std::vector<Request> requests = others.requests();
+            Plan plan = transform.plan(requests.front());
+            BOOST_TEST((plan.grid() == grid));
+            BOOST_TEST((plan.statistics().slabs > 1) == is_small);
+            const cl::CommandQueue queue = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, device);
+            std::vector<cl::Event> ends;
+            for (const Request& request : requests) ends.emplace_back(plan.enqueue(queue(), request.targets));
+            cl::Event::waitForEvents(ends);
+            others.check();
+        }
+}
+
+BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_one_grid_cannot_write_to_are_named) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 20, 2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    const DeviceMemory memory(test_device().context(), 3 * grid.sample_count());
+    Plan plan = transform.plan(grid, band);
+    OutputTarget strided = memory.handle(), shifted = memory.handle(),
+                 doubles(memory.handle(), OutputTarget::Element::float64);
+    const auto row = static_cast<std::ptrdiff_t>(sizeof(float)) * (grid.size[0] + 1);
+    strided.strides = {sizeof(float), row, row * grid.size[1]};
+    shifted.offset = sizeof(float);
+    for (const auto& [target, why] :
+         {std::pair(strided, "has strides"), std::pair(shifted, "begins at byte 4"), std::pair(doubles, "doubles")}) {
+        check_throws(ErrorCode::unsupported, {"output distance", why, "plan(request)"},
+                     [&] { plan.enqueue(nullptr, {.distance = target}); });
+    }
+    Plan copying = transform.plan({grid, band, {.distance = shifted}});
+    check_throws(ErrorCode::unsupported, {"output distance", "other elements"},
+                 [&] { copying.enqueue(nullptr, {.distance = doubles}); });
+    check_throws(ErrorCode::invalid_argument, {"triangle has a target"},
+                 [&] { copying.enqueue(nullptr, {.distance = shifted, .triangle = memory.handle()}); });
+    check_throws(ErrorCode::invalid_argument, {"no target"}, [&] { transform.plan({grid, band, {}}); });
+    cl::Event(copying.enqueue(nullptr, {.distance = strided})).wait();
+    cl::Event(plan.enqueue(nullptr, {.distance = memory.handle()})).wait();
 }
 
 BOOST_AUTO_TEST_CASE(runs_of_a_plan_of_boxes_follow_one_another_and_the_callers_events) {

@@ -136,7 +136,6 @@ struct SlabOptions {
 class DistanceTransform;
 
 namespace transform {
-struct PlanState;
 struct RequestPlanState;
 }  // namespace transform
 
@@ -157,16 +156,21 @@ public:
     /// Enqueues the field's computation into the caller's device memory on the caller's queue (null: the device's own),
     /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
     /// which the caller releases. May be called again at once, on any queue of the device's context: computations of a
-    /// plan follow one another. Throws Error(device_failure).
+    /// plan follow one another.
+    ///
+    /// The targets may change from call to call; the outputs are those of the plan. A plan of a grid and outputs writes
+    /// to packed and aligned memory. A plan of a request whose target needs a copy (OutputTarget) copies to targets of
+    /// any offset and strides, with elements as in the request. Throws Error(invalid_argument) for memory that is
+    /// missing, too small or of another context, Error(unsupported) for other targets, and Error(device_failure).
     cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
 
     const TransformStatistics& statistics() const;
 
 private:
     friend class DistanceTransform;
-    explicit Plan(std::unique_ptr<transform::PlanState> state);
-    transform::PlanState& state() const;
-    std::unique_ptr<transform::PlanState> state_;
+    explicit Plan(std::unique_ptr<transform::RequestPlanState> state);
+    transform::RequestPlanState& state() const;
+    std::unique_ptr<transform::RequestPlanState> state_;
 };
 
 /// Many boxes that are computed again and again into the caller's device memory: DistanceTransform::plan(). Holds its
@@ -250,6 +254,11 @@ public:
     /// Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for a buffer that the host may not
     /// read. After an error the positions are those of before.
     void move(const Triples& positions, std::span<const cl_event> wait_list = {});
+    /// The same of a temporary container.
+    template <detail::DyingArray Array>
+    void move(Array&& positions) {
+        move(Triples(positions));
+    }
 
     /// Moves the vertices to R x + t, a rigid motion. x are the positions of the mesh that the transform was made from,
     /// so errors do not add up over many motions. `rotation` has the rows of R. A coordinate is three multiplications
@@ -327,6 +336,11 @@ public:
     /// Error(unsupported) for a buffer that the host may not read or write; Error(cancelled).
     void query(const Triples& points, double within, const OutputTargets& targets, const CallOptions& call = {},
                std::span<const cl_event> wait_list = {}) const;
+    /// The same of a temporary container.
+    template <detail::DyingArray Array>
+    void query(Array&& points, double within, const OutputTargets& targets, const CallOptions& call = {}) const {
+        query(Triples(points), within, targets, call);
+    }
 
     /// Sets the place of each box, in the mesh's units: which patches of a refined mesh hold samples of a band, and on
     /// which side the others lie. A box is `near` if it is within half_width of the smallest box around a triangle, so
@@ -344,10 +358,14 @@ public:
     /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
-    /// The same for many boxes, as compute() has them, whose targets are buffers of the device's context: they must not
-    /// overlap, and must outlive the plan. A target may begin at any multiple of its elements' size and have any
-    /// strides; what is not packed, or shares a block with other boxes, is copied there from the plan's own memory.
-    /// Throws Error(invalid_argument, unsupported, out_of_memory or cancelled), with the request's index.
+    /// The same for targets like these, buffers of the device's context: each target may begin at any multiple of its
+    /// elements' size and have any strides. Targets that are not packed or not aligned, and distances in double, are
+    /// copied there from the plan's own memory. Also throws Error(unsupported).
+    Plan plan(const Request& request, const CallOptions& call = {}) const;
+
+    /// The same for many boxes, as compute() has them. The targets must not overlap, and must outlive the plan. Boxes
+    /// that share a block with other boxes are copied, too. Throws Error(invalid_argument, unsupported, out_of_memory
+    /// or cancelled), with the request's index.
     RequestPlan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
 
     /// The statistics().device_bytes of such a plan, which is made and given back. Takes as long as plan().

@@ -3,8 +3,10 @@
 #include <clsdf/export.hpp>
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <ranges>
 #include <string>
@@ -57,6 +59,18 @@ constexpr std::optional<NumberType> number_type() {
         if constexpr (std::tuple_size_v<Value> == 3) return number_type<typename Value::value_type>();
     return std::nullopt;
 }
+
+/// Arrays of numbers, or of triples of numbers.
+template <typename Array>
+concept NumberArray = std::ranges::contiguous_range<Array> && number_type<std::ranges::range_value_t<Array>>()
+.has_value();
+
+/// A temporary that owns its elements: a view of it would dangle. Views such as std::span own none. The elements of an
+/// initializer list live until the end of the calling expression.
+template <typename Array>
+concept DyingArray =
+    std::ranges::contiguous_range<Array> && !std::ranges::borrowed_range<Array> &&
+    !std::same_as<std::remove_cvref_t<Array>, std::initializer_list<std::ranges::range_value_t<Array>>>;
 }  // namespace detail
 
 /// Triples of numbers in the caller's memory, on the host or on the device: positions (x, y, z), or the vertex indices
@@ -75,16 +89,21 @@ struct Triples {
     static constexpr std::size_t unknown_size = static_cast<std::size_t>(-1);
 
     Triples() = default;
-    /// An array of triples (Vec3, Triangle, any std::array of three numbers), or of three numbers a triple.
-    template <std::ranges::contiguous_range Array>
-    requires(detail::number_type<std::ranges::range_value_t<Array>>().has_value())
-        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): any array of numbers
-        Triples(Array&& array)
+    /// An array of triples (Vec3, Triangle, any std::array of three numbers), or of three numbers a triple. A temporary
+    /// container does not compile: give it a name that lives as long as this.
+    template <detail::NumberArray Array>
+    // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): any array of numbers
+    Triples(Array&& array)
         : host(std::ranges::data(array)),
           type(*detail::number_type<std::ranges::range_value_t<Array>>()),
           bytes(std::ranges::size(array) * sizeof(std::ranges::range_value_t<Array>)) {
         count = bytes / (3 * number_bytes());
     }
+    template <detail::NumberArray Array>
+    requires detail::DyingArray<Array>
+    // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): as above
+    Triples(Array&& array)
+    = delete;
     /// Numbers at any distance from each other, for instance four floats a triple, or all x before all y.
     template <typename Value>
     requires(detail::number_type<Value>().has_value())

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clsdf/export.hpp>
+#include <clsdf/mesh.hpp>
 
 #include <array>
 #include <concepts>
@@ -70,12 +71,13 @@ void visit_outputs(const Visit& visit, Sets&&... sets) {
 
 /// The destination of an output: memory of the caller, on the host or on the device.
 ///
-/// The elements are those of PerOutput. Gradients and barycentric coordinates may also be stored as doubles, which are
-/// evaluated in double. The closest point may also be stored as floats: then it is the offset from the sample, whose
-/// accuracy does not depend on the size of the coordinates. Other elements are Error(unsupported).
+/// The elements are those of PerOutput. The distance may also be stored as doubles: they have the values of the floats,
+/// and cost a copy. Gradients and barycentric coordinates may also be stored as doubles, which are evaluated in double.
+/// The closest point may also be stored as floats: then it is the offset from the sample, whose accuracy does not
+/// depend on the size of the coordinates. Other elements are Error(unsupported).
 ///
-/// Samples are packed with x fastest unless strides are given. Strides cost a copy of the field; Plan::enqueue() has no
-/// memory to copy from and takes packed buffers only. Memory between the samples is not changed.
+/// Samples are packed with x fastest unless strides are given. Strides cost a copy of the field. Memory between the
+/// samples is not changed.
 struct OutputTarget {
     enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
 
@@ -83,8 +85,8 @@ struct OutputTarget {
     cl_mem device = nullptr;
     std::size_t bytes = 0;  ///< that host memory holds
     Element element = Element::automatic;
-    /// Bytes before the first sample, a multiple of the element's. For Plan::enqueue() a multiple of what buffers are
-    /// aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8); elsewhere others cost a copy of the field.
+    /// Bytes before the first sample, a multiple of the element's. In memory of the device, an offset that is no
+    /// multiple of what buffers are aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8) costs a copy of the field.
     std::size_t offset = 0;
     /// Bytes from a sample to the next one along x, y and z; zeros: packed.
     std::array<std::ptrdiff_t, 3> strides{};
@@ -92,14 +94,18 @@ struct OutputTarget {
     std::ptrdiff_t component_stride = 0;
 
     OutputTarget() = default;
-    /// An array of the caller's.
+    /// An array of the caller's. A temporary container does not compile.
     template <std::ranges::contiguous_range Array>
-    requires(!std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Array>>>)
+    requires(!detail::DyingArray<Array> &&
+             !std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Array>>>)
         // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): any array is a target
         OutputTarget(Array&& array)
         : host(std::ranges::data(array)),
           bytes(std::ranges::size(array) * sizeof(std::ranges::range_value_t<Array>)),
           element(element_of<std::ranges::range_value_t<Array>>()) {}
+    template <detail::DyingArray Array>
+    // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): as above
+    OutputTarget(Array&& array) = delete;
     /// Memory of the device, a buffer.
     // NOLINTNEXTLINE(google-explicit-constructor): a buffer is a target
     OutputTarget(cl_mem memory, Element element_in = Element::automatic) : device(memory), element(element_in) {}
