@@ -38,8 +38,10 @@ struct DeviceSetUp {
         if (values.empty()) return {};
         // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): `access` says what the device may do
         auto* const host = const_cast<void*>(static_cast<const void*>(values.data()));
-        return {nullptr,
-                cl::Buffer(context.context(), access | CL_MEM_USE_HOST_PTR, values.size() * sizeof(values[0]), host),
+        const std::size_t bytes = values.size() * sizeof(values[0]);
+        return {nullptr, device::guarded([&] {
+                    return cl::Buffer(context.context(), access | CL_MEM_USE_HOST_PTR, bytes, host);
+                }),
                 0};
     }
     /// Copies values to the device, and does not wait.
@@ -94,7 +96,7 @@ FaceLattice face_lattice(const polyhedra::LatticeView& lattice);
 
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items);
-/// Enqueues the way of items of T that the host wrote to their places in an array of such items on the device.
+/// Enqueues a copy of items that the host wrote to their places in an array on the device.
 template <class T>
 void place_items(const DeviceSetUp& job, const std::vector<T>& written, const std::vector<cl_uint>& places,
                  const cl::Buffer& items) {

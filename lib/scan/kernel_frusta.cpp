@@ -41,6 +41,10 @@ public:
     }
 
     std::span<const std::uint8_t> bytes() const { return {static_cast<const std::uint8_t*>(memory_), count_}; }
+    void unmap() {
+        if (void* const memory = std::exchange(memory_, nullptr); memory != nullptr)
+            queue_.enqueueUnmapMemObject(buffer_, memory);
+    }
 
 private:
     cl::CommandQueue queue_;
@@ -171,9 +175,11 @@ private:
         else
             queue.enqueueReadBuffer(*made_.faces.slopes, CL_FALSE, 0, slope_bytes(), frusta.slopes.data());
         {
-            const MappedBytes vertices(queue, *vertex_answers_, vertex_answer_bytes(), false);
-            const MappedBytes faces(queue, *face_answers_, count_, true);
+            MappedBytes vertices(queue, *vertex_answers_, vertex_answer_bytes(), false);
+            MappedBytes faces(queue, *face_answers_, count_, true);
             left_ = sources_->of_kernels.left_to_host(topology_, faces.bytes(), vertices.bytes());
+            vertices.unmap();
+            faces.unmap();
         }
         complete_frusta(topology_, box_, left_, frusta);
         if (in_place != nullptr) {
@@ -222,11 +228,9 @@ private:
 }  // namespace
 
 FrustaSources::FrustaSources(const DeviceSetUp& job, const polyhedra::MeshTopology& topology) : of_kernels(topology) {
-    device::guarded([&] {
-        opposite = job.input(of_kernels.opposite, "opposite vertices");
-        fan_words = job.input(of_kernels.fan_words, "faces around vertices");
-        fan_items = job.input(of_kernels.fan_items, "items of vertices");
-    });
+    opposite = job.input(of_kernels.opposite, "opposite vertices");
+    fan_words = job.input(of_kernels.fan_words, "faces around vertices");
+    fan_items = job.input(of_kernels.fan_items, "items of vertices");
 }
 
 bool suits_kernels(const polyhedra::MeshTopology& topology) {

@@ -92,6 +92,9 @@ std::vector<std::uint64_t> sample(std::uint64_t calls, std::uint64_t wanted) {
     return numbers;
 }
 
+/// So many calls are left when the file is written: a destructor waits for the device.
+constexpr std::uint64_t last_calls = 2;
+
 void check_refusal(const Run& run) {
     BOOST_TEST(!run.hung);
     BOOST_TEST(run.outcome.status == 4);
@@ -100,8 +103,8 @@ void check_refusal(const Run& run) {
 }
 
 /// One call fails.
-void check_one(const Run& run, const Run& whole) {
-    if (run.outcome.status == 0 && (run.failed.empty() || passed_over.contains(run.failed))) {
+void check_one(const Run& run, const Run& whole, bool is_late = false) {
+    if (run.outcome.status == 0 && (run.failed.empty() || is_late || passed_over.contains(run.failed))) {
         BOOST_TEST((run.file == whole.file));
         return;
     }
@@ -118,15 +121,19 @@ void check_job(const Job& job, std::uint64_t wanted) {
     BOOST_TEST_MESSAGE(job.name << ": " << whole.calls << " calls, " << numbers.size() << " of them fail; seed "
                                 << seed());
     for (const std::uint64_t number : numbers) {
+        const bool is_late = number + last_calls > whole.calls;
         const Run one = run(job, std::to_string(number));
         BOOST_TEST_CONTEXT(job.name << ", call " << number << " fails, " << one.failed << "; seed " << seed()
                                     << "; the command said: " << one.outcome.error)
-        check_one(one, whole);
+        check_one(one, whole, is_late);
         if (number % 4 != 0 && number_in("CLSDF_FAULT_EVERY", 0) != 1) continue;
         const Run all = run(job, std::to_string(number) + '+');
         BOOST_TEST_CONTEXT(job.name << ", all calls fail from call " << number << ", " << all.failed << ", on; seed "
                                     << seed() << "; the command said: " << all.outcome.error) {
-            if (!all.failed.empty()) check_refusal(all);
+            if (is_late)
+                check_one(all, whole, is_late);
+            else if (!all.failed.empty())
+                check_refusal(all);
         }
     }
 }
