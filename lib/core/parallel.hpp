@@ -14,11 +14,14 @@ namespace clsdf {
 inline constexpr std::size_t usual_grain = 512;
 
 /// Calls f(begin, end) for ranges that cover [0, count), on all cores. Ranges of `grain` indices are not divided. f
-/// must write only elements of its own indices; then results are the same for any number of threads.
+/// must write only elements of its own indices; then results are the same for any number of threads. A thread that
+/// waits here takes no other task: the caller's tasks might lock a mutex that this thread holds.
 template <typename Function>
 void for_each_range(std::size_t count, const Function& f, std::size_t grain = usual_grain) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                      [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });
+    tbb::this_task_arena::isolate([&] {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
+                          [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });
+    });
 }
 
 /// The same, an index at a time.
@@ -49,8 +52,13 @@ inline std::size_t chunk_for_all_cores(std::size_t count, std::size_t unit) {
 /// one; they do not depend on the number of cores.
 template <typename Function>
 void for_each_chunk(std::size_t count, std::size_t size, const Function& f) {
-    tbb::parallel_for(std::size_t{0}, chunk_count(count, size),
-                      [&](std::size_t chunk) { f(chunk, chunk * size, std::min(count, (chunk + 1) * size)); });
+    for_each_range(
+        chunk_count(count, size),
+        [&](std::size_t begin, std::size_t end) {
+            for (std::size_t chunk = begin; chunk != end; ++chunk)
+                f(chunk, chunk * size, std::min(count, (chunk + 1) * size));
+        },
+        1);
 }
 
 }  // namespace clsdf

@@ -16,9 +16,8 @@ public:
     explicit BufferPool(std::shared_ptr<Context> context) : context_(std::move(context)) {}
 
     // NOLINTBEGIN(bugprone-exception-escape): OpenCL's binding would throw from a move where a release fails
-    /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself. Commands that
-    /// use it may still wait in the context's queue then, which is in order: who takes it next comes behind them, on
-    /// that queue, or waits for what was enqueued there.
+    /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself. Commands in
+    /// the context's queue may still use it then. The queue is in order: the next user enqueues there, or waits for it.
     class Lease {
     public:
         Lease() = default;

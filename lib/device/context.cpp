@@ -121,6 +121,15 @@ void Context::limit_memory(std::size_t bytes) {
     capabilities_.largest_allocation = std::min(capabilities_.largest_allocation, bytes);
 }
 
+void Context::take_settings(const Context& other) {
+    capabilities_.memory = std::min(capabilities_.memory, other.capabilities_.memory);
+    capabilities_.largest_allocation =
+        std::min(capabilities_.largest_allocation, other.capabilities_.largest_allocation);
+    const std::scoped_lock lock(other.programs_mutex_);
+    records_ = other.records_;
+    cache_ = other.cache_;
+}
+
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
     : context_(std::move(context)),
       device_(std::move(device)),
@@ -186,14 +195,30 @@ void Context::forget_tests() {
 
 cl::Program Context::program(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
                              KernelFiles beside) {
+    std::shared_ptr<Slot> slot;
+    const auto built = [&] {
+        const std::scoped_lock lock(programs_mutex_);
+        if (!slot) {
+            std::shared_ptr<Slot>& found = programs_[fmt::format("{} {}", kernel_file, options)];
+            if (!found) found = std::make_shared<Slot>();
+            slot = found;
+        }
+        return slot->built ? slot->built->program : cl::Program();
+    };
+    if (const cl::Program program = built(); program() != nullptr) return program;
+    const std::scoped_lock building(slot->building);
+    if (const cl::Program program = built(); program() != nullptr) return program;
+    Built made = build(kernel_file, options, watch, beside);
     const std::scoped_lock lock(programs_mutex_);
-    const std::string name = fmt::format("{} {}", kernel_file, options);
-    if (const auto found = programs_.find(name); found != programs_.end()) return found->second.program;
-    return programs_.emplace(name, build(kernel_file, options, watch, beside)).first->second.program;
+    return slot->built.emplace(std::move(made)).program;
 }
 
 Context::Built Context::build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
                               KernelFiles beside) const {
+    std::unique_lock lock(programs_mutex_);
+    const BuildRecords records = records_;
+    const ProgramCache cache = cache_;
+    lock.unlock();
     std::string source = kernel_text(kernel_file, beside);
     if (text_edit_) text_edit_(kernel_file, source);
     const std::string key = fmt::format("{} {} {:016x}", kernel_file, options, hash_of(source));
@@ -204,8 +229,8 @@ Context::Built Context::build(std::string_view kernel_file, const std::string& o
         if (watch.begins) watch.begins();
         program = compile(kernel_file, source, options);
     };
-    if (cache_.folder().empty()) {
-        build_once(records_, subject, watch, from_source);
+    if (cache.folder().empty()) {
+        build_once(records, subject, watch, from_source);
         // The driver has it.
         if (!program) program = compile(kernel_file, source, options);
         return {*program, key + " source"};
@@ -213,22 +238,22 @@ Context::Built Context::build(std::string_view kernel_file, const std::string& o
     const std::string cache_key = fmt::format("{}{}\n{}", identity_, options, source);
     std::optional<cl::Program> stored;
     const auto is_stored = [&] {
-        stored = from_binary(context_, device_, cache_.find(cache_key), options);
+        stored = from_binary(context_, device_, cache.find(cache_key), options);
         return stored.has_value();
     };
     const auto compile_and_store = [&] {
         from_source();
-        cache_.store(cache_key, binary_of(*program));
+        cache.store(cache_key, binary_of(*program));
         is_stored();  // what is tested now is what later processes take
     };
-    build_once(records_, subject, watch, compile_and_store, is_stored);
+    build_once(records, subject, watch, compile_and_store, is_stored);
     return stored ? Built{*stored, key + " binary"} : Built{*program, key + " source"};
 }
 
 std::string Context::key_of(const cl::Program& program) const {
     const std::scoped_lock lock(programs_mutex_);
-    for (const auto& [name, built] : programs_)
-        if (built.program() == program()) return built.key;
+    for (const auto& [name, slot] : programs_)
+        if (slot->built && slot->built->program() == program()) return slot->built->key;
     return {};
 }
 

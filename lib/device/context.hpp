@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -27,7 +28,7 @@ public:
 
     const cl::Context& context() const { return context_; }
     const cl::Device& device() const { return device_; }
-    /// In order, for the library's own set-up: the caller's where it is, else one beside it.
+    /// A queue in order: the caller's if it is in order, else one of the library's own.
     const cl::CommandQueue& queue() const { return queue_; }
     const cl::CommandQueue& callers_queue() const { return callers_queue_; }
 
@@ -48,6 +49,8 @@ public:
     const Capabilities& capabilities() const { return capabilities_; }
     /// Before anything is computed.
     void limit_memory(std::size_t bytes);
+    /// The limits and folders of another context of the device, before anything is computed.
+    void take_settings(const Context& other);
 
     /// Builds an embedded kernel file, of the core or of `beside`, once per options, or takes it from the cache. Of
     /// several processes that build the same, one does while the others wait. Throws Error(device_failure) with the
@@ -100,6 +103,13 @@ private:
         std::string key;
     };
 
+    /// A program that is built, or will be. The thread that builds it holds `building`, and no other mutex: callbacks
+    /// of the caller run meanwhile.
+    struct Slot {
+        std::mutex building;
+        std::optional<Built> built;  // guarded by programs_mutex_
+    };
+
     Built build(std::string_view kernel_file, const std::string& options, const BuildWatch& watch,
                 KernelFiles beside) const;
     cl::Program compile(std::string_view kernel_file, const std::string& source, const std::string& options) const;
@@ -111,7 +121,7 @@ private:
     Capabilities capabilities_;
     mutable PinnedReads pinned_;
     mutable std::mutex programs_mutex_;  // several transforms may share a device, each on a thread of its own
-    std::map<std::string, Built> programs_;
+    std::map<std::string, std::shared_ptr<Slot>> programs_;
     std::set<cl_program> used_programs_;  // of those above, which stay
     ProgramCache cache_{{}};
     BuildRecords records_{{}};

@@ -69,6 +69,7 @@ Device Device::limited(const DeviceLimits& limits) const {
             limits.compute_units ? part_of(cl::Device(whole, true), *limits.compute_units) : cl::Device(whole, true);
         const cl::Context context(part);
         auto state = std::make_shared<device::Context>(context, part, cl::CommandQueue(context, part));
+        state->take_settings(device::context_of(*this));
         if (limits.memory) state->limit_memory(*limits.memory);
         return Device(std::move(state));
     });

@@ -48,6 +48,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
                                        const scan::HostArrays& arrays, bool in_place, std::vector<Grid> slabs,
                                        std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
                                        const CallOptions& call) {
+    const KeepsBudget keeps_budget{*this};
     TransformStatistics statistics;
     transform::Compiling compiling(call, options.log);
     std::unique_ptr<transform::PlanState> plan;
@@ -67,6 +68,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         if (!plan) set_inputs();
     }
     const auto samples = static_cast<double>(grid.sample_count());
+    bool has_room = false;  // nothing is kept any more that is not needed
     std::reverse(slabs.begin(), slabs.end());
     for (std::size_t done = 0; !slabs.empty();) {
         const Grid slab = slabs.back();
@@ -98,11 +100,17 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
             if (count < grid.sample_count()) plan.reset();
         } catch (const Error& error) {
             // How long a slab's lists are is known when they are made.
-            if (error.code() != ErrorCode::out_of_memory || !scan::is_divisible(slab)) throw;
+            const bool is_divisible = scan::is_divisible(slab);
+            if (error.code() != ErrorCode::out_of_memory || (!is_divisible && has_room)) throw;
             const std::scoped_lock lock(mutex);
-            const auto [lower, upper] = scan::halves_of(slab);
-            slabs.push_back(upper);
-            slabs.push_back(lower);
+            if (is_divisible) {
+                const auto [lower, upper] = scan::halves_of(slab);
+                slabs.push_back(upper);
+                slabs.push_back(lower);
+            } else {
+                has_room = true;
+                slabs.push_back(slab);
+            }
             // Commands that are still running use the buffers.
             device::guarded([&] { device::context_of(device).queue().finish(); });
             pipeline.take_back(slot);
@@ -176,7 +184,7 @@ KeptMemory DistanceTransform::memory() const {
     const std::scoped_lock lock(state.mutex);
     KeptMemory memory{state.stages->host_bytes() + state.first_positions.size() * sizeof(Vec3),
                       state.stages->device_bytes()};
-    for (const State::KeptPlan& kept : state.plans) memory.device_bytes += kept.plan->own_bytes();
+    for (const State::KeptPlan& kept : state.plans) memory.device_bytes += state.bytes_of(*kept.plan);
     return memory;
 }
 
@@ -239,7 +247,7 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
         return;
     }
     const std::vector<scan::HostTargets> targets = transform::targets_of(
-        requests, [&](const Request& request) { state.stages->check_inside(request.grid, request.band); });
+        requests, [&](const Request& request) { state.stages->check(request.grid, request.band, state.sign); });
     std::vector<scan::HostArrays> arrays;
     for (const scan::HostTargets& target : targets) arrays.push_back(target.arrays());
     const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, state.mesh().box());

@@ -17,6 +17,7 @@
 namespace clsdf {
 
 std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
+    const KeepsBudget keeps_budget{*this};
     const std::scoped_lock lock(mutex);
     return make_room_for([&] { return stages->points(); });
 }
@@ -38,15 +39,16 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
     });
 }
 
-points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, double within, const Outputs& outputs,
-                                                   const scan::HostArrays& arrays,
+points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, std::size_t asked, double within,
+                                                   const Outputs& outputs, const scan::HostArrays& arrays,
                                                    const std::function<void(double)>& between) {
-    const points::PointInputs inputs = point_inputs(outputs, part.size());
+    const points::PointInputs inputs = point_inputs(outputs, asked);
     return points::query_points(device::context_of(device), programs, pool, inputs, part, within, arrays, between);
 }
 
 void DistanceTransform::State::query(std::span<const Vec3> all, double within, const Outputs& outputs,
                                      const scan::HostTargets& targets, const CallOptions& call) {
+    const KeepsBudget keeps_budget{*this};
     TransformStatistics statistics;
     statistics.triangles = mesh().triangles().size();
     transform::Compiling compiling(call, options.log);
@@ -85,7 +87,8 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
             if (call.progress) call.progress(done / static_cast<double>(all.size()));
         };
         const std::scoped_lock lock(mutex);
-        const points::PointTimes times = query(part, within, outputs, arrays, between);
+        const points::PointTimes times =
+            make_room_for([&] { return query(part, all.size(), within, outputs, arrays, between); });
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
         if (!targets.are_packed()) targets.store_row(begin, part.size(), arrays);
@@ -93,7 +96,6 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     {
         const std::scoped_lock lock(mutex);
         pool->trim();
-        keep_within_budget();
         report(compiling, statistics);
         statistics.device_bytes = pool->peak();
     }

@@ -198,7 +198,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, const Cal
     plan(made,
          transform::device_targets_of(
              made.requests, device::context_of(device),
-             [this](const Request& request) { stages->check_inside(request.grid, request.band); }),
+             [this](const Request& request) { stages->check(request.grid, request.band, sign); }),
          call);
 }
 

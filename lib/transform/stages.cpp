@@ -32,11 +32,11 @@ Box box_of(const Grid& grid, const std::int32_t* first_block, const std::int32_t
     return box;
 }
 
-/// The same, widened by a reach in units, and by the rounding of the positions.
-Box widened(Box box, double reach) {
+/// A box and its surroundings, and the rounding of the positions. `margin`: in the mesh's units.
+Box widened(Box box, double margin) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] -= reach + 1e-12 * std::abs(box.lower[axis]);
-        box.upper[axis] += reach + 1e-12 * std::abs(box.upper[axis]);
+        box.lower[axis] -= margin + 1e-12 * std::abs(box.lower[axis]);
+        box.upper[axis] += margin + 1e-12 * std::abs(box.upper[axis]);
     }
     return box;
 }
@@ -161,6 +161,12 @@ void Stages::check_inside(const Grid& grid, const Band& band) const {
         throw beyond(*restriction_, fmt::format("the grid's spacing is {}", longest));
     if (!(band.widest() <= restriction_->half_width))
         throw beyond(*restriction_, fmt::format("the band's half width is {}", band.widest()));
+}
+
+void Stages::check(const Grid& grid, const Band& band, SignRule sign) const {
+    check_inside(grid, band);
+    check_distance(mesh_, lattice_of(grid));
+    layout_of(grid, band, sign);
 }
 
 void Stages::check_inside(std::span<const Vec3> points, double within) const {
@@ -303,7 +309,6 @@ const polyhedra::NearRecords& Stages::kept_records(const Grid& grid) {
 
 Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
     try {
-        check_distance(mesh_, lattice_of(grid));
         Inputs inputs;
         if (options_.method)
             inputs.records = options_.method->prepare(*this, grid, layout);
@@ -472,28 +477,39 @@ std::shared_ptr<const points::FaceSides> Stages::face_sides(SignRule sign, bool 
 }
 
 std::size_t Stages::budget() const {
-    return options_.kept_bytes.value_or(std::max(2 * record_bytes(), std::size_t{1} << 28));
+    const std::size_t of_points = (points_ ? points_->device_bytes() : 0) +
+                                  (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0) +
+                                  (face_sides_ ? face_sides_->sides.bytes() : 0) + (points_ ? sites_.bytes() : 0);
+    return options_.kept_bytes.value_or(std::max(2 * record_bytes() + of_points, std::size_t{1} << 28));
 }
 
 void Stages::keep_within(std::size_t budget) {
-    std::size_t bytes = sites_.bytes();
-    if (bytes > budget) sites_ = {};
-    bytes += (faces_ ? faces_->bytes() : 0) + (frusta_sources_ ? frusta_sources_->device_bytes() : 0);
-    if (bytes > budget) {
+    // Returns whether it is within the budget, beside what has been kept so far.
+    auto is_kept = [left = budget](std::size_t bytes) mutable {
+        if (bytes > left) return false;
+        left -= bytes;
+        return true;
+    };
+    if (!is_kept(sites_.bytes())) sites_ = {};
+    if (!is_kept((faces_ ? faces_->bytes() : 0) + (frusta_sources_ ? frusta_sources_->device_bytes() : 0))) {
         faces_.reset();
         names_.reset();
         frusta_sources_.reset();
     }
-    bytes += points_ ? points_->device_bytes() : 0;
-    if (bytes > budget) points_.reset();
-    bytes += scanned_mesh_ ? scanned_mesh_->device_bytes() : 0;
-    if (bytes > budget) scanned_mesh_.reset();
-    bytes += face_sides_ ? face_sides_->sides.bytes() : 0;
-    if (bytes > budget) face_sides_.reset();
-    for (auto it = lattices_.begin(); it != lattices_.end();) {
-        bytes += it->bytes();
-        it = bytes > budget ? lattices_.erase(it) : std::next(it);
-    }
+    if (points_ && !is_kept(points_->device_bytes())) points_.reset();
+    if (scanned_mesh_ && !is_kept(scanned_mesh_->device_bytes())) scanned_mesh_.reset();
+    if (face_sides_ && !is_kept(face_sides_->sides.bytes())) face_sides_.reset();
+    std::erase_if(lattices_, [&](const Lattice& lattice) { return !is_kept(lattice.bytes()); });
+}
+
+std::size_t Stages::bytes_beside(const Inputs& inputs) const {
+    const auto is_kept = [&](const auto& made) { return std::ranges::any_of(lattices_, made); };
+    std::size_t bytes = 0;
+    if (inputs.records && !is_kept([&](const Lattice& lattice) { return lattice.records == inputs.records; }))
+        bytes += inputs.records->device_bytes();
+    if (inputs.sweep_mesh && !is_kept([&](const Lattice& lattice) { return lattice.sweep_mesh == inputs.sweep_mesh; }))
+        bytes += inputs.sweep_mesh->device_bytes();
+    return bytes;
 }
 
 std::size_t Stages::device_bytes() const {

@@ -103,6 +103,8 @@ public:
     const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
     /// Throws Error(invalid_argument) if a restricted mesh does not suffice for a field, points or boxes.
     void check_inside(const Grid& grid, const Band& band) const;
+    /// The same, and for a field that kernels cannot number or measure; see layout_of() and check_distance().
+    void check(const Grid& grid, const Band& band, SignRule sign) const;
     void check_inside(std::span<const Vec3> points, double within) const;
     void check_inside(std::span<const Box> boxes, double half_width) const;
 
@@ -142,11 +144,14 @@ public:
 
     /// Limit of the device memory that is kept, in bytes.
     std::size_t budget() const;
-    /// Forgets the lattices that were used least recently until the others' bytes are within the budget.
+    /// Forgets what does not fit in the budget, in bytes of the device's memory. The mesh's own data come first, then
+    /// the lattices, the last used first.
     void keep_within(std::size_t budget);
 
     std::size_t host_bytes() const;    ///< all memory of the host that is kept
     std::size_t device_bytes() const;  ///< all memory of the device that is kept
+    /// Device memory of a grid's records and triangles of the sweep, if they are not among what is kept.
+    std::size_t bytes_beside(const Inputs& inputs) const;
     /// Bytes of the records that a lattice keeps.
     std::size_t record_bytes() const;
 
@@ -160,7 +165,7 @@ private:
         std::shared_ptr<const PreparedMesh> records;
         std::shared_ptr<const SweepMesh> sweep_mesh;
         std::shared_ptr<const SurfacePoints> points;
-        /// Faces that small grids needed records of, or the sweep's triangles, while there were none of all.
+        /// Faces for which small grids made records, or triangles of the sweep, before the lattice had those of all.
         std::size_t faces_packed = 0;
         std::size_t faces_swept = 0;
         std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of

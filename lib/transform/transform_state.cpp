@@ -69,6 +69,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(c
     };
     refuse(half_width, "half widths");
     refuse(spacing, "spacings");
+    const KeepsBudget keeps_budget{*this};
     const std::scoped_lock lock(mutex);
     if (stages->restriction() != nullptr)
         throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
@@ -159,7 +160,7 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
 
 transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs,
                                                    bool lone) {
-    stages->check_inside(grid, band);
+    stages->check(grid, band, sign);
     return make_room_for([&] { return make_inputs(grid, band, outputs, lone); });
 }
 
@@ -208,7 +209,10 @@ void DistanceTransform::State::keep(std::unique_ptr<transform::PlanState> plan, 
     if (!options.method) plans.push_front({count, std::move(plan)});
     plan.reset();
     if (plans.size() > most_plans) plans.pop_back();
-    keep_within_budget();
+}
+
+std::size_t DistanceTransform::State::bytes_of(const transform::PlanState& plan) const {
+    return plan.own_bytes() + stages->bytes_beside(plan.inputs);
 }
 
 void DistanceTransform::State::keep_within_budget() {
@@ -216,7 +220,7 @@ void DistanceTransform::State::keep_within_budget() {
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;
     for (auto kept = plans.begin(); kept != plans.end();) {
-        bytes += kept->plan->own_bytes();
+        bytes += bytes_of(*kept->plan);
         kept = bytes > budget ? plans.erase(kept) : std::next(kept);
     }
     if (lattices > budget) stages->keep_within(budget);

@@ -59,10 +59,20 @@ struct DistanceTransform::State {
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::PlanState> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
                                                     std::span<const Grid> wanted, bool count);
-    /// Keeps a plan for the next call, and what it and others are made of, within the budget.
+    /// Keeps a plan for the next call. Then drops plans and prepared data beyond the budget.
     void keep(std::unique_ptr<transform::PlanState> plan, bool count);
-    /// Forgets plans, and what they and others are made of, beyond the budget.
+    /// Drops kept plans and prepared data beyond the budget.
     void keep_within_budget();
+    /// Does so when a call ends, also by an error. Made before the call locks the mutex.
+    struct KeepsBudget {
+        State& state;
+        ~KeepsBudget() {
+            const std::scoped_lock lock(state.mutex);
+            state.keep_within_budget();
+        }
+    };
+    /// Device memory that a kept plan holds, beside what the stages keep themselves.
+    std::size_t bytes_of(const transform::PlanState& plan) const;
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
     /// Returns what make() returns. If memory is short, calls it again when nothing is kept.
@@ -132,8 +142,8 @@ private:
 
     /// For a query of `count` points.
     points::PointInputs point_inputs(const Outputs& outputs, std::size_t count);
-    /// Some of the points of a query into packed arrays.
-    points::PointTimes query(std::span<const Vec3> part, double within, const Outputs& outputs,
+    /// A part of the points of a query, which asks for `asked` of them, into packed arrays.
+    points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double within, const Outputs& outputs,
                              const scan::HostArrays& arrays, const std::function<void(double)>& between);
 
     /// The samples of one slab. Its progress runs from `begin` to `end`.

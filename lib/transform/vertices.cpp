@@ -50,6 +50,9 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
                     fmt::format("{} has {} vertices, and {} positions are given to move them to; give one for each",
                                 mesh.name(), count_, positions.size()));
     if (welded_.empty()) return {positions.begin(), positions.end()};
+    const auto is_finite = [](const Vec3& x) {
+        return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
+    };
     std::vector<Vec3> result(mesh.vertices());
     std::vector<std::uint32_t> first(result.size(), no_vertex);
     for (std::uint32_t vertex = 0; vertex < count_; ++vertex) {
@@ -59,7 +62,9 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
         if (first[index] == no_vertex) {
             first[index] = vertex;
             result[index] = to;
-        } else if (const Vec3& other = result[index]; other != to) {
+        } else if (!is_finite(to)) {
+            result[index] = to;  // is refused as part of the mesh
+        } else if (const Vec3& other = result[index]; other != to && is_finite(other)) {
             throw Error(
                 ErrorCode::invalid_argument,
                 fmt::format("vertices {} and {} of {} had equal coordinates and count as one, and they move "

@@ -14,7 +14,7 @@ namespace clsdf::transform {
 /// vertices that are equal but not one would be open ones: exact, but slow.
 class Vertices {
 public:
-    /// Unites what is equal, and leaves out what no triangle uses, if anything is equal (`are_equal`).
+    /// If vertices are equal (`are_equal`), merges them, and drops those that no triangle uses.
     Vertices(Mesh& mesh, bool are_equal);
 
     /// New positions of the transform's mesh from those of the caller's. Throws Error(invalid_argument) if their number

@@ -1,8 +1,13 @@
 #include "support/exact_field.hpp"
 #include "support/throws.hpp"
 
+#include "core/parallel.hpp"
 #include "device/context.hpp"
 
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -47,6 +52,35 @@ BOOST_AUTO_TEST_CASE(a_device_whose_queue_is_out_of_order_computes_the_same_byte
     DistanceTransform transform(device, mesh);
     for (int repetition = 0; repetition < 20; ++repetition)
         BOOST_TEST((transform(grid, band).distance == expected.distance));
+}
+
+BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
+    const Device device = Device::best();
+    device.set_program_cache("");
+    std::size_t calls = 0;
+    CallOptions call;
+    call.compiling = [&](const Compilation&) {
+        ++calls;
+        BOOST_TEST(device.program_cache().empty());
+    };
+    const DistanceTransform transform(device, make_shape("tetrahedron"), {}, call);
+    transform.compile(unit_grid(), Band::full(), {}, call);
+    BOOST_TEST(calls > 0U);
+}
+
+// A task of the caller that began within one of the library's loops could lock a mutex that its own thread holds.
+BOOST_AUTO_TEST_CASE(no_task_of_the_caller_runs_within_a_loop_of_the_library) {
+    thread_local bool is_in_loop = false;
+    std::atomic<int> nested = 0;
+    std::atomic<double> sum = 0;
+    tbb::parallel_for(0, 200, [&](int) {
+        if (is_in_loop) ++nested;
+        is_in_loop = true;
+        for_each_index(
+            2000, [&](std::size_t i) { sum = sum + std::sqrt(static_cast<double>(i)); }, 8);
+        is_in_loop = false;
+    });
+    BOOST_TEST(nested == 0);
 }
 
 BOOST_AUTO_TEST_CASE(a_queue_of_another_context_is_refused) {

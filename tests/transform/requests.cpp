@@ -223,6 +223,10 @@ BOOST_AUTO_TEST_CASE(a_request_that_is_refused_is_named_and_nothing_is_computed)
     requests = boxes.requests();
     requests[0].grid.size[1] = 0;
     check_throws(ErrorCode::invalid_argument, {"request 0 of 3: grid"}, [&] { transform.compute(requests); });
+    requests = boxes.requests();
+    requests[2].grid.first[0] = std::int64_t{1} << 30;
+    check_throws(ErrorCode::invalid_argument, {"request 2 of 3: the grid's samples"},
+                 [&] { transform.compute(requests); });
     for (const Field& field : boxes.fields)
         for (const float value : field.distance) BOOST_REQUIRE(value == 77.0F);
     transform.compute(std::span<const Request>());

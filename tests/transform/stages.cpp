@@ -109,6 +109,66 @@ BOOST_AUTO_TEST_CASE(what_is_kept_changes_no_byte) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(what_does_not_fit_in_the_budget_drives_out_nothing_that_does) {
+    const Mesh mesh = make_shape("knot");
+    const Grid grid = grid_around(mesh, 60, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const std::size_t records = 280 * mesh.triangles().size(), tree = 550 * mesh.triangles().size();
+    DistanceTransform transform(test_device(), mesh, {.kept_bytes = (records + tree) / 2});
+    std::vector<float> distance(mesh.vertices().size());
+    transform(grid, band);
+    transform.query(mesh.vertices(), 1.0, {.distance = distance});
+    BOOST_TEST(transform.memory().device_bytes >= records);
+    BOOST_TEST(transform.memory().device_bytes < tree);
+}
+
+BOOST_AUTO_TEST_CASE(nothing_is_kept_if_nothing_may_be) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const Grid grid = grid_around(mesh, 40, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    DistanceTransform transform(test_device(), mesh, {.kept_bytes = 0});
+    const auto kept = [&] { return transform.memory().device_bytes; };
+    std::vector<BoxPlace> places(1);
+    transform.classify(std::vector<Box>{grid.box()}, band.widest(), places);
+    BOOST_TEST(kept() == 0U);
+    const Plan plan = transform.plan(grid, band);
+    BOOST_TEST(kept() == 0U);
+    transform(grid, band);
+    BOOST_TEST(kept() == 0U);
+    CallOptions call;
+    call.should_stop = [calls = 0]() mutable { return ++calls > 3; };
+    BOOST_CHECK_THROW(transform(grid, band, {}, call), Error);
+    BOOST_TEST(kept() == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(records_that_only_plans_of_small_grids_hold_count_as_kept) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const Grid grid = grid_around(mesh, 40, 4);
+    const Grid small = grid.part({0, 0, 0}, {20, 20, 20});
+    const DistanceTransform transform(test_device(), mesh);
+    const Field field = transform(small, Band::symmetric(3 * grid.voxel()));
+    BOOST_TEST(transform.memory().device_bytes > 280 * mesh.triangles().size() / 20);
+}
+
+BOOST_AUTO_TEST_CASE(memory_that_is_only_kept_is_given_up_for_a_plan) {
+    const Mesh mesh = make_shape("sphere5");
+    const Grid grid = grid_around(mesh, 100, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    std::size_t needed = 0;
+    {
+        const DistanceTransform fresh(test_device(), mesh);
+        needed = fresh.plan(grid, band).statistics().device_bytes;
+    }
+    const DistanceTransform transform(test_device().limited({.memory = 2 * needed}), mesh);
+    for (const int resolution : {90, 80, 70}) {
+        const Grid other = grid_around(mesh, resolution, 4);
+        transform(other, Band::symmetric(3 * other.voxel()));
+    }
+    BOOST_TEST(transform.plan(grid, band).statistics().device_bytes > 0U);
+    std::vector<float> distance(20000);
+    transform.query(std::vector<Vec3>(distance.size()), 0.1, {.distance = distance});
+}
+
 BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
     const Mesh mesh = make_shape("sphere7");
     const Grid grid = grid_around(mesh, 256, 4);
@@ -246,6 +306,11 @@ BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
     check_throws(ErrorCode::invalid_argument, {"vertices 2 and 5 of hinge", "(0, 1, 0.5)"},
                  [&] { transform.move(apart); });
     check_exact(mesh, transform(grid, band, {.triangle = true}));  // at the first positions
+    apart[2] = apart[5] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
+    check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.move(apart); });
+    apart[2] = {0, 1, 0};
+    check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.move(apart); });
+    apart[5] = {0, 1, 0.5};
     std::vector<Vec3> together = apart;
     together[2] = together[5];
     together[6] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};  // which no triangle uses
