@@ -27,7 +27,8 @@ clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t 
 /// The transform of a rank, which ends with the part that its block needs.
 clsdf::DistanceTransform transform_for(const clsdf::Grid& block, const clsdf::Band& band, const clsdf::Mesh& mesh) {
     const clsdf::DistanceTransform whole(clsdf::Device::best(), mesh);
-    return whole.restrict_to(block.box(), band.widest(), block.voxel());
+    const double longest = *std::max_element(block.spacing.begin(), block.spacing.end());
+    return whole.restrict_to(block.box(), band.widest(), longest);
 }
 
 /// The number of samples that differ between the block and the whole.

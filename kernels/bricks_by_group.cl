@@ -17,7 +17,7 @@
 // Atomics in local memory only set bits and take minima and maxima, and every group keeps the order of its list. So the
 // result does not depend on the order in which groups and work-items run.
 //
-// Compile-time options: GROUP, work-items a group, a power of two from 64 to 256; NEAREST keeps the nearest polyhedron
+// Compile-time options: GROUP, work-items a group, 64 or 128; NEAREST keeps the nearest polyhedron
 // and finishes what else is asked for (finish.h); LONG_BRICKS if spacing is so unequal that distances take double
 // (distance.h); COUNT counts work. LANES is 1: a work-item is a lane.
 
@@ -55,9 +55,9 @@ INLINE int3 four_cubed(uint b) {
     return (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
 }
 
-// The least distance from a list's feet of altitudes, points of the surface, to the centre of each brick: at most this
-// far from its samples. Of work-item i: brick i % BRICKS, and every GROUP / BRICKS-th foot. feet: to the centre of the
-// coarse brick.
+// Returns the square of the least distance from the feet of altitudes in the list, points of the surface, to the centre
+// of a brick. Work-item i takes brick i % BRICKS and every (GROUP / BRICKS)-th foot. feet: relative to the centre of
+// the coarse brick.
 static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_begin, uint list_end,
                                          __global const uint* entries, __global const Polyhedron* polyhedra,
                                          __local float3* feet) {

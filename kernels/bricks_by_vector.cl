@@ -201,7 +201,8 @@ static inline ulong bricks_of_part(Layout layout, int3 coarse, Output output) {
     return in_part;
 }
 
-// Which bricks the polyhedra of a part of a list overlap; of each brick, which of them.
+// Returns a mask of the bricks that a chunk of the list's polyhedra overlaps. Stores a mask of these polyhedra for each
+// brick.
 static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                 __private const float* bounds, float slack, __global const Polyhedron* polyhedra,
                                 __global LaneMask* masks) {

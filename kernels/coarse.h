@@ -42,7 +42,7 @@ typedef struct CoarsePair {
     clsdf_uint32 polyhedron;
     clsdf_uint32 index;  // among the pairs of the brick and of the polyhedron's segment, in no order
 } CoarsePair;
-// A work-item takes room for so many pairs at a time; those left over have no brick.
+// A work-item reserves room for so many pairs at a time. Pairs that it does not use get CLSDF_NO_BRICK.
 #define CLSDF_PAIR_BLOCK 8
 #define CLSDF_NO_BRICK 0xFFFFFFFFu
 

@@ -131,7 +131,7 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
 // The half widths of blocks along the normal of each plane, with slack.
 typedef struct LaneExtent {
     floatL z, base, right, left;
-    // At a corner: the extents along the two planes that meet there together, less the corner's own extent.
+    // At a corner: the sum of the extents along its two planes, minus the corner's own extent.
     floatL past_right_end, past_left_end, past_apex;
 } LaneExtent;
 

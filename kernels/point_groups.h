@@ -11,7 +11,8 @@
 #define CLSDF_POINTS_OF_BRICK 256
 #define CLSDF_POINTS_OF_BLOCK 4096
 
-// No face across an edge; or several, which are all among those of each of its ends.
+// In place of the face across an edge: there is none, or there are several. Several are found among the faces at the
+// edge's ends.
 #define CLSDF_NONE_ACROSS 0xFFFFFFFFu
 #define CLSDF_MANY_ACROSS 0xFFFFFFFEu
 

@@ -231,8 +231,8 @@ INLINE uint sign_by_sides(__private const Finishing* finishing, __private const 
 }
 
 // The outputs of a point, a work-item each. places: where each point's results go. within: in the mesh's units. signs:
-// those of points that are not finished. by_sides: they are all undecided, and the sides of faces tell; points that
-// they do not tell stay undecided, and are left to another launch.
+// of points that are not finished. by_sides: no sign is known, and the side of the nearest face decides it. Points that
+// it does not decide stay undecided, for another launch.
 __kernel void finish_points(__global const double* points, __global const uint* places, __global const uint* faces,
                             __global const ushort* sides_of_faces, uint by_sides, __global uchar* signs, uint begin,
                             uint end, double within, __global const Polyhedron* polyhedra, __global float* distance,

@@ -3,9 +3,10 @@
 // y and z of the vertices are snapped to multiples of 2^-b spacings, such that samples are exact: sample (j, k) lies at
 // (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) iff three edge functions, exact
 // integers, say so; a row through an edge or a vertex counts as moved by (+epsilon, +epsilon^2) in (y, z), so that a
-// closed mesh is crossed consistently by every row. The snapped mesh is combinatorially the same and differs by 2^-21
-// voxel, hence so can the sign. Where the row meets the triangle is interpolated in double with the edge functions as
-// weights: all are of one sign, nothing cancels. (The triangle's plane would be extrapolated on steep triangles.)
+// closed mesh is crossed consistently by every row. The snapped mesh has the same connectivity, and
+// its vertices are moved by at most 2^-21 voxel: only so near the surface the sign may differ. The place where the row
+// meets the triangle is interpolated in double. The edge functions are the weights: all have one sign, so nothing
+// cancels. (On steep triangles the plane would be extrapolated.)
 //
 // Crossings are found once, as records in no order, and counted by row. The counts scanned, the records are scattered
 // to their rows and sorted there; a running sum of their orientation is the winding number.

@@ -37,8 +37,8 @@ typedef struct Plane {
     floatL at, step_a, step_u, step_v;
 } Plane;
 
-// So many layers leave room in a vector for 2^columns_log neighbours along u of each, four at most. (What is true is 1
-// of numbers, and -1 of vectors.)
+// So many layers leave room in a vector for 2^columns_log neighbours along u of each, four at most. (True is 1 for
+// numbers, and -1 for vectors.)
 #define TIMES_HALVED(layers) (((layers) <= LANES / 2) + ((layers) <= LANES / 4))
 INLINE int columns_log_of(float layers) {
     return TIMES_HALVED(layers);
@@ -239,7 +239,8 @@ INLINE void set_lines(const floatL* a, const floatL* u, floatL per_layer, Line* 
     high->at = GREATER(high_first, high_last);
 }
 
-// The layers where the line is at most, with `sense` -1 at least, the limit; as they are where it hardly rises.
+// Clips the range of layers to those where the line is at most the limit, or at least the limit if `sense` is -1. A
+// nearly level line clips nothing.
 INLINE void clip_layers(const Line* line, float limit, float sense, floatL* first, floatL* last) {
     const floatL step = sense * line->step, where = (limit - line->at) / line->step;
     *first = ((step < -1.0e-4f) & (where > *first)) ? where : *first;

@@ -42,8 +42,8 @@ INLINE int widest(__private const Line* low, __private const Line* high, uint la
     return (int)LESSER(most, (float)(CLSDF_COARSE - 1));
 }
 
-// LANES layers at most, those of the side above before those below: from the first to the last of either. Where they
-// are few, neighbours along u share the lanes, 2^columns_log of them.
+// At most LANES layers: those above the face, then those below. If they are few, 2^columns_log neighbours along u share
+// the vector.
 typedef struct LayerRange {
     bool has_above, has_below;
     float first_above, last_above, first_below, last_below;
@@ -199,8 +199,8 @@ static inline void scan_queue(const SlenderScan* scan, float bound, float slack,
     store_lanes(load_lanes(0, queue->numbers + LANES), 0, queue->numbers);
 }
 
-// The slender polyhedra of a coarse brick's list into its bricks' minima; of the others, the numbers into `others`,
-// where there is room for a vector beyond them. Returns how many others there are.
+// Lowers the minima of a coarse brick's samples to the distances of the slender polyhedra in its list. Writes the
+// numbers of the other polyhedra to `others`, which has room for one more vector, and returns their count.
 static inline uint scan_slender_polyhedra(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                           float bound, float slack, __global const Polyhedron* polyhedra,
                                           __global Minimum* minima, __global uint* others, __private ulong* counters) {

@@ -54,7 +54,7 @@ struct ComputeRequest {
     clsdf::Band band_on(const clsdf::Grid& samples, const clsdf::Box& box) const;
 };
 
-/// The request of "clsdf compute".
+/// The grid, the band and the files of "clsdf compute", once the mesh is known.
 struct ComputeLayout {
     const clsdf::Mesh& mesh;
     std::string mesh_file;

@@ -6,8 +6,8 @@
 // in units. A triangle counts for the samples of its pieces, those within the slack CLSDF_PIECE_SLACK included, with
 // its own distance or, where a piece belongs to one site of it, with the distance to that site.
 //
-// Each step from whole pieces to samples takes more than the next, by more than it rounds, so that no sample of a piece
-// is lost, and what one step hands on is not empty to the next:
+// Each step from whole pieces to samples has less slack than the step before, by more than its rounding. So no sample
+// of a piece is lost, and no step gets an empty input:
 //   the host's range of slices:             the slack twice;
 //   the polygon of a slice, its rows:       thrice;
 //   the samples of a row:                   once: this is what counts, and it is the same in every part of a grid.

@@ -50,7 +50,7 @@ void for_each_extra(const Visit& visit, Sets&&... sets) {
 #undef CLSDF_VISIT
 }
 
-/// One value for each requested output.
+/// The bits of the requested outputs.
 inline std::uint32_t bits_of(const Outputs& outputs) {
     std::uint32_t bits = 0;
     for_each_extra([&](const OutputRow& row, bool wanted) { bits |= wanted ? row.bit : 0; }, outputs);

@@ -11,8 +11,9 @@
 namespace clsdf::papers {
 
 /// A sum of rational multiples of square roots of whole numbers, none of which is a rational multiple of another. Such
-/// roots are linearly independent over the rationals, so that the sum is zero exactly where it has no terms: what takes
-/// a general expression with k roots 2^k times as many digits, and is common on meshes whose vertices lie on a lattice.
+/// roots are linearly independent over the rationals, so the sum is zero only if it has no terms. In a general
+/// expression with k roots this takes 2^k times as many digits to decide. It is common on meshes whose vertices lie on
+/// a lattice.
 class RootSum {
 public:
     using Integer = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;

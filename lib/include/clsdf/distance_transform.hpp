@@ -41,7 +41,7 @@ struct Compilation {
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
     KernelBody body = KernelBody::automatic;
-    /// Another way to the distances, made by a library beside the core; null: ours.
+    /// The method of a library beside the core. Null: leaned frusta by bricks.
     std::shared_ptr<const FieldMethod> method{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
     /// Limit of the device memory that is kept between calls, in bytes: the polyhedra of the lattices and the lists of
@@ -267,12 +267,11 @@ public:
     /// R^T may differ from the identity's by 1e-12, and det R must be positive.
     void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
-    /// A transform of what a part of the domain can need of the mesh, for programs that share a domain. It keeps the
-    /// triangles near the box and, for a sign, those with smaller x in the rows of its samples. Its results have the
-    /// bytes of this one's, for grids with all samples in the box, spacings up to `spacing` and bands up to
-    /// `half_width`, for points and boxes in the box within half_width; all else throws Error(invalid_argument) that
-    /// names the box. It cannot be moved or restricted again. This transform is prepared first, and may be destroyed
-    /// then.
+    /// A transform for a part of the domain. It keeps only the triangles that the part can need: those near the box
+    /// and, for a sign, those with smaller x in the rows of its samples. Its results have the bytes of this one's, for
+    /// grids with all samples in the box, spacings up to `spacing` and bands up to `half_width`, for points and boxes
+    /// in the box within half_width; all else throws Error(invalid_argument) that names the box. It cannot be moved or
+    /// restricted again. This transform is prepared first, and may be destroyed then.
     ///
     /// Throws Error(invalid_argument) for a box with a coordinate that is not finite or a lower corner above its upper
     /// one, and for lengths that are not positive and finite; Error(unsupported) for a transform that is restricted

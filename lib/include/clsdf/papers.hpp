@@ -29,7 +29,7 @@ enum class Polyhedra {
 /// How the samples of the polyhedra are found.
 enum class Scan {
     automatic,    ///< bricks for leaned polyhedra, slices for the others
-    bricks,       ///< bricks of 8 x 8 x 8 samples, each with a list of polyhedra; for leaned polyhedra only
+    bricks,       ///< bricks of 8 x 8 x 8 samples; for leaned polyhedra only
     slices,       ///< slice by slice, each polyhedron's samples row by row, as in Peikert & Sigg
     brute_force,  ///< every sample with every triangle; for leaned polyhedra, which it does not need
 };
