@@ -54,6 +54,7 @@ void BufferPool::Lease::give_back() noexcept {
         pool_->free_.push_back({std::move(buffer_), bytes_});
     } catch (const std::exception&) {
         // No memory to remember it by: the buffer is released instead.
+        pool_->forget(bytes_);
     }
     buffer_ = {};
     bytes_ = 0;
@@ -89,15 +90,16 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     check_size(wanted, purpose);
     const Context::Capabilities& device = context_->capabilities();
     const std::scoped_lock lock(mutex_);
-    if (leased_bytes_ + free_bytes() + wanted > device.memory) free_.clear();
-    if (leased_bytes_ + wanted > device.memory)
+    if (*all_bytes_ + wanted > device.memory) release_free();
+    if (*all_bytes_ + wanted > device.memory)
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; compute "
                                 "a smaller part of the grid at a time, or a narrower band",
-                                purpose, wanted, leased_bytes_, device.memory));
+                                purpose, wanted, all_bytes_->load(), device.memory));
     return guarded([&] {
         Lease lease(shared_from_this(), make_buffer(*context_, wanted), wanted);
         leased_bytes_ += wanted;
+        *all_bytes_ += wanted;
         peak_ = std::max(peak_, leased_bytes_ + free_bytes());
         return lease;
     });
@@ -114,12 +116,19 @@ std::optional<BufferPool::Lease> BufferPool::lease_if_it_fits(std::size_t bytes,
 
 void BufferPool::trim() {
     const std::scoped_lock lock(mutex_);
+    const std::size_t before = free_bytes();
     std::erase_if(free_, [](const Free& free) { return !free.used; });
+    forget(before - free_bytes());
     for (Free& free : free_) free.used = false;
 }
 
 void BufferPool::release() {
     const std::scoped_lock lock(mutex_);
+    release_free();
+}
+
+void BufferPool::release_free() {
+    forget(free_bytes());
     free_.clear();
 }
 

@@ -2,6 +2,8 @@
 
 #include "device/context.hpp"
 
+#include <atomic>
+#include <cstddef>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,7 +15,18 @@ namespace clsdf::device {
 /// Plans may outlive their transform and end on another thread, so a mutex guards the free ones.
 class BufferPool : public std::enable_shared_from_this<BufferPool> {
 public:
-    explicit BufferPool(std::shared_ptr<Context> context) : context_(std::move(context)) {}
+    explicit BufferPool(std::shared_ptr<Context> context)
+        : context_(std::move(context)), all_bytes_(std::make_shared<std::atomic<std::size_t>>(0)) {}
+    ~BufferPool() { forget(free_bytes()); }
+    BufferPool(const BufferPool&) = delete;
+    BufferPool& operator=(const BufferPool&) = delete;
+
+    /// A pool with buffers of its own. The device's memory limits both together.
+    std::shared_ptr<BufferPool> beside() const {
+        auto pool = std::make_shared<BufferPool>(context_);
+        pool->all_bytes_ = all_bytes_;
+        return pool;
+    }
 
     // NOLINTBEGIN(bugprone-exception-escape): OpenCL's binding would throw from a move where a release fails
     /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself. Commands in
@@ -69,11 +82,14 @@ private:
 
     std::optional<Lease> take_free(std::size_t wanted);
     std::size_t free_bytes() const;
+    void forget(std::size_t bytes) { *all_bytes_ -= bytes; }
+    void release_free();
 
     std::shared_ptr<Context> context_;
     mutable std::mutex mutex_;
     std::vector<Free> free_;
     std::size_t leased_bytes_ = 0;
+    std::shared_ptr<std::atomic<std::size_t>> all_bytes_;  // of this pool and those beside it, free buffers included
     std::size_t peak_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include "device/buffer_pool.hpp"
 
+#include <optional>
 #include <thread>
 
 using namespace clsdf;
@@ -45,6 +46,17 @@ BOOST_AUTO_TEST_CASE(a_small_lease_does_not_take_a_large_buffer) {
     }
     const BufferPool::Lease small = pool->lease(64, "test");
     BOOST_TEST((*small)() != large);
+}
+
+BOOST_AUTO_TEST_CASE(pools_beside_each_other_share_the_devices_memory) {
+    const Device device = Device::best().limited({.memory = 1 << 20});
+    const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
+    const auto other = pool->beside();
+    std::optional<BufferPool::Lease> lease = pool->lease(600'000, "test");
+    test::check_throws(ErrorCode::out_of_memory, {"600000 bytes", "1048576"}, [&] { other->lease(600'000, "test"); });
+    lease.reset();
+    pool->release();
+    BOOST_TEST(other->lease(600'000, "test").bytes() >= 600'000U);
 }
 
 BOOST_AUTO_TEST_CASE(a_lease_of_nothing_is_a_buffer_all_the_same) {

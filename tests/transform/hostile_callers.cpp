@@ -4,12 +4,13 @@
 #include "core/parallel.hpp"
 #include "device/context.hpp"
 
-#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
-#include <cmath>
+#include <chrono>
 #include <functional>
 #include <limits>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -70,16 +71,29 @@ BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
 
 // A task of the caller that began within one of the library's loops could lock a mutex that its own thread holds.
 BOOST_AUTO_TEST_CASE(no_task_of_the_caller_runs_within_a_loop_of_the_library) {
+    using namespace std::chrono_literals;
     thread_local bool is_in_loop = false;
-    std::atomic<int> nested = 0;
-    std::atomic<double> sum = 0;
-    tbb::parallel_for(0, 200, [&](int) {
-        if (is_in_loop) ++nested;
+    std::atomic<int> nested = 0, begun = 0;
+    std::atomic<bool> is_done = false;
+    tbb::task_arena arena(2);
+    std::thread caller([&] {
+        for (; !is_done; std::this_thread::sleep_for(1ms)) arena.enqueue([&] { nested += is_in_loop ? 1 : 0; });
+    });
+    arena.execute([&] {
         is_in_loop = true;
+        // Another thread takes one of the two indices, and this one waits for it.
         for_each_index(
-            2000, [&](std::size_t i) { sum = sum + std::sqrt(static_cast<double>(i)); }, 8);
+            2,
+            [&](std::size_t i) {
+                ++begun;
+                for (int k = 0; k < 1000 && begun < 2; ++k) std::this_thread::sleep_for(1ms);
+                if (i == 1) std::this_thread::sleep_for(50ms);
+            },
+            1);
         is_in_loop = false;
     });
+    is_done = true;
+    caller.join();
     BOOST_TEST(nested == 0);
 }
 

@@ -159,8 +159,8 @@ BOOST_AUTO_TEST_CASE(memory_that_is_only_kept_is_given_up_for_a_plan) {
         const DistanceTransform fresh(test_device(), mesh);
         needed = fresh.plan(grid, band).statistics().device_bytes;
     }
-    const DistanceTransform transform(test_device().limited({.memory = 2 * needed}), mesh);
-    for (const int resolution : {90, 80, 70}) {
+    const DistanceTransform transform(test_device().limited({.memory = 4 * needed}), mesh);
+    for (const int resolution : {95, 90, 85, 80, 75, 70}) {
         const Grid other = grid_around(mesh, resolution, 4);
         transform(other, Band::symmetric(3 * other.voxel()));
     }
