@@ -92,6 +92,33 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
     return target.strides == packed && (row.components == 1 || target.component_stride == width);
 }
 
+/// Throws if two values of a target may lie on the same bytes: the steps along an axis must be longer than all that the
+/// axes of shorter steps span.
+void check_overlap(const OutputRow& row, const Grid& grid, const OutputTarget& target) {
+    struct Axis {
+        double step, count;
+        const char* name;
+    };
+    std::array<Axis, 4> axes{
+        Axis{static_cast<double>(target.component_stride), static_cast<double>(row.components),
+             "from component to component"},
+        Axis{static_cast<double>(target.strides[0]), static_cast<double>(grid.size[0]), "along x"},
+        Axis{static_cast<double>(target.strides[1]), static_cast<double>(grid.size[1]), "along y"},
+        Axis{static_cast<double>(target.strides[2]), static_cast<double>(grid.size[2]), "along z"}};
+    for (Axis& axis : axes) axis.step = std::abs(axis.step);
+    std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.step < b.step; });
+    auto span = static_cast<double>(width_of(target.element));
+    for (const Axis& axis : axes) {
+        if (axis.count < 2) continue;
+        if (axis.step < span)
+            throw misuse(
+                fmt::format("the target of the output {} has a stride of {:.0f} bytes {}, and {:.0f} bytes are "
+                            "written at each step: values would overlap; set all strides, or none",
+                            row.name, axis.step, axis.name, span));
+        span += axis.step * (axis.count - 1);
+    }
+}
+
 /// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, or not where its elements can.
 ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
     if (grid.sample_count() == 0) return {};
@@ -115,6 +142,7 @@ ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& t
             fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
                         "elements' {} bytes",
                         row.name, width));
+    check_overlap(row, grid, target);
     return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
 }
 
@@ -298,8 +326,13 @@ cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t
     return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
-/// Memory of another context would fail later and less clearly.
-void check_context(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
+/// Memory of another context, or that kernels may not write, would fail later and less clearly.
+void check_memory(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
+    if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
+        throw misuse(
+            fmt::format("the target of the output {} is a buffer made with CL_MEM_READ_ONLY; kernels write to "
+                        "it, so make it with CL_MEM_READ_WRITE",
+                        row.name));
     if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
         throw misuse(fmt::format("the target of the output {} belongs to another OpenCL context than the plan's device",
                                  row.name));
@@ -328,7 +361,7 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
             resolve_element(row, natural.element, target);
             const bool is_packed = resolve_strides(row, grid, target);
             const cl::Buffer memory(target.device, true);
-            check_context(row, memory, context);
+            check_memory(row, memory, context);
             range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
             array = {true, is_computed_in_double(row, target), nullptr};
             if (array.in_double) buffers.in_double |= row.bit;

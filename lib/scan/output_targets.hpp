@@ -33,8 +33,8 @@ public:
 
     /// Whether the samples of every output are packed, so that they can be computed in place.
     bool are_packed() const { return are_packed_; }
-    /// The packed arrays. If a target is not packed, only the elements that are computed and whether it is asked for are
-    /// set.
+    /// The packed arrays. If a target is not packed, only the elements that are computed and whether it is asked for
+    /// are set.
     const HostArrays& arrays() const { return arrays_; }
 
     /// Copies those of a slab's packed samples that belong to the grid to where they belong, on all cores if they are

@@ -116,6 +116,11 @@ void DistanceTransform::query(const Triples& points, double within, const Output
                                 "in; infinity is no limit",
                                 within));
     check_triples(points, TripleKind::positions, "points", ErrorCode::invalid_argument);
+    if (points.count == 0) {  // vectors without elements have no memory
+        if (call.progress) call.progress(1.0);
+        if (call.statistics != nullptr) *call.statistics = {};
+        return;
+    }
     device::MappedMemory memory(device::context_of(state.device));
     memory.add(points, "points");
     scan::add_targets(targets, points.count, memory);

@@ -33,10 +33,10 @@ using BoxesOf = std::map<cl_mem, std::vector<StoredBox>>;
 }  // namespace
 
 RequestPlanState::RequestPlanState(Device device_in, std::vector<Request> requests_in,
-                                   std::shared_ptr<device::BufferPool> pool_in)
+                                   std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool)
     : device(std::move(device_in)),
-      has_own_pool(pool_in == nullptr),
-      pool(has_own_pool ? std::make_shared<device::BufferPool>(device::shared_context_of(device)) : std::move(pool_in)),
+      has_own_pool(is_own_pool),
+      pool(std::move(pool_in)),
       requests(std::move(requests_in)) {}
 
 RequestPlanState::~RequestPlanState() {
@@ -163,6 +163,7 @@ std::size_t RequestPlanState::own_bytes() const {
 cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
                                     const OutputBuffers* in_place) {
     if (!device::has_ended(last_)) before.push_back(last_);
+    if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last_);
     for (Part& part : parts_) {
         last_ = part.plan->enqueue(queue, part.in_place && in_place != nullptr ? *in_place : part.buffers, before, {});
         CommandChain chain(queue, {last_});
@@ -194,12 +195,18 @@ cl_event enqueue_run(RequestPlanState& state, cl_command_queue queue, std::span<
 
 }  // namespace transform
 
-void DistanceTransform::State::plan(transform::RequestPlanState& made, const CallOptions& call) {
-    plan(made,
-         transform::device_targets_of(
-             made.requests, device::context_of(device),
-             [this](const Request& request) { stages->check(request.grid, request.band, sign); }),
-         call);
+void DistanceTransform::State::plan(transform::RequestPlanState& made, std::vector<Request> requests,
+                                    const CallOptions& call) {
+    const std::vector<scan::DeviceTargets> targets = transform::device_targets_of(
+        requests, device::context_of(device),
+        [this](const Request& request) { stages->check(request.grid, request.band, sign); });
+    std::swap(made.requests, requests);
+    try {
+        plan(made, targets, call);
+    } catch (...) {
+        std::swap(made.requests, requests);
+        throw;
+    }
 }
 
 void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets,
@@ -219,6 +226,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
         for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
     }
 
+    const KeepsBudget keeps_budget{*this};
     const std::scoped_lock lock(mutex);
     transform::throw_if_stopped(call);
     transform::Compiling compiling(call, options.log);
@@ -228,31 +236,36 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
         compiling.seconds = compile_watch.seconds();
     }
     made.sign = sign;
-    made.make_room(blocks, targets);
-    transform::Inputs inputs_of_batch;
     double polyhedra_seconds = 0;
-    const transform::Batch* batch = nullptr;
-    for (const transform::RequestPlanState::Block& block : blocks) {
-        const Request& any = requests[block.batch->requests.front()];
-        const Outputs outputs = scan::outputs_of(targets[block.batch->requests.front()].arrays());
-        if (block.batch != batch) {
-            batch = block.batch;
-            compile(batch->block, any.band, outputs, call.count, compiling);
-            const Stopwatch watch;
-            inputs_of_batch = inputs(batch->block, any.band, outputs, true);
-            polyhedra_seconds += watch.seconds();
+    make_room_for([&] {
+        made.clear();
+        made.make_room(blocks, targets);
+        polyhedra_seconds = 0;
+        transform::Inputs inputs_of_batch;
+        const transform::Batch* batch = nullptr;
+        for (const transform::RequestPlanState::Block& block : blocks) {
+            const Request& any = requests[block.batch->requests.front()];
+            const Outputs outputs = scan::outputs_of(targets[block.batch->requests.front()].arrays());
+            if (block.batch != batch) {
+                batch = block.batch;
+                compile(batch->block, any.band, outputs, call.count, compiling);
+                const Stopwatch watch;
+                inputs_of_batch = inputs(batch->block, any.band, outputs, true);
+                polyhedra_seconds += watch.seconds();
+            }
+            std::vector<Grid> wanted;
+            if (batch->requests.size() > 1)
+                for (const std::size_t n : batch->requests) wanted.push_back(requests[n].grid);
+            transform::Inputs inputs_of_block = inputs_of_batch;
+            if (!(block.grid == batch->block))
+                stages->select(block.grid, scan::layout_of(block.grid, any.band, sign), inputs_of_block);
+            auto of_block = make_plan(std::move(inputs_of_block), block.grid, any.band, outputs, wanted, call,
+                                      compiling, made.pool);
+            transform::add_slab(made.statistics, of_block->statistics);
+            made.add(block, std::move(of_block), targets, programs);
         }
-        std::vector<Grid> wanted;
-        if (batch->requests.size() > 1)
-            for (const std::size_t n : batch->requests) wanted.push_back(requests[n].grid);
-        transform::Inputs inputs_of_block = inputs_of_batch;
-        if (!(block.grid == batch->block))
-            stages->select(block.grid, scan::layout_of(block.grid, any.band, sign), inputs_of_block);
-        auto of_block =
-            make_plan(std::move(inputs_of_block), block.grid, any.band, outputs, wanted, call, compiling, made.pool);
-        transform::add_slab(made.statistics, of_block->statistics);
-        made.add(block, std::move(of_block), targets, programs);
-    }
+        return true;
+    });
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
@@ -325,9 +338,9 @@ void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid>
                     fmt::format("the plan has {} requests, and {} grids are given to move them to; give one for each, "
                                 "or none",
                                 state.requests.size(), grids.size()));
-    state.clear();
-    for (std::size_t n = 0; n < grids.size(); ++n) state.requests[n].grid = grids[n];
-    transform.state().plan(state, call);
+    std::vector<Request> requests = state.requests;
+    for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
+    transform.state().plan(state, std::move(requests), call);
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
@@ -335,9 +348,9 @@ Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& 
     State& state = this->state();
     grid.validate();
     band.validate();
-    state.stages->check_inside(grid, band);
-    auto made =
-        std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>{{grid, band, {}}}, state.pool);
+    state.stages->check(grid, band, state.sign);
+    auto made = std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>{{grid, band, {}}},
+                                                              state.pool, false);
     const scan::DeviceTargets targets(outputs, grid);
     state.plan(*made, {&targets, 1}, call);
     return Plan(std::move(made));
@@ -347,19 +360,20 @@ Plan DistanceTransform::plan(const Request& request, const CallOptions& call) co
     State& state = this->state();
     request.grid.validate();
     request.band.validate();
-    state.stages->check_inside(request.grid, request.band);
+    state.stages->check(request.grid, request.band, state.sign);
     const scan::DeviceTargets targets = device::guarded(
         [&] { return scan::DeviceTargets(request.targets, request.grid, device::context_of(state.device)); });
-    auto made = std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>{request}, state.pool);
+    auto made =
+        std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>{request}, state.pool, false);
     state.plan(*made, {&targets, 1}, call);
     return Plan(std::move(made));
 }
 
 RequestPlan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {
     State& state = this->state();
-    auto made = std::make_unique<transform::RequestPlanState>(state.device,
-                                                              std::vector<Request>(requests.begin(), requests.end()));
-    state.plan(*made, call);
+    auto made =
+        std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>(), state.pool->beside(), true);
+    state.plan(*made, std::vector<Request>(requests.begin(), requests.end()), call);
     return RequestPlan(std::move(made));
 }
 

@@ -17,9 +17,9 @@ namespace clsdf::transform {
 /// to the targets. A block that is one request, in packed memory, is computed in place; others by way of memory that
 /// all share. For one thread at a time.
 struct RequestPlanState {
-    /// pool_in: for the plan's buffers; null: a pool of its own, whose free buffers the plan's next move takes.
-    RequestPlanState(Device device_in, std::vector<Request> requests_in,
-                     std::shared_ptr<device::BufferPool> pool_in = nullptr);
+    /// pool_in: for the plan's buffers. is_own_pool: nothing else takes buffers there but the plan's next move.
+    RequestPlanState(Device device_in, std::vector<Request> requests_in, std::shared_ptr<device::BufferPool> pool_in,
+                     bool is_own_pool);
     /// Waits for what is under way: the buffers go back to the pool.
     ~RequestPlanState();
     RequestPlanState(const RequestPlanState&) = delete;

@@ -61,12 +61,10 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
     kernel_.setArg(store_widened, static_cast<cl_int>(elements.are_widened));
     kernel_.setArg(store_from, samples);
     if (memory != nullptr) kernel_.setArg(store_to, cl::Buffer(memory, true));
-    std::size_t rows = 0;
     for (const StoredBox& box : boxes)
-        rows = std::max(rows, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
-    const std::size_t pieces = context.capabilities().is_processor ? 1 : pieces_of_gpu;
-    range_ = cl::NDRange(pieces, in_whole_groups(rows, group_rows), boxes.size());
-    group_ = cl::NDRange(pieces, group_rows, 1);
+        rows_ = std::max(rows_, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
+    rows_ = in_whole_groups(rows_, group_rows);
+    pieces_ = context.capabilities().is_processor ? 1 : pieces_of_gpu;
 }
 
 void BoxStore::move(cl_mem memory, const StoredBox& box) {
@@ -80,9 +78,15 @@ void BoxStore::enqueue(CommandChain& chain) {
             queue.enqueueFillBuffer(boxes_, *moved_, 0, sizeof(StoredBox), wait, event);  // which copies the box
         });
     moved_.reset();
-    chain.then([&](auto& queue, auto* wait, auto* event) {
-        queue.enqueueNDRangeKernel(kernel_, cl::NullRange, range_, group_, wait, event);
-    });
+    // NVIDIA's GPUs have 65,535 groups along y and z at most.
+    constexpr std::size_t most = 32768, most_rows = most * group_rows;
+    for (std::size_t box = 0; box < box_count_; box += most)
+        for (std::size_t row = 0; row < rows_; row += most_rows)
+            chain.then([&](auto& queue, auto* wait, auto* event) {
+                const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), std::min(most, box_count_ - box));
+                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, row, box), all, cl::NDRange(pieces_, group_rows, 1),
+                                           wait, event);
+            });
 }
 
 namespace {

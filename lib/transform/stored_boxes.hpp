@@ -50,7 +50,7 @@ private:
     cl::Kernel kernel_;
     cl::Buffer boxes_;
     std::size_t box_count_;
-    cl::NDRange range_, group_;
+    std::size_t pieces_ = 1, rows_ = 0;  ///< of the launch: pieces of a row, rows of the largest box
     std::optional<StoredBox> moved_;
 };
 

@@ -103,7 +103,7 @@ struct DistanceTransform::State {
                  const CallOptions& call);
 
     /// Makes the blocks of a plan that has none, for the targets of its requests. (request_plan.cpp)
-    void plan(transform::RequestPlanState& made, const CallOptions& call);
+    void plan(transform::RequestPlanState& made, std::vector<Request> requests, const CallOptions& call);
     void plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
 
     // point_calls.cpp

@@ -373,6 +373,8 @@ BOOST_AUTO_TEST_CASE(targets_have_strides_and_some_or_all_outputs) {
     BOOST_TEST(statistics.triangles == mesh.triangles().size());
     BOOST_TEST(transform.memory().device_bytes > 0U);
     transform.query({}, 1, {.distance = std::span(distance).first(0)});
+    std::vector<float> nothing;
+    transform.query(std::vector<Vec3>(), 1, {.distance = nothing, .gradient = nothing});
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_without_extent_has_points_around_it) {

@@ -410,12 +410,92 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
     RequestPlan plan = transform.plan(one);
     const std::vector<Grid> two(2, grid);
     check_throws(ErrorCode::invalid_argument, {"1 requests", "2 grids"}, [&] { plan.move(transform, two); });
-    // A move that fails leaves nothing to enqueue; the next one mends it.
+    // A move to grids that are refused changes nothing.
     const std::vector<Grid> larger(1, grid.grown(1));
     check_throws(ErrorCode::invalid_argument, {"request 0 of 1"}, [&] { plan.move(transform, larger); });
-    check_throws(ErrorCode::invalid_argument, {"move() failed"}, [&] { plan.enqueue(nullptr); });
-    const std::vector<Grid> back(1, grid);
-    plan.move(transform, back);
+    BOOST_TEST((plan.requests().front().grid == grid));
     run(plan, nullptr);
     BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+    // One that fails later leaves nothing to enqueue, and the places as they were; the next one mends it.
+    CallOptions stopped;
+    stopped.should_stop = [calls = 0]() mutable { return ++calls > 1; };
+    const std::vector<Grid> other(1, grid.block({1, 0, 0}, grid.size));
+    check_throws(ErrorCode::cancelled, {}, [&] { plan.move(transform, other, stopped); });
+    check_throws(ErrorCode::invalid_argument, {"move() failed"}, [&] { plan.enqueue(nullptr); });
+    plan.move(transform);
+    run(plan, nullptr);
+    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+}
+
+BOOST_AUTO_TEST_CASE(memory_that_values_would_share_or_kernels_may_not_write_is_refused) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 12, 2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    std::vector<float> host(64 * grid.sample_count());
+    OutputTarget target(host);
+    const auto check = [&](const char* what) {
+        check_throws(ErrorCode::invalid_argument, {"output distance", what, "overlap"},
+                     [&] { transform.compute(grid, band, {.distance = target}); });
+    };
+    target.strides = {8, 0, 0};
+    check("along y");
+    target.strides = {8, 8 * grid.size[0], 16};
+    check("along");
+    const cl::Buffer read_only(context().context(), CL_MEM_READ_ONLY, host.size() * sizeof(float));
+    const std::vector<Request> requests{{grid, band, {.distance = OutputTarget(read_only())}}};
+    check_throws(ErrorCode::invalid_argument, {"request 0 of 1", "CL_MEM_READ_ONLY"},
+                 [&] { transform.plan(requests); });
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_without_requests_waits_for_the_callers_events) {
+    const DistanceTransform transform(test_device(), make_shape("tetrahedron"));
+    RequestPlan plan = transform.plan(std::span<const Request>());
+    const cl::UserEvent before(context().context());
+    const cl_event event = before();
+    const cl::CommandQueue queue = callers_queue();
+    const cl::Event end(plan.enqueue(queue(), {&event, 1}));
+    BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
+    cl::UserEvent(before).setStatus(CL_COMPLETE);
+    end.wait();
+}
+
+BOOST_AUTO_TEST_CASE(more_boxes_than_a_launch_has_groups_are_all_stored) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 34, 2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    const DeviceMemory memory(test_device().context(), grid.sample_count());
+    std::vector<Request> requests;
+    for (std::int64_t z = 0; z < grid.size[2]; ++z)
+        for (std::int64_t y = 0; y < grid.size[1]; ++y)
+            for (std::int64_t x = 0; x < grid.size[0]; ++x) {
+                OutputTarget target = memory.handle();
+                target.offset = requests.size() * sizeof(float);
+                requests.push_back({grid.part({x, y, z}, {1, 1, 1}), band, {.distance = target}});
+            }
+    BOOST_REQUIRE(requests.size() > 32768U);
+    RequestPlan plan = transform.plan(requests);
+    run(plan, nullptr);
+    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+}
+
+BOOST_AUTO_TEST_CASE(plans_take_the_memory_that_their_transform_may_take) {
+    const Mesh mesh = make_shape("sphere3");
+    const Device device = test_device().limited({.memory = 24 << 20});
+    const DistanceTransform transform(device, mesh);
+    const Grid grid = grid_around(mesh, 150, 2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    std::vector<cl::Buffer> memory;
+    std::vector<RequestPlan> plans;
+    const auto add = [&] {
+        memory.emplace_back(cl::Context(device.context(), true), CL_MEM_READ_WRITE,
+                            2 * grid.sample_count() * sizeof(float));
+        OutputTarget target = memory.back()();
+        target.strides = {8, 8 * grid.size[0], 8 * grid.size[0] * grid.size[1]};
+        plans.push_back(transform.plan(std::vector<Request>{{grid, band, {.distance = target}}}));
+    };
+    add();
+    BOOST_TEST(plans.front().statistics().device_bytes > grid.sample_count() * sizeof(float));
+    check_throws(ErrorCode::out_of_memory, {"25165824"}, [&] { add(), add(); });
 }
