@@ -20,7 +20,7 @@ struct Floors {
 
 Floors measure_floors(const Device& device);
 
-/// Operations a lane of the distance from a sample to one triangle in its frame, of kernels/edge_tables.h; a fused
+/// Operations a lane of the distance from a sample to one triangle in its frame, of kernels/lane_offsets.h; a fused
 /// multiply and add is two.
 inline constexpr double operations_of_a_distance = 34;
 

@@ -6,9 +6,9 @@
 #define CLSDF_BRICK_DISTANCE_H
 
 #include "blocks.h"
-#include "brick_minimum.h"
 #include "distance.h"
 #include "lane_offsets.h"
+#include "subblocks.h"
 
 // Displacements of the centres of a brick's sub-blocks from its own, along the axes of LANES polyhedra's frames. Each
 // is rounded once.

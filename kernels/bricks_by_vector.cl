@@ -15,8 +15,8 @@
 
 #include "brick_distance.h"
 #include "brick_lists.h"
+#include "builtins.h"
 #include "lane_offsets.h"
-#include "prefetch.h"
 #include "slender_scan.h"
 #include "write_bricks.h"
 

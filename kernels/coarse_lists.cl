@@ -6,9 +6,9 @@
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 // The first pass counts and stores the (cluster, brick) pairs; the second fills the lists from them.
 
-#include "coarse_bounds.h"
+#include "builtins.h"
+#include "coarse_clusters.h"
 #include "face_sources.h"
-#include "prefetch.h"
 
 INLINE uint share_of(uint count, uint number, uint numbers) {
     return (uint)((ulong)count * number / numbers);

@@ -6,7 +6,7 @@
 // segments + segment] is where a segment's entries of a brick begin. coarse_scatter moves the pairs there, and
 // coarse_sort orders each segment: the lists are in the order of the polyhedra, however work-items are scheduled.
 
-#include "coarse_bounds.h"
+#include "coarse_clusters.h"
 
 // Room for a work-item's pairs: pairs [next, end).
 typedef struct PairWriter {

@@ -11,8 +11,10 @@
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 
+#include "builtins.h"
 #include "frame.h"
 #include "lanes.h"
+#include "layout.h"
 
 // The formula above, from r, `before` = -t and `past` = t minus the length, of which the greater counts. (Of the base,
 // which goes on, `before` may be anything that is not above `past`.)
@@ -88,6 +90,18 @@ static inline floatL squared_distance_long_brick(__global const Polyhedron* p, d
     const doubleL before = below ? beyond : across * beyond - along * y;
     const doubleL past = below ? beyond : along * above_apex - across * away;
     return squared_from_edge(convert_floatL(outward), convert_floatL(before), convert_floatL(past), convert_floatL(z));
+}
+
+// The value of a sample, as every kernel writes it.
+
+// The distance with its sign where it lies in the band, else the fill. negative: the sample is inside; squared: of the
+// distance, in units. (write_bricks.h has the same for vectors.)
+INLINE float signed_distance(Layout layout, bool negative, float squared, __private bool* in_band) {
+    const float fill = negative ? layout.inside_fill : layout.outside_fill;
+    *in_band = squared <= (negative ? layout.inside_squared : layout.outside_squared);
+    const float root = sqrt(squared) * layout.unit;
+    const float length = LESSER(root, fabs(fill));
+    return *in_band ? (negative && length != 0.0f ? -length : length) : fill;
 }
 
 #endif

@@ -3,8 +3,7 @@
 #ifndef CLSDF_FIELD_LINES_H
 #define CLSDF_FIELD_LINES_H
 
-#include "bits.h"
-#include "inline.h"
+#include "builtins.h"
 
 // Numbers in a cache line. Half a line costs as much past the caches as a whole one.
 #define LINE_NUMBERS 16

@@ -10,8 +10,8 @@
 #ifndef CLSDF_FINISH_H
 #define CLSDF_FINISH_H
 
+#include "builtins.h"
 #include "frame.h"
-#include "inline.h"
 #include "layout.h"
 #include "outputs.h"
 

@@ -5,11 +5,11 @@
 #ifndef CLSDF_FINISH_ROWS_H
 #define CLSDF_FINISH_ROWS_H
 
-#include "bits.h"
-#include "brick_minimum.h"
+#include "builtins.h"
 #include "field_lines.h"
 #include "finish.h"
 #include "lane_offsets.h"
+#include "subblocks.h"
 
 DEFINE_FROM_SITE(from_sites, doubleL, longL)
 

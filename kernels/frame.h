@@ -5,7 +5,7 @@
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
-#include "inline.h"
+#include "builtins.h"
 #include "layout.h"
 
 // The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point. "Right" and

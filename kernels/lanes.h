@@ -4,8 +4,7 @@
 #ifndef CLSDF_LANES_H
 #define CLSDF_LANES_H
 
-#include "bits.h"
-#include "inline.h"
+#include "builtins.h"
 
 #if LANES == 16
 typedef float16 floatL;

@@ -7,9 +7,9 @@
 #define REAL double
 #define TRUTH int
 
+#include "builtins.h"
 #include "finish.h"
 #include "point_distance.h"
-#include "prefetch.h"
 
 // The nearest face so far.
 typedef struct Found {

@@ -19,12 +19,12 @@
 #define SLENDER_SAMPLES_NEAR 30.0f
 #define SLENDER_SAMPLES_FAR 6.0f
 
-// Nor are they longer than this, in samples: rounding grows with it (slender_samples.h), and is to stay that of a
+// Nor are they longer than this, in samples: rounding grows with it (slender_scan.h), and is to stay that of a
 // brick.
 #define SLENDER_LENGTH 12.0f
 
 // Along each axis, how far the integer origin of a slender polyhedron is from a coarse brick's centre, at most, in
-// samples: sums that slender_samples.h takes for exact are.
+// samples: sums that slender_scan.h takes for exact are.
 #define SLENDER_RANGE 200.0f
 
 // at + step m, of layer m.

@@ -2,10 +2,10 @@
 #ifndef CLSDF_WRITE_BRICKS_H
 #define CLSDF_WRITE_BRICKS_H
 
-#include "bits.h"
 #include "brick_lists.h"
-#include "brick_minimum.h"
+#include "builtins.h"
 #include "field_lines.h"
+#include "subblocks.h"
 #ifdef NEAREST
 #include "finish_rows.h"
 #endif
@@ -24,7 +24,7 @@ typedef struct Output {
     __global const uint* sign_bits;
 } Output;
 
-// The values of LANES samples, as signed_distance.h has them. inside: a bit a sample.
+// The values of LANES samples, as distance.h has them. inside: a bit a sample.
 INLINE floatL signed_distances(Layout layout, uint inside, floatL squared, intL* in_band) {
     const intL negative = (((intL)(int)inside >> as_intL(LANE_NUMBERS)) & 1) != 0;
     const floatL fill = negative ? (floatL)layout.inside_fill : (floatL)layout.outside_fill;

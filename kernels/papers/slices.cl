@@ -4,9 +4,9 @@
 // Compile-time options: GROUP, BATCH; LANES, 8 or 1 (lanes.h): samples of a row at a time; NEAREST and KEY_64
 // (slices.h); LONG_BRICKS (distance.h); COUNT counts work.
 
+#include "distance.h"
 #include "frame.h"
 #include "piece.h"
-#include "signed_distance.h"
 #include "slices.h"
 
 // The pieces that cut each slice, by count, scan, fill: no other slice of a piece is ever looked at.

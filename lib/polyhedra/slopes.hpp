@@ -12,7 +12,7 @@
 #include <vector>
 
 /// Slopes of the lateral planes of a face's edges, above the face and below it (docs/method.md, 'Leaned frusta'): one
-/// face at a time, with exact predicates. Kernels measure most faces (kernels/face_slopes.h).
+/// face at a time, with exact predicates. Kernels measure most faces (kernels/face_frames.h).
 namespace clsdf::polyhedra {
 
 /// The slopes of one edge's planes, above the face and below it.

@@ -196,7 +196,7 @@ BOOST_AUTO_TEST_CASE(vectors_are_masked_and_packed_alike_with_and_without_instru
 
 BOOST_AUTO_TEST_CASE(distances_by_table_are_those_of_the_triangle_with_and_without_instructions_for_them) {
     const Device device = Device::best();
-    const std::string helpers = device::kernel_text("edge_tables.h") + distances_by_table;
+    const std::string helpers = device::kernel_text("lane_offsets.h") + distances_by_table;
     for (const unsigned lanes : {8U, 16U}) BOOST_TEST_CONTEXT(lanes << " lanes") {
             BOOST_TEST_CONTEXT("as the compiler is")
             check_distances_by_table(device::context_of(device), helpers, lanes);
