@@ -21,7 +21,7 @@ file(WRITE "${OUTPUT}" "#pragma once
 // Made from kernels/ by the build. No warnings: the standard promises literals of 65,536 characters only.
 #pragma GCC system_header
 
-#include \"device/kernel_text.hpp\"
+#include \"device/context.hpp\"
 
 namespace clsdf::kernels {
 

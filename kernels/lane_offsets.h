@@ -6,7 +6,7 @@
 #define CLSDF_LANE_OFFSETS_H
 
 #include "distance.h"
-#include "record_numbers.h"
+#include "polyhedron.h"
 #include "transpose.h"
 
 // A table's numbers are those of the regions right above, right below, left below, left above: a region's index follows

@@ -11,7 +11,7 @@
 #define CLSDF_LANE_POLYHEDRA_H
 
 #include "frame.h"
-#include "record_numbers.h"
+#include "polyhedron.h"
 #include "transpose.h"
 
 // The quantities that the tests limit, at one point: Z and the distances outward of the base (-Y) and of the slanted

@@ -5,7 +5,7 @@
 
 #include "builtins.h"
 #include "point_distance.h"
-#include "point_groups.h"
+#include "point_tree.h"
 
 #define PARTS (CLSDF_GROUP_WIDTH / LANES)
 // The index of a vector's first point of a part.

@@ -1,4 +1,4 @@
-// The nearest triangles of many points: a scan of groups of points (point_groups.h), on processors.
+// The nearest triangles of many points: a scan of groups of points (point_tree.h), on processors.
 //
 // From superblocks to vectors, a group's list of polyhedra goes to its 16 children at once, a child a lane: a
 // polyhedron stays if it overlaps the child's box within the child's upper bound of the distance. The distances of a
@@ -11,7 +11,7 @@
 #include "builtins.h"
 #include "frame.h"
 #include "point_decisions.h"
-#include "point_groups.h"
+#include "point_tree.h"
 
 // Slack of the overlap test, in units: what polyhedra need (frusta.hpp) and the rounding of floats, with room.
 #define SLACK 4.0e-3f

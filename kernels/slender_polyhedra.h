@@ -12,7 +12,7 @@
 #define CLSDF_SLENDER_POLYHEDRA_H
 
 #include "lane_polyhedra.h"
-#include "record_numbers.h"
+#include "polyhedron.h"
 
 // Sections of a slender polyhedron have room for this many samples at most. Far from the surface polyhedra overlap, and
 // the bricks' and sub-blocks' own bounds save more than lists of samples do.

@@ -1,7 +1,5 @@
 #include "core/outputs.hpp"
 
-#include "core/per_output.hpp"
-
 #include <array>
 
 namespace clsdf {

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <clsdf/device.hpp>
-
-#include "device/build_records.hpp"
-#include "device/kernel_text.hpp"
 #include "device/opencl.hpp"
 #include "device/pinned_reads.hpp"
 #include "device/program_cache.hpp"
+
+#include <clsdf/device.hpp>
 
 #include <atomic>
 #include <cstddef>
@@ -16,10 +14,22 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace clsdf::device {
+
+/// A kernel file that the build has embedded.
+struct KernelFile {
+    std::string_view name;
+    std::string_view text;
+};
+using KernelFiles = std::span<const KernelFile>;
+
+/// The text of an embedded kernel file, of the core or of `beside`, with its #include "..." lines replaced by the files
+/// they name, each once: OpenCL compilers look for nothing at run time.
+std::string kernel_text(std::string_view file_name, KernelFiles beside = {});
 
 /// One OpenCL device with its context, its queue and the programs built for it.
 class Context {

@@ -1,8 +1,8 @@
 #include <clsdf/device.hpp>
 
-#include "core/moved_from.hpp"
+#include "core/lifetime.hpp"
 #include "device/context.hpp"
-#include "device/known_faults.hpp"
+#include "device/opencl.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "device/pinned_reads.hpp"
 
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 #include "core/parallel.hpp"
 
 #include <cstring>

@@ -1,6 +1,6 @@
 #include "io/field_files.hpp"
 
-#include "core/atomic_file.hpp"
+#include "core/files.hpp"
 #include "core/text.hpp"
 
 #include <clsdf/error.hpp>

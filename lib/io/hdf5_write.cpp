@@ -1,4 +1,4 @@
-#include "core/atomic_file.hpp"
+#include "core/files.hpp"
 #include "io/field_files.hpp"
 #include "io/hdf5.hpp"
 

@@ -1,7 +1,6 @@
 #include "io/mesh_files.hpp"
 
-#include "core/atomic_file.hpp"
-#include "core/descriptor.hpp"
+#include "core/files.hpp"
 #include "core/text.hpp"
 
 #include <clsdf/error.hpp>

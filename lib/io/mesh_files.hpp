@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/uninitialized_vector.hpp"
+#include "core/large_memory.hpp"
 #include "mesh/mesh_arrays.hpp"
 
 #include <clsdf/error.hpp>

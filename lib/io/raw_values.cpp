@@ -1,6 +1,6 @@
 #include "io/raw_values.hpp"
 
-#include "core/descriptor.hpp"
+#include "core/files.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "core/atomic_file.hpp"
-#include "core/descriptor.hpp"
+#include "core/files.hpp"
 #include "core/outputs.hpp"
 
 #include <bit>

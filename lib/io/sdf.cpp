@@ -1,5 +1,5 @@
+#include "core/large_memory.hpp"
 #include "core/text.hpp"
-#include "core/uninitialized_vector.hpp"
 #include "io/field_files.hpp"
 
 #include <fmt/compile.h>

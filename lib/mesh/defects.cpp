@@ -1,6 +1,6 @@
 #include <clsdf/topology.hpp>
 
-#include "mesh/equal_vertices.hpp"
+#include "mesh/topology.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 

@@ -1,4 +1,4 @@
-#include "mesh/equal_vertices.hpp"
+#include "mesh/topology.hpp"
 #include "mesh/triples.hpp"
 
 #include <clsdf/error.hpp>

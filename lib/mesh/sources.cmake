@@ -1,9 +1,7 @@
 target_sources(
   clsdf
   PRIVATE ${CMAKE_CURRENT_LIST_DIR}/defects.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/equal_vertices.cpp
           ${CMAKE_CURRENT_LIST_DIR}/mesh.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/shape_solids.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shape_surfaces.cpp
           ${CMAKE_CURRENT_LIST_DIR}/shapes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sign.cpp

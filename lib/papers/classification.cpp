@@ -1,7 +1,7 @@
 #include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
-#include "mesh/equal_vertices.hpp"
+#include "mesh/topology.hpp"
 #include "papers/gap_tests.hpp"
 #include "polyhedra/slopes.hpp"
 #include "polyhedra/topology.hpp"

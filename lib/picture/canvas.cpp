@@ -1,6 +1,6 @@
 #include "picture/canvas.hpp"
 
-#include "core/atomic_file.hpp"
+#include "core/files.hpp"
 #include "picture/text.hpp"
 
 #include <clsdf/error.hpp>

@@ -1,4 +1,4 @@
-#include "core/moved_from.hpp"
+#include "core/lifetime.hpp"
 #include "picture/canvas.hpp"
 #include "picture/panel.hpp"
 #include "picture/scene.hpp"

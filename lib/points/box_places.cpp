@@ -1,9 +1,8 @@
-#include "points/box_places.hpp"
-
-#include "core/parallel.hpp"
-#include "core/uninitialized_vector.hpp"
-#include "points/curve_order.hpp"
 #include "points/point_signs.hpp"
+
+#include "core/large_memory.hpp"
+#include "core/parallel.hpp"
+#include "points/point_mesh.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -1,4 +1,4 @@
-#include "points/curve_order.hpp"
+#include "points/point_mesh.hpp"
 
 #include "core/parallel.hpp"
 

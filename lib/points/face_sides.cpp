@@ -1,7 +1,6 @@
-#include "points/face_sides.hpp"
+#include "points/point_signs.hpp"
 
 #include "core/parallel.hpp"
-#include "points/point_signs.hpp"
 #include "polyhedra/frames.hpp"
 
 #include <algorithm>

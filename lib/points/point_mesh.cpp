@@ -1,7 +1,7 @@
 #include "points/point_mesh.hpp"
 
 #include "core/parallel.hpp"
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 #include "polyhedra/records.hpp"
 
 #include <clsdf/error.hpp>

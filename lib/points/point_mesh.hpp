@@ -1,16 +1,19 @@
 #pragma once
 
-#include <clsdf/mesh.hpp>
-
-#include "core/uninitialized_vector.hpp"
+#include "core/large_memory.hpp"
 #include "device/buffer_pool.hpp"
-#include "point_tree.h"
 #include "polyhedra/frames.hpp"
 #include "polyhedra/topology.hpp"
 
+#include "point_tree.h"
+
+#include <clsdf/mesh.hpp>
+
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 /// Distances at points anywhere.
@@ -105,5 +108,10 @@ bool visit_faces(const PointMesh& mesh, const UnitBox& box, const Visit& visit) 
 /// Throws Error(invalid_argument or out_of_memory).
 PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Mesh& mesh,
                           std::shared_ptr<const polyhedra::MeshTopology> topology);
+
+/// The points' indices along a Hilbert curve through their own box, as far as it lies in `most`, with 2^10 cells along
+/// its longest side; points outside lie in the outermost cells. Neighbours in the list are neighbours in space. All
+/// coordinates are finite; there are fewer than 2^32 points.
+UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, const Box& most);
 
 }  // namespace clsdf::points

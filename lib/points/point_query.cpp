@@ -1,10 +1,10 @@
 #include "points/point_query.hpp"
 
+#include "core/large_memory.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "core/uninitialized_vector.hpp"
-#include "device/host_filling.hpp"
-#include "points/curve_order.hpp"
+#include "device/buffer_pool.hpp"
+#include "points/point_mesh.hpp"
 #include "points/point_signs.hpp"
 #include "scan/output_targets.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,9 +2,13 @@
 
 #include "core/parallel.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace clsdf::polyhedra {
 
@@ -116,6 +120,154 @@ NearRecords ClusterIndex::near(const Box& box) const {
     for (const RecordRange& range : found.faces) found.face_count += range.end - range.begin;
     for (const RecordRange& range : found.sites) found.site_count += range.end - range.begin;
     return found;
+}
+
+namespace {
+
+constexpr std::uint32_t absent = 0xFFFFFFFFU;
+
+/// The faces of clusters that are wanted, ascending.
+std::vector<std::uint32_t> faces_of(const Frusta& frusta, const NearRecords& near, std::size_t face_count) {
+    std::vector<bool> is_wanted(chunk_count(face_count, ClusterIndex::cluster));
+    for (const RecordRange& range : near.faces)
+        for (std::size_t face = range.begin; face < range.end; face += ClusterIndex::cluster)
+            is_wanted[face / ClusterIndex::cluster] = true;
+    for (const RecordRange& range : near.sites)
+        for (std::size_t site = range.begin; site < range.end; ++site)
+            is_wanted[frusta.sites[site].face / ClusterIndex::cluster] = true;
+    const auto clusters = static_cast<std::size_t>(std::count(is_wanted.begin(), is_wanted.end(), true));
+    std::vector<std::uint32_t> faces;
+    faces.reserve(clusters * ClusterIndex::cluster);
+    for (std::size_t face = 0; face < face_count; ++face)
+        if (is_wanted[face / ClusterIndex::cluster]) faces.push_back(static_cast<std::uint32_t>(face));
+    return faces;
+}
+
+/// For each of `count` numbers its place in an ascending list, or `absent`.
+UninitializedVector<std::uint32_t> places_in(const std::vector<std::uint32_t>& list, std::size_t count) {
+    UninitializedVector<std::uint32_t> places(count);
+    for_each_index(count, [&](std::size_t i) { places[i] = absent; });
+    for_each_index(list.size(), [&](std::size_t i) { places[list[i]] = static_cast<std::uint32_t>(i); });
+    return places;
+}
+
+}  // namespace
+
+/// Sets what need not be found from a mesh's triangles.
+struct PartMaker {
+    static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
+    static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
+};
+
+MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near) {
+    const std::vector<std::uint32_t> faces = faces_of(frusta, near, topology.order.size());
+    // The lists are kept: their memory has just their size.
+    std::vector<std::uint32_t> triangles(faces.size()), vertices;
+    for_each_index(faces.size(), [&](std::size_t i) { triangles[i] = topology.order[faces[i]]; });
+    std::sort(triangles.begin(), triangles.end());
+    std::vector<bool> is_used(mesh.vertices().size());
+    for (const std::uint32_t triangle : triangles)
+        for (const std::uint32_t vertex : mesh.triangles()[triangle]) is_used[vertex] = true;
+    vertices.reserve(static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), true)));
+    for (std::size_t vertex = 0; vertex < is_used.size(); ++vertex)
+        if (is_used[vertex]) vertices.push_back(static_cast<std::uint32_t>(vertex));
+    std::vector<Vec3> positions(vertices.size());
+    for_each_index(vertices.size(), [&](std::size_t i) { positions[i] = mesh.vertices()[vertices[i]]; });
+    const auto vertex_places = places_in(vertices, mesh.vertices().size());
+    const auto triangle_places = places_in(triangles, mesh.triangles().size());
+    std::vector<Triangle> of_part(triangles.size());
+    for_each_index(triangles.size(), [&](std::size_t i) {
+        for (std::size_t k = 0; k < 3; ++k) of_part[i][k] = vertex_places[mesh.triangles()[triangles[i]][k]];
+    });
+    UninitializedVector<std::uint32_t> order(faces.size());
+    for_each_index(faces.size(), [&](std::size_t i) { order[i] = triangle_places[topology.order[faces[i]]]; });
+
+    MeshPart part{Mesh(std::move(positions), std::move(of_part), mesh.name()), std::move(triangles), nullptr, {}};
+    PartMaker::set_box(part.mesh, mesh.box());
+    auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
+    // Some faces of an edge may be missing, and records tell by its mark that there were many.
+    for_each_index(faces.size(), [&](std::size_t i) {
+        for (std::size_t k = 0; k < 3; ++k)
+            if ((topology.edges.faces[faces[i]].marks[k] & edge_non_manifold) != 0)
+                made->edges.faces[i].marks[k] |= edge_non_manifold;
+    });
+    part.topology = std::move(made);
+    const OrderedFaces& ordered = part.topology->faces;
+
+    Frusta& result = part.frusta;
+    result.positions.resize(ordered.vertices.size());
+    UninitializedVector<std::uint32_t> numbers(part.mesh.vertices().size());  // of the part's vertices, in its topology
+    for_each_index(ordered.vertices.size(), [&](std::size_t i) {
+        result.positions[i] = part.mesh.vertices()[ordered.vertices[i]];
+        numbers[ordered.vertices[i]] = static_cast<std::uint32_t>(i);
+    });
+    result.slopes.resize(faces.size());
+    for_each_index(faces.size(), [&](std::size_t i) { result.slopes[i] = frusta.slopes[faces[i]]; });
+    const auto face_place = [&](std::uint32_t face) { return std::lower_bound(faces.begin(), faces.end(), face); };
+    for (const RecordRange& range : near.sites)
+        for (std::size_t i = range.begin; i < range.end; ++i) {
+            SiteFrustum site = frusta.sites[i];
+            site.vertex = numbers[vertex_places[topology.faces.vertices[site.vertex]]];
+            site.face = static_cast<std::uint32_t>(face_place(site.face) - faces.begin());
+            result.sites.push_back(site);
+        }
+    for (const std::uint32_t sliver : frusta.slivers)
+        if (const auto place = face_place(sliver); place != faces.end() && *place == sliver)
+            result.slivers.push_back(static_cast<std::uint32_t>(place - faces.begin()));
+    result.saddle_vertices = frusta.saddle_vertices;
+    result.boxes = frusta.boxes;
+    return part;
+}
+
+namespace {
+
+/// The box of some positions, and whether they are finite.
+struct Extent {
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+
+    Box box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
+    double spoilt = 0;  ///< NaN if a coordinate is not finite
+
+    void take(const Vec3& lower, const Vec3& upper) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            box.lower[axis] = lower[axis] < box.lower[axis] ? lower[axis] : box.lower[axis];
+            box.upper[axis] = upper[axis] > box.upper[axis] ? upper[axis] : box.upper[axis];
+        }
+    }
+    void take(const Vec3& position) {
+        take(position, position);
+        spoilt += (position[0] - position[0]) + (position[1] - position[1]) + (position[2] - position[2]);
+    }
+    static Extent both(Extent a, const Extent& b) {
+        a.take(b.box.lower, b.box.upper);
+        a.spoilt += b.spoilt;
+        return a;
+    }
+};
+
+}  // namespace
+
+void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions) {
+    const UninitializedVector<std::uint32_t>& used = topology.faces.vertices;
+    Extent all;
+    if (positions.size() == mesh.vertices().size()) {
+        constexpr std::size_t grain = 4096;
+        all = tbb::parallel_reduce(
+            tbb::blocked_range<std::size_t>(0, used.size(), grain), all,
+            [&](const tbb::blocked_range<std::size_t>& range, Extent extent) {
+                for (std::size_t i = range.begin(); i != range.end(); ++i) extent.take(positions[used[i]]);
+                return extent;
+            },
+            Extent::both);
+    } else {
+        all.spoilt = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (!(all.spoilt == 0)) {
+        mesh.move(std::move(positions));  // which finds what is wrong
+        return;
+    }
+    PartMaker::set_positions(mesh, std::move(positions));
+    PartMaker::set_box(mesh, all.box);
 }
 
 }  // namespace clsdf::polyhedra

@@ -1,7 +1,6 @@
 #include "polyhedra/face_order.hpp"
 
 #include "core/parallel.hpp"
-#include "core/several_targets.hpp"
 #include "polyhedra/frames.hpp"
 
 #include <clsdf/error.hpp>

@@ -6,7 +6,6 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/frusta.cpp
           ${CMAKE_CURRENT_LIST_DIR}/gaps.cpp
           ${CMAKE_CURRENT_LIST_DIR}/kernel_topology.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/mesh_part.cpp
           ${CMAKE_CURRENT_LIST_DIR}/records.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sites.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slopes.cpp

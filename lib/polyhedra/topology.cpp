@@ -1,7 +1,6 @@
 #include "polyhedra/topology.hpp"
 
 #include "core/parallel.hpp"
-#include "core/several_targets.hpp"
 
 #include <algorithm>
 #include <array>

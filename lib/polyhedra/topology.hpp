@@ -2,7 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
-#include "core/uninitialized_vector.hpp"
+#include "core/large_memory.hpp"
 #include "polyhedra/face_order.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include <clsdf/error.hpp>
 #include <clsdf/reference.hpp>
 
-#include "core/moved_from.hpp"
+#include "core/lifetime.hpp"
 #include "triangle.hpp"
 #include "triangle_tree.hpp"
 

@@ -1,6 +1,6 @@
 #include "scan/brick_kernel.hpp"
 
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 
 #include <algorithm>
 

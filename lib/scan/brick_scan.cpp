@@ -1,7 +1,7 @@
 #include "scan/brick_scan.hpp"
 
-#include "core/per_output.hpp"
-#include "device/host_filling.hpp"
+#include "core/outputs.hpp"
+#include "device/buffer_pool.hpp"
 #include "scan/brick_kernel.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"

@@ -1,7 +1,7 @@
 #include "scan/coarse_lists.hpp"
 
 #include "coarse.h"
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 #include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"

@@ -1,5 +1,5 @@
 #include "coarse.h"
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"

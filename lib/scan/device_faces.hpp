@@ -1,7 +1,6 @@
 #pragma once
 
 #include "device/buffer_pool.hpp"
-#include "device/host_filling.hpp"
 #include "face_sources.h"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"

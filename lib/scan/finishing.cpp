@@ -1,7 +1,7 @@
 #include "scan/finishing.hpp"
 
 #include "core/parallel.hpp"
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 #include "polyhedra/sites.hpp"
 
 #include <cstring>

@@ -4,7 +4,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 
-#include "core/per_output.hpp"
+#include "core/outputs.hpp"
 #include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "outputs.h"

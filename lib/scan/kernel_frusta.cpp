@@ -1,6 +1,6 @@
 #include "scan/kernel_frusta.hpp"
 
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 #include "scan/programs.hpp"
 #include "scan/short_launches.hpp"
 

@@ -1,7 +1,7 @@
 #include "scan/output_targets.hpp"
 
+#include "core/outputs.hpp"
 #include "core/parallel.hpp"
-#include "core/per_output.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -1,7 +1,7 @@
 #include "scan/prefix_sums.hpp"
 
-#include "core/keep.hpp"
-#include "device/has_ended.hpp"
+#include "core/lifetime.hpp"
+#include "device/opencl.hpp"
 #include "scan/programs.hpp"
 
 #include <fmt/format.h>

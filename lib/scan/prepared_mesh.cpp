@@ -1,7 +1,7 @@
 #include "scan/prepared_mesh.hpp"
 
 #include "core/parallel.hpp"
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 #include "polyhedra/frames.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "scan/programs.hpp"
 
-#include "device/known_faults.hpp"
+#include "device/opencl.hpp"
 #include "layout.h"
 
 #include <fmt/format.h>

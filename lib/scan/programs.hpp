@@ -3,7 +3,6 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "device/context.hpp"
-#include "device/kernel_text.hpp"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "scan/sign_crossings.hpp"
 
-#include "core/keep.hpp"
-#include "device/has_ended.hpp"
+#include "core/lifetime.hpp"
+#include "device/opencl.hpp"
 #include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"

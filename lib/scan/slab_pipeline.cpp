@@ -1,6 +1,6 @@
 #include "scan/slab_pipeline.hpp"
 
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "core/per_output.hpp"
-#include "core/uninitialized_vector.hpp"
+#include "core/large_memory.hpp"
+#include "core/outputs.hpp"
 #include "device/buffer_pool.hpp"
 #include "scan/finishing.hpp"
 

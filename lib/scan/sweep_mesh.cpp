@@ -1,7 +1,7 @@
 #include "scan/sweep_mesh.hpp"
 
 #include "core/parallel.hpp"
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 #include "layout.h"
 #include "scan/device_faces.hpp"
 #include "scan/layout_of.hpp"

@@ -1,9 +1,8 @@
 #include <clsdf/distance_transform.hpp>
 
-#include "core/keep.hpp"
-#include "core/moved_from.hpp"
+#include "core/lifetime.hpp"
+#include "core/outputs.hpp"
 #include "core/parallel.hpp"
-#include "core/per_output.hpp"
 #include "core/stopwatch.hpp"
 #include "device/mapped_memory.hpp"
 #include "scan/layout_of.hpp"

@@ -1,8 +1,8 @@
 #include "transform/plan_state.hpp"
 
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
-#include "device/has_ended.hpp"
+#include "device/opencl.hpp"
 #include "scan/brick_scan.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/programs.hpp"

@@ -1,9 +1,8 @@
 #include "transform/request_plan.hpp"
 
-#include "core/keep.hpp"
-#include "core/moved_from.hpp"
+#include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
-#include "device/has_ended.hpp"
+#include "device/opencl.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/programs.hpp"
 #include "scan/slabs.hpp"

@@ -2,7 +2,7 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "core/per_output.hpp"
+#include "core/outputs.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/requests.hpp"
 #include "transform/stored_boxes.hpp"

@@ -1,6 +1,6 @@
 #include "transform/requests.hpp"
 
-#include "core/per_output.hpp"
+#include "core/outputs.hpp"
 
 #include <clsdf/error.hpp>
 

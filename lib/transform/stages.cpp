@@ -1,7 +1,7 @@
 #include "transform/stages.hpp"
 
-#include "core/keep.hpp"
-#include "mesh/enclosed_volume.hpp"
+#include "core/lifetime.hpp"
+#include "mesh/topology.hpp"
 #include "polyhedra/sites.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"

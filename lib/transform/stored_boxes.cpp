@@ -1,6 +1,6 @@
 #include "transform/stored_boxes.hpp"
 
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 #include "transform/self_test.hpp"
 
 #include <fmt/format.h>

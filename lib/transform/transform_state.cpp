@@ -1,8 +1,8 @@
 #include "transform/transform_state.hpp"
 
-#include "core/keep.hpp"
+#include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
-#include "points/box_places.hpp"
+#include "points/point_signs.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/sweep_mesh.hpp"

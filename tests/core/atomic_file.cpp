@@ -1,4 +1,4 @@
-#include "core/atomic_file.hpp"
+#include "core/files.hpp"
 
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"

@@ -1,4 +1,4 @@
-#include "device/build_records.hpp"
+#include "device/program_cache.hpp"
 
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"

@@ -3,7 +3,6 @@
 #include <clsdf/device.hpp>
 
 #include "device/context.hpp"
-#include "device/kernel_text.hpp"
 
 #include <vector>
 

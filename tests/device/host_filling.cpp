@@ -1,4 +1,4 @@
-#include "device/host_filling.hpp"
+#include "device/buffer_pool.hpp"
 
 #include "core/large_memory.hpp"
 

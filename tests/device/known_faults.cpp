@@ -1,4 +1,4 @@
-#include "device/known_faults.hpp"
+#include "device/opencl.hpp"
 
 #include <boost/test/unit_test.hpp>
 

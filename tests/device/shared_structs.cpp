@@ -2,7 +2,6 @@
 
 #include "coarse.h"
 #include "device/context.hpp"
-#include "device/kernel_text.hpp"
 #include "layout.h"
 #include "render.h"
 #include "sweep.h"

@@ -1,5 +1,4 @@
 #include "device/context.hpp"
-#include "device/kernel_text.hpp"
 
 #include <clsdf/device.hpp>
 

@@ -1,7 +1,7 @@
 // write_programs FOLDER writes the programs that the library builds for a GPU, each as a pair of files. NAME.cl is the
 // text and NAME.options are the options that clBuildProgram gets. scripts/gpu-compile and the test without_inlining
 // read them.
-#include "device/kernel_text.hpp"
+#include "device/context.hpp"
 #include "papers/scans.hpp"
 #ifdef CLSDF_TEST_PICTURE
 #include "picture/tracer.hpp"

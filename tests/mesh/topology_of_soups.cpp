@@ -3,7 +3,7 @@
 
 #include <clsdf/topology.hpp>
 
-#include "mesh/equal_vertices.hpp"
+#include "mesh/topology.hpp"
 #include "support/random_meshes.hpp"
 
 #include <tbb/task_arena.h>

@@ -1,5 +1,4 @@
 #include "device/context.hpp"
-#include "device/kernel_text.hpp"
 #include "polyhedra/records.hpp"
 #include "scan/layout_of.hpp"
 #include "support/random_meshes.hpp"

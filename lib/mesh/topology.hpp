@@ -12,4 +12,7 @@ namespace clsdf {
 /// 2^32 - 1 vertices.
 std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices);
 
+/// Whether a closed mesh encloses a volume that is negative by more than its rounding error: its faces look inwards.
+bool encloses_negative_volume(const Mesh& mesh);
+
 }  // namespace clsdf

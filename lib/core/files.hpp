@@ -2,6 +2,7 @@
 
 #include <clsdf/export.hpp>
 
+#include <unistd.h>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -14,6 +15,32 @@
 #include <string_view>
 
 namespace clsdf {
+
+/// A file descriptor that is closed at the end of its scope; negative if there is none.
+class Descriptor {
+public:
+    explicit Descriptor(int number) : number_(number) {}
+    ~Descriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    int number() const { return number_; }
+
+private:
+    int number_;
+};
+
+/// The result of a read: the number of bytes read, and the system's error number, or 0.
+struct ReadResult {
+    std::size_t bytes = 0;
+    int error = 0;
+};
+
+/// Fills `room` with the bytes of a file from `offset` on, on all cores. Reads fewer bytes if the file ends before or
+/// cannot be read.
+ReadResult read_in_parallel(const Descriptor& file, std::uint64_t offset, std::span<std::byte> room);
 
 /// A file that appears under its final name complete, or not at all. Bytes go to a temporary file in the same folder,
 /// and commit() gives it its name. Without commit() no file stays, and an earlier file of that name is unchanged. A
