@@ -64,8 +64,21 @@ typedef struct Nearest {
     NamedSite named;  // for CLSDF_OUTPUTS_BY_NAME
 } Nearest;
 
+// A record's exact numbers from its bases on: the bases, along and across by half, right and left; the altitude.
+INLINE void load_halves(__global const Polyhedron* p, __private double* halves) {
+    const double2 base = vload2(0, p->exact_base);
+    const double4 normals = vload4(0, p->exact_normal_along);
+    halves[0] = base.x;
+    halves[1] = base.y;
+    halves[2] = normals.x;
+    halves[3] = normals.y;
+    halves[4] = normals.z;
+    halves[5] = normals.w;
+    halves[6] = p->exact_altitude;
+}
+
 // The nearest site of a triangle as the frame numbers it, and how far the sample lies from its closest point in the
-// frame's plane, along X and Y. (x, y, z): of the sample. p: the record's exact numbers from its bases on. The same
+// frame's plane, along X and Y. (x, y, z): of the sample. p: of load_halves(). The same
 // formula serves one sample and vectors of samples. (oclgrind gets the negation of a vector's mask wrong, which ?:
 // makes of it; select() does not.)
 #define DEFINE_FROM_SITE(name, Real, Mask)                                                                            \
@@ -97,6 +110,28 @@ typedef struct Nearest {
     }
 DEFINE_FROM_SITE(from_site, double, long)
 
+// Weights of the point (x, y) of a site of the frame. Edge: *first is that of its second end, from the way along it.
+// Face: *first is that of the right end of the base, *second that of the apex, from heights over the base. Neither
+// divides by the triangle's area. A vertex has none.
+#define DEFINE_FRAME_WEIGHTS(name, Real, Mask)                                                          \
+    INLINE void name(__private const Real* p, Real x, Real y, Real site, __private Real* first,         \
+                     __private Real* second) {                                                          \
+        const Mask is_base = site == (Real)FRAME_BASE, is_right = site == (Real)FRAME_RIGHT_EDGE;       \
+        const Mask is_left = site == (Real)FRAME_LEFT_EDGE, is_face = site == (Real)CLSDF_SITE_OF_FACE; \
+        const Real right = p[0], left = p[1], altitude = p[6];                                          \
+        const Real base = select(left, right, is_right), away = select(-x, x, is_right);                \
+        const Real along = select(p[3], p[2], is_right), across = select(p[5], p[4], is_right);         \
+        const Real length = select(base * across + altitude * along, left + right, is_base);            \
+        /* From the left end of the base, or from either end to the apex. */                            \
+        const Real way = select((base - away) * across + y * along, x + left, is_base);                 \
+        const Mask has_length = length > (Real)0.0;                                                     \
+        const Real part = select((Real)0.0, way / length, has_length), apex = y / altitude;             \
+        const Real at_right = (x + left * ((Real)1.0 - apex)) / (left + right);                         \
+        *first = select(select(part, (Real)1.0 - part, is_left), at_right, is_face);                    \
+        *second = apex;                                                                                 \
+    }
+DEFINE_FRAME_WEIGHTS(frame_weights, double, long)
+
 // A vertex or an edge of the frame, as the polyhedron's triangle numbers it. Its vertex `first` is the left end of the
 // base.
 INLINE uint site_of_triangle(__global const Polyhedron* p, uint frame_site) {
@@ -120,6 +155,24 @@ static inline NamedSite name_site(__private const Finishing* finishing, __global
     return named;
 }
 
+// Weights of the named triangle's vertices 1 and 2 that make the closest point. first, second: of frame_weights().
+INLINE double2 named_weights(__global const Polyhedron* p, NamedSite named, double first, double second) {
+    double weights[3] = {0.0, 0.0, 0.0};
+    if (named.site < 3u) {
+        weights[named.site] = 1.0;
+    } else if (named.site < CLSDF_SITE_OF_FACE) {
+        const double way = named.is_reversed ? 1.0 - first : first;
+        weights[named.site - 3u] = 1.0 - way;
+        weights[(named.site - 2u) % 3u] = way;
+    } else {
+        const uint left = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
+        weights[left] = 1.0 - second - first;
+        weights[(left + 1u) % 3u] = first;
+        weights[(left + 2u) % 3u] = second;
+    }
+    return clamp((double2)(weights[1], weights[2]), 0.0, 1.0);
+}
+
 // sample: in samples of the lattice, which need not be whole numbers.
 static inline void find_nearest_at(__private const Finishing* finishing, double3 sample, uint polyhedron, bool negative,
                                    __private Nearest* nearest) {
@@ -127,9 +180,8 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
     const Finish how = finishing->how;
     const double4 at = frame_at(p, sample.x, sample.y, sample.z);
     double from_x, from_y, frame_site;
-    const double2 base = vload2(0, p->exact_base);
-    const double4 normals = vload4(0, p->exact_normal_along);  // along right, left, across right, left
-    const double halves[7] = {base.x, base.y, normals.x, normals.y, normals.z, normals.w, p->exact_altitude};
+    double halves[7];
+    load_halves(p, halves);
     from_site(halves, at.x, at.y, at.z, &from_x, &from_y, &frame_site);
     const double2 in_plane = (double2)(from_x, from_y);
     nearest->frame_site = (uint)frame_site;
@@ -183,37 +235,11 @@ INLINE double3 finished_gradient(__private const Finishing* finishing, __private
     return outward * pseudonormal_of(finishing, nearest);
 }
 
-// Weights of the named triangle's vertices 1 and 2 that make the closest point. Of an edge they come from the way along
-// it, of the face from the heights over the base: neither divides by the triangle's area.
 INLINE double2 finished_barycentric(__private const Finishing* finishing, __private const Nearest* nearest) {
-    __global const Polyhedron* p = nearest->polyhedron;
-    const double left = p->exact_base[CLSDF_HALF_LEFT], right = p->exact_base[CLSDF_HALF_RIGHT];
-    const NamedSite named = nearest->named;
-    double weights[3] = {0.0, 0.0, 0.0};
-    if (named.site < 3u) {
-        weights[named.site] = 1.0;
-    } else if (named.site < CLSDF_SITE_OF_FACE) {
-        const bool is_base = nearest->frame_site == FRAME_BASE, is_right = nearest->frame_site == FRAME_RIGHT_EDGE;
-        const double base = is_right ? right : left, away = is_right ? nearest->foot.x : -nearest->foot.x;
-        const uint half_index = is_right ? CLSDF_HALF_RIGHT : CLSDF_HALF_LEFT;
-        const double along = p->exact_normal_along[half_index], across = p->exact_normal_across[half_index];
-        const double length = is_base ? left + right : base * across + p->exact_altitude * along;
-        // From the left end of the base, or from either end to the apex.
-        const double way = is_base ? nearest->foot.x + left : (base - away) * across + nearest->foot.y * along;
-        double second = length > 0.0 ? way / length : 0.0;
-        if (nearest->frame_site == FRAME_LEFT_EDGE) second = 1.0 - second;
-        if (named.is_reversed) second = 1.0 - second;
-        weights[named.site - 3u] = 1.0 - second;
-        weights[(named.site - 2u) % 3u] = second;
-    } else {
-        const uint first = p->flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
-        const double apex = nearest->foot.y / p->exact_altitude;
-        const double at_right = (nearest->foot.x + left * (1.0 - apex)) / (left + right);
-        weights[first] = 1.0 - apex - at_right;
-        weights[(first + 1u) % 3u] = at_right;
-        weights[(first + 2u) % 3u] = apex;
-    }
-    return clamp((double2)(weights[1], weights[2]), 0.0, 1.0);
+    double halves[7], first, second;
+    load_halves(nearest->polyhedron, halves);
+    frame_weights(halves, nearest->foot.x, nearest->foot.y, (double)nearest->frame_site, &first, &second);
+    return named_weights(nearest->polyhedron, nearest->named, first, second);
 }
 
 // Stores, by the type of an output's elements.

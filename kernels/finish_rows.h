@@ -12,10 +12,7 @@
 #include "subblocks.h"
 
 DEFINE_FROM_SITE(from_sites, doubleL, longL)
-
-// The outputs that are computed in vectors, or as vectors tell their sites; the others are finished lane by lane.
-#define CLSDF_OUTPUTS_BY_ROW \
-    (1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | 1u << CLSDF_OUTPUT_closest | 1u << CLSDF_OUTPUT_gradient)
+DEFINE_FRAME_WEIGHTS(weights_of_rows, doubleL, longL)
 
 // A vector of samples of a slice of a brick, a lane each: one or two rows.
 typedef struct Rows {
@@ -25,6 +22,7 @@ typedef struct Rows {
     doubleL x, y, z;  // from the closest points, along the mesh's axes, in units
     doubleL squared;
     doubleL frame_site;
+    doubleL weights[2];     // of frame_weights(), for barycentric coordinates
     uint polyhedra[LANES];  // the nearest; of lanes that are not found, any
 } Rows;
 
@@ -78,6 +76,8 @@ INLINE void find_rows(__private const Finishing* finishing, __private Rows* rows
     rows->z = ALONG_AXIS(2);
 #undef ALONG_AXIS
     rows->squared = in_x * in_x + (in_y * in_y + z * z);
+    if (IS_WANTED(finishing, barycentric))
+        weights_of_rows(exact + NUMBER_BASE, x - in_x, y - in_y, rows->frame_site, rows->weights, rows->weights + 1);
 }
 
 INLINE int8 lanes_of(uint bits) {
@@ -154,33 +154,36 @@ INLINE void store_gradient(__private const Finishing* finishing, __private const
     }
 }
 
-INLINE void store_names(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+// Stores the outputs that take the names of sites, lane by lane.
+INLINE void store_by_name(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
     __private const double* frame_site = (__private const double*)&rows->frame_site;
+    __private const double* weights = (__private const double*)rows->weights;
     for (uint lane = 0; lane < LANES; ++lane) {
+        const bool found = (rows->found >> lane & 1u) != 0;
+        __global const Polyhedron* p = finishing->polyhedra + rows->polyhedra[lane];
         NamedSite named = {CLSDF_NO_TRIANGLE, 0xFFu, false};
-        if ((rows->found >> lane & 1u) != 0)
-            named = name_site(finishing, finishing->polyhedra + rows->polyhedra[lane], (uint)frame_site[lane]);
+        if (found) named = name_site(finishing, p, (uint)frame_site[lane]);
         const size_t to = at + OFFSET_OF_LANE(lane);
         if (IS_WANTED(finishing, triangle)) ((__global uint*)finishing->of_triangle)[to] = named.triangle;
         if (IS_WANTED(finishing, site)) finishing->of_site[to] = (uchar)named.site;
+        if (!IS_WANTED(finishing, barycentric)) continue;
+        if (found) {
+            STORE_real(named_weights(p, named, weights[lane], weights[LANES + lane]), 2, to, finishing->of_barycentric,
+                       IS_DOUBLE(finishing, barycentric));
+        } else {
+            LEAVE_real(2, to, finishing->of_barycentric, IS_DOUBLE(finishing, barycentric));
+        }
     }
 }
 
 // Stores the outputs of samples other than the distance into a slice. at: the first one's index there.
 static inline void finish_rows(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
-    if (IS_WANTED(finishing, triangle) || IS_WANTED(finishing, site)) store_names(finishing, rows, at);
+    if ((finishing->how.wanted & CLSDF_OUTPUTS_BY_NAME) != 0) store_by_name(finishing, rows, at);
     if (IS_WANTED(finishing, closest)) store_closest(finishing, rows, at);
     if (IS_WANTED(finishing, gradient)) store_gradient(finishing, rows, at);
-    if ((finishing->how.wanted & ~CLSDF_OUTPUTS_BY_ROW) == 0) return;
-    Finishing others = *finishing;
-    others.how.wanted &= ~CLSDF_OUTPUTS_BY_ROW;
-    for (uint lane = 0; lane < LANES; ++lane)
-        if ((rows->found >> lane & 1u) != 0)
-            finish_sample(&others, sample_of(rows, lane), rows->polyhedra[lane], rows->inside >> lane & 1u,
-                          at + OFFSET_OF_LANE(lane));
-        else
-            leave_sample(&others, at + OFFSET_OF_LANE(lane));
 }
+// A new output needs a line there.
+typedef char AllOutputsAreFinished[CLSDF_OUTPUT_COUNT == 5 ? 1 : -1];
 
 // A slice of rows of up to four bricks, in memory of its own: each row begins CLSDF_COARSE samples after the one before
 // it. All rows are found before they are finished: the steps of each of both wait for each other. They are stored while
