@@ -45,8 +45,8 @@ struct TransformOptions {
     std::shared_ptr<const FieldMethod> method{};
     std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
     /// Limit of the device memory that is kept between calls, in bytes: the polyhedra of the lattices and the lists of
-    /// the grids that were used last, and what points need. By default the polyhedra of two lattices, 280 bytes a
-    /// triangle each, or 256 MiB if that is more. 0 keeps nothing.
+    /// the grids that were used last, and what points need. By default the polyhedra of two lattices (280 bytes a
+    /// triangle each) and all that points need, or 256 MiB if that is more. 0 keeps nothing.
     std::optional<std::size_t> kept_bytes{};
 };
 
@@ -193,8 +193,8 @@ public:
     /// Prepares the next runs for the transform's present positions and, unless `grids` is empty, for other places of
     /// the boxes: one for each request, of any lattice, whose samples fit the same target. Waits for the last run,
     /// gives the plan's buffers back and makes those that are needed now, so that enqueue() need not. The bytes are
-    /// those of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled); then the plan must be moved
-    /// again before it is enqueued.
+    /// those of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled). A plan whose grids are refused
+    /// stays as it was. After other errors it must be moved again before it is enqueued.
     void move(const DistanceTransform& transform, std::span<const Grid> grids = {}, const CallOptions& call = {});
 
     /// device_bytes: what the plan has on the device, beside the polyhedra that it shares with the transform.
