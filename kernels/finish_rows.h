@@ -186,12 +186,12 @@ static inline void finish_rows(__private const Finishing* finishing, __private c
 typedef char AllOutputsAreFinished[CLSDF_OUTPUT_COUNT == 5 ? 1 : -1];
 
 // A slice of rows of up to four bricks, in memory of its own: each row begins CLSDF_COARSE samples after the one before
-// it. All rows are found before they are finished: the steps of each of both wait for each other. They are stored while
-// the next slice's rows are found, because stores past the caches go on beside arithmetic.
+// it. All rows are found before any is finished: each is a chain of dependent steps, and several rows hide its latency.
+// They are stored while the next slice's rows are found, because stores past the caches go on beside arithmetic.
 typedef struct Slice {
     Rows rows[CLSDF_BRICK / ROWS_PER_VECTOR][CLSDF_BRICKS_PER_COARSE];
     Finishing finishing;  // into the slice
-    // What is not stored yet: samples [begin, end) of each row, x and y; none if the ends are the beginnings.
+    // Samples [begin, end) of each row, x and y, are still to be stored; none if begin equals end.
     int2 begin, end;
     size_t at, row;  // the index of the slice's first sample among the results, and how far rows lie apart
 } Slice;

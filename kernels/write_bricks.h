@@ -163,8 +163,8 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
     for (int n = 0; n < 2; ++n) clear_minimum(minima + n);
 }
 
-// Returns a mask of the bricks whose rows begin a line of memory that the next brick's rows end, within the part. It is
-// 0 unless every row of the field begins a line.
+// Returns a mask of bricks: a bit is set if the rows of that brick and of the next one fill whole lines of memory in
+// the part. It is 0 unless every row of the field begins a line.
 INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     const int3 first = coarse * CLSDF_COARSE - vload3(0, layout.first);
     const long from_first = ((long)first.z * layout.size[1] + first.y) * layout.size[0] + first.x;

@@ -3,11 +3,13 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstddef>  // for __GLIBC__
+#include <utility>
 
 namespace clsdf {
 
@@ -34,6 +36,20 @@ void for_each_index(std::size_t count, const Function& f, std::size_t grain = us
             for (std::size_t i = begin; i != end; ++i) f(i);
         },
         grain);
+}
+
+/// The join of what f(begin, end, part) returns for ranges that cover [0, count), on all cores; `part` is `none` or the
+/// result of the range before. Ranges and order do not depend on the number of threads.
+template <typename Part, typename Function, typename Join>
+Part reduce_ranges(std::size_t count, std::size_t grain, const Part& none, const Function& f, const Join& join) {
+    return tbb::this_task_arena::isolate([&] {
+        return tbb::parallel_deterministic_reduce(
+            tbb::blocked_range<std::size_t>(0, count, grain), none,
+            [&f](const tbb::blocked_range<std::size_t>& range, Part part) {
+                return f(range.begin(), range.end(), std::move(part));
+            },
+            join);
+    });
 }
 
 inline std::size_t chunk_count(std::size_t count, std::size_t size) {

@@ -90,19 +90,26 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     check_size(wanted, purpose);
     const Context::Capabilities& device = context_->capabilities();
     const std::scoped_lock lock(mutex_);
-    if (*all_bytes_ + wanted > device.memory) release_free();
-    if (*all_bytes_ + wanted > device.memory)
+    const auto reserve = [&] {
+        const std::size_t before = all_bytes_->fetch_add(wanted);
+        if (before + wanted <= device.memory) return true;
+        forget(wanted);
+        return false;
+    };
+    if (!reserve() && (release_free() == 0 || !reserve()))
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; compute "
                                 "a smaller part of the grid at a time, or a narrower band",
                                 purpose, wanted, all_bytes_->load(), device.memory));
-    return guarded([&] {
-        Lease lease(shared_from_this(), make_buffer(*context_, wanted), wanted);
+    try {
+        Lease lease(shared_from_this(), guarded([&] { return make_buffer(*context_, wanted); }), wanted);
         leased_bytes_ += wanted;
-        *all_bytes_ += wanted;
         peak_ = std::max(peak_, leased_bytes_ + free_bytes());
         return lease;
-    });
+    } catch (const Error&) {
+        forget(wanted);
+        throw;
+    }
 }
 
 std::optional<BufferPool::Lease> BufferPool::lease_if_it_fits(std::size_t bytes, const char* purpose) {
@@ -122,14 +129,16 @@ void BufferPool::trim() {
     for (Free& free : free_) free.used = false;
 }
 
-void BufferPool::release() {
+std::size_t BufferPool::release() {
     const std::scoped_lock lock(mutex_);
-    release_free();
+    return release_free();
 }
 
-void BufferPool::release_free() {
-    forget(free_bytes());
+std::size_t BufferPool::release_free() {
+    const std::size_t bytes = free_bytes();
     free_.clear();
+    forget(bytes);
+    return bytes;
 }
 
 std::size_t BufferPool::peak() const {

@@ -66,8 +66,8 @@ public:
     /// Releases the free buffers that were not in use since the last call.
     void trim();
 
-    /// Releases all free buffers.
-    void release();
+    /// Releases all free buffers. Returns their bytes.
+    std::size_t release();
 
     /// The most bytes that all buffers, free ones included, took at once since the last restart_peak().
     std::size_t peak() const;
@@ -84,7 +84,7 @@ private:
     std::optional<Lease> take_free(std::size_t wanted);
     std::size_t free_bytes() const;
     void forget(std::size_t bytes) { *all_bytes_ -= bytes; }
-    void release_free();
+    std::size_t release_free();
 
     std::shared_ptr<Context> context_;
     mutable std::mutex mutex_;

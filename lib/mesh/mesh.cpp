@@ -1,3 +1,4 @@
+#include "core/parallel.hpp"
 #include "mesh/topology.hpp"
 #include "mesh/triples.hpp"
 
@@ -5,8 +6,6 @@
 #include <clsdf/mesh.hpp>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -90,10 +89,10 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const Examined nothing{{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}}};
     constexpr std::size_t grain = 4096;
-    const Examined all = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, triangles.size(), grain), nothing,
-        [&](const tbb::blocked_range<std::size_t>& range, Examined examined) {
-            examine(vertices, triangles, range.begin(), range.end(), examined);
+    const Examined all = reduce_ranges(
+        triangles.size(), grain, nothing,
+        [&](std::size_t begin, std::size_t end, Examined examined) {
+            examine(vertices, triangles, begin, end, examined);
             return examined;
         },
         [](Examined a, const Examined& b) {

@@ -5,9 +5,6 @@
 
 #include <clsdf/topology.hpp>
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -93,7 +90,7 @@ std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) 
     for_each_index(vertices.size(), [&](std::size_t v) { hashes[v] = hash_of(key_of(vertices[v])); });
     const HashGroups groups(hashes);
     std::vector<std::uint32_t> first(vertices.size());
-    tbb::parallel_for(std::size_t{0}, groups.count(), [&](std::size_t g) {
+    for_each_chunk(groups.count(), 1, [&](std::size_t g, std::size_t, std::size_t) {
         const std::span<const std::uint32_t> group = groups.group(g);
         constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
         std::vector<std::uint32_t> table(std::bit_ceil(2 * group.size() + 1), free);
@@ -156,14 +153,13 @@ DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t ve
     constexpr int most_tasks = 8;
     const auto tasks = static_cast<std::size_t>(std::clamp(tbb::this_task_arena::max_concurrency() / 2, 1, most_tasks));
     const auto for_each_edge_of_all = [&](const auto& visit) {
-        tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
-            const std::size_t begin = vertex_count * task / tasks;
-            const std::size_t end = vertex_count * (task + 1) / tasks;
-            for (const Triangle& triangle : triangles)
-                for_each_edge(triangle, direction, [&](std::uint32_t lower, std::uint32_t higher) {
-                    if (lower >= begin && lower < end) visit(lower, higher);
-                });
-        });
+        for_each_chunk(vertex_count, std::max<std::size_t>(chunk_count(vertex_count, tasks), 1),
+                       [&](std::size_t, std::size_t begin, std::size_t end) {
+                           for (const Triangle& triangle : triangles)
+                               for_each_edge(triangle, direction, [&](std::uint32_t lower, std::uint32_t higher) {
+                                   if (lower >= begin && lower < end) visit(lower, higher);
+                               });
+                       });
     };
     // Counts are stored one element further on: after the fill pass each entry is the start of its list.
     for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t) { ++start_[lower + 2]; });
@@ -251,8 +247,12 @@ struct EdgeCounts {
 EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
     std::optional<DirectedEdges> leaving;
     std::optional<DirectedEdges> arriving;
-    tbb::parallel_invoke([&] { leaving.emplace(triangles, vertex_count, Direction::from_lower); },
-                         [&] { arriving.emplace(triangles, vertex_count, Direction::to_lower); });
+    for_each_chunk(2, 1, [&](std::size_t direction, std::size_t, std::size_t) {
+        if (direction == 0)
+            leaving.emplace(triangles, vertex_count, Direction::from_lower);
+        else
+            arriving.emplace(triangles, vertex_count, Direction::to_lower);
+    });
     constexpr std::size_t chunk = 4096;
     std::vector<EdgeCounts> counts(chunk_count(vertex_count, chunk));
     for_each_chunk(vertex_count, chunk, [&](std::size_t s, std::size_t begin, std::size_t end) {
@@ -311,10 +311,10 @@ bool encloses_negative_volume(const Mesh& mesh) {
         double magnitude = 0;
     };
     constexpr std::size_t grain = 4096;
-    const Volume volume = tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.triangles().size(), grain), Volume{},
-        [&](const tbb::blocked_range<std::size_t>& range, Volume part) {
-            for (std::size_t t = range.begin(); t != range.end(); ++t) {
+    const Volume volume = reduce_ranges(
+        mesh.triangles().size(), grain, Volume{},
+        [&](std::size_t begin, std::size_t end, Volume part) {
+            for (std::size_t t = begin; t != end; ++t) {
                 const Triangle& triangle = mesh.triangles()[t];
                 const Vec3 a = local(triangle[0]);
                 const Vec3 b = local(triangle[1]);
@@ -343,10 +343,12 @@ Topology describe_topology(const Mesh& mesh) {
     if (report.coincident_vertices > 0) renumbered = triangles_over(first, mesh.triangles());
     const std::span<const Triangle> triangles = report.coincident_vertices > 0 ? renumbered : mesh.triangles();
 
-    report.repeated_vertex_faces = tbb::parallel_reduce(
-        tbb::blocked_range(triangles.begin(), triangles.end(), 4096), std::size_t{0},
-        [](const auto& range, std::size_t count) {
-            return count + static_cast<std::size_t>(std::count_if(range.begin(), range.end(), has_repeated_vertex));
+    constexpr std::size_t grain = 4096;
+    report.repeated_vertex_faces = reduce_ranges(
+        triangles.size(), grain, std::size_t{0},
+        [&](std::size_t begin, std::size_t end, std::size_t count) {
+            const auto part = triangles.subspan(begin, end - begin);
+            return count + static_cast<std::size_t>(std::count_if(part.begin(), part.end(), has_repeated_vertex));
         },
         std::plus<>());
     EdgeCounts edges = count_edges(triangles, mesh.vertices().size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/parallel.hpp"
 #include "papers/convex_polyhedron.hpp"
 #include "polyhedra/frames.hpp"
 #include "polyhedra/records.hpp"
@@ -7,9 +8,6 @@
 #include "piece.h"
 
 #include <clsdf/mesh.hpp>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -54,13 +52,10 @@ private:
 template <typename MakePieces>
 ConvexPieces collect_pieces(std::size_t source_count, const Layout& grid, const MakePieces& make_pieces) {
     constexpr std::size_t batch = 1024;
-    std::vector<ConvexPieces> batches((source_count + batch - 1) / batch);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batches.size(), 1), [&](const auto& range) {
-        for (std::size_t b = range.begin(); b != range.end(); ++b) {
-            PieceCollector collector(grid, batches[b]);
-            const std::size_t end = std::min(source_count, (b + 1) * batch);
-            for (std::size_t source = b * batch; source < end; ++source) make_pieces(source, collector);
-        }
+    std::vector<ConvexPieces> batches(chunk_count(source_count, batch));
+    for_each_chunk(source_count, batch, [&](std::size_t b, std::size_t begin, std::size_t end) {
+        PieceCollector collector(grid, batches[b]);
+        for (std::size_t source = begin; source < end; ++source) make_pieces(source, collector);
     });
     ConvexPieces all;
     for (ConvexPieces& part : batches) {

@@ -2,9 +2,6 @@
 
 #include "core/parallel.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -252,10 +249,10 @@ void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions)
     Extent all;
     if (positions.size() == mesh.vertices().size()) {
         constexpr std::size_t grain = 4096;
-        all = tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, used.size(), grain), all,
-            [&](const tbb::blocked_range<std::size_t>& range, Extent extent) {
-                for (std::size_t i = range.begin(); i != range.end(); ++i) extent.take(positions[used[i]]);
+        all = reduce_ranges(
+            used.size(), grain, all,
+            [&](std::size_t begin, std::size_t end, Extent extent) {
+                for (std::size_t i = begin; i != end; ++i) extent.take(positions[used[i]]);
                 return extent;
             },
             Extent::both);

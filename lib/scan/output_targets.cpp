@@ -92,8 +92,8 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
     return target.strides == packed && (row.components == 1 || target.component_stride == width);
 }
 
-/// Throws if two values of a target may lie on the same bytes: the steps along an axis must be longer than all that the
-/// axes of shorter steps span.
+/// Throws if two values of a target may lie on the same bytes: each stride must be at
+/// least the span of all axes with shorter strides.
 void check_overlap(const OutputRow& row, const Grid& grid, const OutputTarget& target) {
     struct Axis {
         double step, count;

@@ -10,8 +10,6 @@
 #include "sweep.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -118,13 +116,15 @@ device::BufferPool::Lease sweep_vertices(const device::Context& context,
     device::HostFilling filling(context, pool, positions.size() * sizeof(SweepVertex), vertices_purpose);
     auto* const vertices = static_cast<SweepVertex*>(filling.memory());
     std::atomic<std::size_t> too_far{positions.size()};
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), 4096), [&](const auto& range) {
-        for (std::size_t v = range.begin(); v != range.end(); ++v)
+    for_each_index(
+        positions.size(),
+        [&](std::size_t v) {
             // A vertex that is not finite is in no triangle, or the mesh would not be.
             if (!lattice.snap(positions[v], vertices[v]) && std::isfinite(positions[v][1]) &&
                 std::isfinite(positions[v][2]))
                 lower(too_far, v);
-    });
+        },
+        4096);
     if (too_far < positions.size())
         throw Error(
             ErrorCode::unsupported,

@@ -67,7 +67,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
         if (!plan) set_inputs();
     }
     const auto samples = static_cast<double>(grid.sample_count());
-    bool has_room = false;  // nothing is kept any more that is not needed
+    bool has_room = false;  // a slab that cannot be divided was tried again without what is kept for later
     std::reverse(slabs.begin(), slabs.end());
     for (std::size_t done = 0; !slabs.empty();) {
         const Grid slab = slabs.back();

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <utility>
@@ -200,10 +199,13 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::vect
         requests, device::context_of(device),
         [this](const Request& request) { stages->check(request.grid, request.band, sign); });
     std::swap(made.requests, requests);
+    made.is_whole = false;
     try {
         plan(made, targets, call);
     } catch (...) {
         std::swap(made.requests, requests);
+        made.clear();
+        made.pool->release();
         throw;
     }
 }
@@ -219,8 +221,9 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
     std::vector<transform::RequestPlanState::Block> blocks;
     for (const transform::Batch& batch : batches) {
         const bool in_place = batch.requests.size() == 1 && targets[batch.requests.front()].in_place().has_value();
+        const std::size_t largest = context.capabilities().largest_allocation;
         const auto limits =
-            in_place ? scan::limits_of(context.capabilities()) : scan::stream_limits_of(context.capabilities());
+            in_place ? scan::SlabLimits{largest, largest, largest} : scan::stream_limits_of(context.capabilities());
         const std::vector<Grid> slabs = scan::slabs_of(batch.block, limits);
         for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
     }
@@ -236,10 +239,14 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
     }
     made.sign = sign;
     double polyhedra_seconds = 0;
-    make_room_for([&] {
+    std::size_t bytes_of_inputs = 0;  // that the transform does not keep
+    bool is_retry = false;
+    const auto make = [&] {
         made.clear();
+        if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
         made.make_room(blocks, targets);
         polyhedra_seconds = 0;
+        bytes_of_inputs = 0;
         transform::Inputs inputs_of_batch;
         const transform::Batch* batch = nullptr;
         for (const transform::RequestPlanState::Block& block : blocks) {
@@ -251,6 +258,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
                 const Stopwatch watch;
                 inputs_of_batch = inputs(batch->block, any.band, outputs, true);
                 polyhedra_seconds += watch.seconds();
+                bytes_of_inputs += stages->bytes_beside(inputs_of_batch);
             }
             std::vector<Grid> wanted;
             if (batch->requests.size() > 1)
@@ -264,12 +272,13 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
             made.add(block, std::move(of_block), targets, programs);
         }
         return true;
-    });
+    };
+    make_room_for([&] { return device::guarded(make); });
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
     made.statistics.polyhedra_seconds = polyhedra_seconds;
-    made.statistics.device_bytes = made.own_bytes();
+    made.statistics.device_bytes = made.own_bytes() + bytes_of_inputs;
     report(compiling, made.statistics);
     if (call.statistics != nullptr) *call.statistics = made.statistics;
 }

@@ -14,8 +14,8 @@
 namespace clsdf::transform {
 
 /// The plans of the blocks that requests are computed by, one after the other, and the launches that take their samples
-/// to the targets. A block that is one request, in packed memory, is computed in place; others by way of memory that
-/// all share. For one thread at a time.
+/// to the targets. A block that is one request, in packed memory, is computed in place; others in memory that all
+/// share, from where they are copied. For one thread at a time.
 struct RequestPlanState {
     /// pool_in: for the plan's buffers. is_own_pool: nothing else takes buffers there but the plan's next move.
     RequestPlanState(Device device_in, std::vector<Request> requests_in, std::shared_ptr<device::BufferPool> pool_in,

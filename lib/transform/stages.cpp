@@ -32,7 +32,7 @@ Box box_of(const Grid& grid, const std::int32_t* first_block, const std::int32_t
     return box;
 }
 
-/// A box and its surroundings, and the rounding of the positions. `margin`: in the mesh's units.
+/// The box widened by `margin`, in the mesh's units, and by the rounding of its coordinates.
 Box widened(Box box, double margin) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         box.lower[axis] -= margin + 1e-12 * std::abs(box.lower[axis]);

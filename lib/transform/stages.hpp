@@ -102,7 +102,8 @@ public:
     const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
     /// Throws Error(invalid_argument) if a restricted mesh does not suffice for a field, points or boxes.
     void check_inside(const Grid& grid, const Band& band) const;
-    /// The same, and for a field that kernels cannot number or measure; see layout_of() and check_distance().
+    /// Also throws if the grid has more samples than kernels can number, or lies too far from the mesh; see layout_of()
+    /// and check_distance().
     void check(const Grid& grid, const Band& band, SignRule sign) const;
     void check_inside(std::span<const Vec3> points, double within) const;
     void check_inside(std::span<const Box> boxes, double half_width) const;
@@ -164,7 +165,7 @@ private:
         std::shared_ptr<const PreparedMesh> records;
         std::shared_ptr<const SweepMesh> sweep_mesh;
         std::shared_ptr<const SurfacePoints> points;
-        /// Faces for which small grids made records, or triangles of the sweep, before the lattice had those of all.
+        /// Numbers of faces whose records, or triangles of the sweep, were made for small grids only.
         std::size_t faces_packed = 0;
         std::size_t faces_swept = 0;
         std::optional<polyhedra::NearRecords> kept{};  ///< what `records` are of

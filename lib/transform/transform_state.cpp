@@ -230,8 +230,7 @@ bool DistanceTransform::State::forget() {
     const bool is_kept = !plans.empty() || stages->device_bytes() > 0;
     plans.clear();
     stages->keep_within(0);
-    pool->release();
-    return is_kept;
+    return pool->release() > 0 || is_kept;
 }
 
 void DistanceTransform::State::report(const transform::Compiling& compiling, TransformStatistics& statistics) {

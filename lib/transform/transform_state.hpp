@@ -59,11 +59,11 @@ struct DistanceTransform::State {
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
     std::unique_ptr<transform::PlanState> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
                                                     std::span<const Grid> wanted, bool count);
-    /// Keeps a plan for the next call. Then drops plans and prepared data beyond the budget.
+    /// Keeps a plan for the next call.
     void keep(std::unique_ptr<transform::PlanState> plan, bool count);
     /// Drops kept plans and prepared data beyond the budget.
     void keep_within_budget();
-    /// Does so when a call ends, also by an error. Made before the call locks the mutex.
+    /// Calls keep_within_budget() when a call returns or throws. It is made before the mutex is locked.
     struct KeepsBudget {
         State& state;
         ~KeepsBudget() {

@@ -73,11 +73,17 @@ BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
 BOOST_AUTO_TEST_CASE(no_task_of_the_caller_runs_within_a_loop_of_the_library) {
     using namespace std::chrono_literals;
     thread_local bool is_in_loop = false;
-    std::atomic<int> nested = 0, begun = 0;
+    std::atomic<int> nested = 0, begun = 0, asked = 0, ended = 0;
     std::atomic<bool> is_done = false;
     tbb::task_arena arena(2);
     std::thread caller([&] {
-        for (; !is_done; std::this_thread::sleep_for(1ms)) arena.enqueue([&] { nested += is_in_loop ? 1 : 0; });
+        for (; !is_done; std::this_thread::sleep_for(1ms)) {
+            ++asked;
+            arena.enqueue([&] {
+                nested += is_in_loop ? 1 : 0;
+                ++ended;
+            });
+        }
     });
     arena.execute([&] {
         is_in_loop = true;
@@ -94,6 +100,8 @@ BOOST_AUTO_TEST_CASE(no_task_of_the_caller_runs_within_a_loop_of_the_library) {
     });
     is_done = true;
     caller.join();
+    while (ended < asked) arena.execute([] { std::this_thread::sleep_for(1ms); });
+    BOOST_TEST(begun == 2);
     BOOST_TEST(nested == 0);
 }
 

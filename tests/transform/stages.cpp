@@ -157,7 +157,7 @@ BOOST_AUTO_TEST_CASE(memory_that_is_only_kept_is_given_up_for_a_plan) {
     std::size_t needed = 0;
     {
         const DistanceTransform fresh(test_device(), mesh);
-        needed = fresh.plan(grid, band).statistics().device_bytes;
+        needed = fresh.plan(grid, band).statistics().device_bytes + fresh.memory().device_bytes;
     }
     const DistanceTransform transform(test_device().limited({.memory = 4 * needed}), mesh);
     for (const int resolution : {95, 90, 85, 80, 75, 70}) {
@@ -177,7 +177,11 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
     const Plan small = transform.plan(grid.part({0, 120, 120}, {16, 16, 16}), band);
     BOOST_TEST(small.statistics().coarse_pairs > 0U);
     BOOST_TEST(small.statistics().device_bytes < 4U << 20);
-    BOOST_TEST(transform.plan(grid, band).statistics().device_bytes > 280 * mesh.triangles().size());
+    BOOST_TEST(transform.memory().device_bytes < 1U << 20);  // the plan has the polyhedra near it
+    BOOST_TEST(small.statistics().device_bytes > 280 * mesh.triangles().size() / 1000);
+    const Plan whole = transform.plan(grid, band);
+    BOOST_TEST(whole.statistics().device_bytes < 16 * mesh.triangles().size() + (4U << 20));
+    BOOST_TEST(transform.memory().device_bytes > 280 * mesh.triangles().size());  // which all plans share
 }
 
 BOOST_AUTO_TEST_CASE(moved_vertices_have_an_exact_field) {

@@ -97,7 +97,7 @@ struct TransformStatistics {
     double fill_seconds = 0;
 };
 
-/// Options of one call. Its functions run on the calling thread; they must not use the transform.
+/// Options of one call. Its functions run on the calling thread; they must not make or use transforms of the device.
 struct CallOptions {
     std::function<void(double fraction)> progress{};  ///< called between launches
     /// Called before each step of building, loading and testing programs; while another process compiles them, again
@@ -161,7 +161,7 @@ public:
     /// The targets may change from call to call; the outputs are those of the plan. A plan of a grid and outputs writes
     /// to packed and aligned memory. A plan of a request whose target needs a copy (OutputTarget) copies to targets of
     /// any offset and strides, with elements as in the request. Throws Error(invalid_argument) for memory that is
-    /// missing, too small or of another context, Error(unsupported) for other targets, and Error(device_failure).
+    /// missing, read-only, too small or of another context, Error(unsupported) for others, and Error(device_failure).
     cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
 
     const TransformStatistics& statistics() const;
@@ -358,7 +358,7 @@ public:
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
     /// The same for targets like these, buffers of the device's context: each target may begin at any multiple of its
-    /// elements' size and have any strides. Targets that are not packed or not aligned, and distances in double, are
+    /// elements' size and have such strides. Targets that are not packed or not aligned, and distances in double, are
     /// copied there from the plan's own memory. Also throws Error(unsupported).
     Plan plan(const Request& request, const CallOptions& call = {}) const;
 

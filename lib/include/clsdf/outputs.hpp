@@ -76,8 +76,8 @@ void visit_outputs(const Visit& visit, Sets&&... sets) {
 /// The closest point may also be stored as floats: then it is the offset from the sample, whose accuracy does not
 /// depend on the size of the coordinates. Other elements are Error(unsupported).
 ///
-/// Samples are packed with x fastest unless strides are given. Strides cost a copy of the field. Memory between the
-/// samples is not changed.
+/// Samples are packed with x fastest unless strides are given, each at least the span of all shorter ones. Strides cost
+/// a copy of the field. Memory between the samples is not changed.
 struct OutputTarget {
     enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
 
