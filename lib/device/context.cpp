@@ -11,6 +11,10 @@
 #include <optional>
 #include <set>
 
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
+
 namespace clsdf::device {
 
 namespace {
@@ -50,14 +54,6 @@ std::string kernel_text(std::string_view file_name, KernelFiles beside) {
     append_file(file_name, beside, included, text);
     return text;
 }
-
-}  // namespace clsdf::device
-
-#ifdef __x86_64__
-#include <cpuid.h>
-#endif
-
-namespace clsdf::device {
 
 namespace {
 
