@@ -79,8 +79,8 @@ INLINE void lower_minima(__global Minimum* minima, uintL indices, floatL squared
 }
 #endif
 
-// Numbers in two parts: `high` is a multiple of 2^-14 of the power of two below the spacing, and `low` is the rest. Sums
-// of products of `high` and integers are exact, as far as SLENDER_RANGE.
+// Numbers in two parts: `high` is a multiple of 2^-14 of the power of two below the spacing, and `low` is the rest.
+// Sums of products of `high` and integers are exact, as far as SLENDER_RANGE.
 typedef struct Split {
     float4 high, low;
 } Split;
