@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <span>
 
 namespace clsdf::reference {
 
@@ -187,78 +188,117 @@ void require_sizes(const Field& field) {
         field, output_bytes);
 }
 
-/// Runs `part(index, tally)` for all parts on all cores and adds the tallies in the order of the parts, so the result
-/// does not depend on the number of threads.
+/// Runs `part(index, tallies)` for all parts on all cores, with a tally for each field, and adds the tallies in the
+/// order of the parts, so the result does not depend on the number of threads.
 template <typename Part>
-CheckReport tally_parts(std::size_t count, const CheckOptions& options, const Part& part) {
-    std::vector<Tally> tallies(count);
+std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, const CheckOptions& options,
+                                     const Part& part) {
+    std::vector<Tally> tallies(count * fields);
+    const auto tallies_of = [&](std::size_t index) { return std::span(tallies).subspan(index * fields, fields); };
     std::mutex mutex;
     std::size_t done = 0;
     oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t index) {
         if (options.should_stop && options.should_stop()) {
             throw Error(ErrorCode::cancelled, "the check was cancelled");
         }
-        part(index, tallies[index]);
+        part(index, tallies_of(index));
         if (options.progress) {
             const std::lock_guard lock(mutex);
             options.progress(static_cast<double>(++done) / static_cast<double>(count));
         }
     });
-    Tally total;
-    for (const Tally& tally : tallies) {
-        total.append(tally);
+    std::vector<CheckReport> reports;
+    for (std::size_t field = 0; field < fields; ++field) {
+        Tally total;
+        for (std::size_t index = 0; index < count; ++index) {
+            total.append(tallies_of(index)[field]);
+        }
+        reports.push_back(total.finish());
     }
-    return total.finish();
+    return reports;
 }
 
-CheckReport check_every_sample(const TrueSamples& truth, const Judge& judge, const Grid& grid,
-                               const CheckOptions& options) {
+/// Judges one sample of every field.
+void judge_all(std::span<const Judge> judges, const Index3& index, const TrueSample& sample, std::span<Tally> tallies) {
+    for (std::size_t field = 0; field < judges.size(); ++field) {
+        judges[field].judge(index, sample, tallies[field]);
+    }
+}
+
+std::vector<CheckReport> check_every_sample(const TrueSamples& truth, std::span<const Judge> judges, const Grid& grid,
+                                            const CheckOptions& options) {
     const auto rows = static_cast<std::size_t>(grid.size[1]) * static_cast<std::size_t>(grid.size[2]);
     constexpr std::size_t rows_per_part = 16;
-    return tally_parts((rows + rows_per_part - 1) / rows_per_part, options, [&](std::size_t part, Tally& tally) {
+    const std::size_t parts = (rows + rows_per_part - 1) / rows_per_part;
+    return tally_parts(parts, judges.size(), options, [&](std::size_t part, std::span<Tally> tallies) {
         std::vector<TrueSample> samples;
         for (std::size_t row = part * rows_per_part; row < std::min(rows, (part + 1) * rows_per_part); ++row) {
             const std::int64_t j = static_cast<std::int64_t>(row) % grid.size[1];
             const std::int64_t k = static_cast<std::int64_t>(row) / grid.size[1];
             truth.row(j, k, samples);
             for (std::size_t i = 0; i < samples.size(); ++i) {
-                judge.judge({static_cast<std::int64_t>(i), j, k}, samples[i], tally);
+                judge_all(judges, {static_cast<std::int64_t>(i), j, k}, samples[i], tallies);
             }
         }
     });
 }
 
-CheckReport check_some_samples(const TrueSamples& truth, const Judge& judge, const std::vector<Index3>& chosen,
-                               const CheckOptions& options) {
+std::vector<CheckReport> check_some_samples(const TrueSamples& truth, std::span<const Judge> judges,
+                                            const std::vector<Index3>& chosen, const CheckOptions& options) {
     constexpr std::size_t samples_per_part = 64;
     const std::size_t parts = (chosen.size() + samples_per_part - 1) / samples_per_part;
-    return tally_parts(parts, options, [&](std::size_t part, Tally& tally) {
+    return tally_parts(parts, judges.size(), options, [&](std::size_t part, std::span<Tally> tallies) {
         const std::size_t end = std::min(chosen.size(), (part + 1) * samples_per_part);
         for (std::size_t i = part * samples_per_part; i < end; ++i) {
-            judge.judge(chosen[i], truth.at(chosen[i]), tally);
+            judge_all(judges, chosen[i], truth.at(chosen[i]), tallies);
         }
     });
 }
 
+/// Throws if the fields are not of one problem, or if an array of one does not fit its grid.
+void require_one_problem(std::span<const Field> fields) {
+    if (fields.empty()) {
+        throw Error(ErrorCode::invalid_argument, "there is no field to check");
+    }
+    const Field& first = fields.front();
+    first.band.validate();
+    first.grid.validate();
+    for (const Field& field : fields) {
+        const bool is_same_band = field.band.inside == first.band.inside && field.band.outside == first.band.outside;
+        if (field.grid != first.grid || !is_same_band || field.sign != first.sign) {
+            throw Error(ErrorCode::invalid_argument,
+                        "the fields to check have different grids, bands or sign rules: check them one by one");
+        }
+        require_sizes(field);
+    }
+}
+
 }  // namespace
 
-CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options) {
-    field.band.validate();
-    field.grid.validate();
-    const std::size_t count = field.grid.sample_count();
-    require_sizes(field);
+std::vector<CheckReport> check(const Mesh& mesh, std::span<const Field> fields, const CheckOptions& options) {
+    require_one_problem(fields);
+    const Field& first = fields.front();
+    const std::size_t count = first.grid.sample_count();
 
     // Large enough that a sample without a result is beyond the band's limit and its tolerance.
-    const double widest_half = widest(field.band, field.sign != SignRule::none);
+    const double widest_half = widest(first.band, first.sign != SignRule::none);
     const double reach = widest_half * (1 + 1e-6 + 1e-6 * options.tolerance_ulp) +
-                         (1 + options.tolerance_voxels + options.sign_margin_voxels) * field.grid.voxel();
-    const TrueSamples truth(mesh, field.grid, field.sign, reach);
-    const Judge judge(truth, field, options);
-    if (options.samples == 0 || options.samples >= count) {
-        return check_every_sample(truth, judge, field.grid, options);
+                         (1 + options.tolerance_voxels + options.sign_margin_voxels) * first.grid.voxel();
+    const TrueSamples truth(mesh, first.grid, first.sign, reach);
+    std::vector<Judge> judges;
+    judges.reserve(fields.size());
+    for (const Field& field : fields) {
+        judges.emplace_back(truth, field, options);
     }
-    const std::vector<Index3> chosen = choose_samples(truth, field, options.samples, options.seed);
-    return check_some_samples(truth, judge, chosen, options);
+    if (options.samples == 0 || options.samples >= count) {
+        return check_every_sample(truth, judges, first.grid, options);
+    }
+    const std::vector<Index3> chosen = choose_samples(truth, first, options.samples, options.seed);
+    return check_some_samples(truth, judges, chosen, options);
+}
+
+CheckReport check(const Mesh& mesh, const Field& field, const CheckOptions& options) {
+    return check(mesh, std::span(&field, 1), options).front();
 }
 
 }  // namespace clsdf::reference

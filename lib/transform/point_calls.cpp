@@ -55,7 +55,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     {
         const std::scoped_lock lock(mutex);
         transform::throw_if_stopped(call);
-        stages->check_inside(all, within);
+        if (stages->restriction() != nullptr) stages->restriction()->check(all, within);
         const Stopwatch compile_watch;
         const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
         compiling.first_use = transform::ensure_points_tested(device, programs, false, builds);
@@ -141,7 +141,7 @@ void DistanceTransform::classify(std::span<const Box> boxes, double half_width, 
         throw Error(ErrorCode::invalid_argument, fmt::format("{} boxes have {} places for their answers; give as many",
                                                              boxes.size(), places.size()));
     points::check_boxes(boxes);
-    state.stages->check_inside(boxes, half_width);
+    if (const auto* restriction = state.stages->restriction()) restriction->check(boxes, half_width);
     points::find_places(*state.points(), state.sign, boxes, half_width, places);
 }
 

@@ -7,7 +7,9 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/point_calls.cpp
           ${CMAKE_CURRENT_LIST_DIR}/request_plan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/requests.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/restriction.cpp
           ${CMAKE_CURRENT_LIST_DIR}/self_test.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/slab_run.cpp
           ${CMAKE_CURRENT_LIST_DIR}/stages.cpp
           ${CMAKE_CURRENT_LIST_DIR}/stored_boxes.cpp
           ${CMAKE_CURRENT_LIST_DIR}/transform_state.cpp

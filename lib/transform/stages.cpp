@@ -66,10 +66,16 @@ double share_of(const Box& mesh, const Box& box) {
     return share;
 }
 
-Error preparation_error(const Mesh& mesh) {
-    return {ErrorCode::out_of_memory,
-            fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh", mesh.name(),
-                        mesh.triangles().size())};
+/// Returns what make() returns. Throws Error(out_of_memory) if the host has too little memory.
+template <typename Make>
+auto prepare(const Mesh& mesh, const Make& make) {
+    try {
+        return make();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("preparing {}, {} triangles, takes more than the host's memory; divide the mesh",
+                                mesh.name(), mesh.triangles().size()));
+    }
 }
 
 /// Whether nothing beyond a half width matters.
@@ -99,7 +105,7 @@ Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> poo
 
 std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
                                            double spacing, SignRule sign) {
-    try {
+    return prepare(mesh_, [&] {
         Restriction restriction;
         restriction.box = box;
         restriction.half_width = half_width;
@@ -122,70 +128,13 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
         restriction.encloses_negative_volume = clsdf::encloses_negative_volume(mesh_);
         return std::unique_ptr<Stages>(
             new Stages(context_, std::move(pool), std::move(part), std::move(restriction), options_));
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
-}
-
-namespace {
-
-std::string text_of(const Box& box) {
-    const auto& [lower, upper] = box;
-    return fmt::format("({}, {}, {}) to ({}, {}, {})", lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
-}
-
-bool is_within(const Box& box, const Box& other, double slack) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (!(box.lower[axis] >= other.lower[axis] - slack && box.upper[axis] <= other.upper[axis] + slack))
-            return false;
-    return true;
-}
-
-Error beyond(const Restriction& restriction, const std::string& what) {
-    return {ErrorCode::invalid_argument,
-            fmt::format("{}, and the transform is restricted to the box from {}, half widths up to {} and spacings up "
-                        "to {}; restrict the whole transform to more",
-                        what, text_of(restriction.box), restriction.half_width, restriction.spacing)};
-}
-
-}  // namespace
-
-void Stages::check_inside(const Grid& grid, const Band& band) const {
-    if (!restriction_) return;
-    const Box samples{grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
-    const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
-    // Samples are as far off as their positions are rounded.
-    if (!is_within(samples, restriction_->box, 1e-6 * longest))
-        throw beyond(*restriction_, fmt::format("the grid's samples reach from {}", text_of(samples)));
-    if (!(longest <= restriction_->spacing))
-        throw beyond(*restriction_, fmt::format("the grid's spacing is {}", longest));
-    if (!(band.widest() <= restriction_->half_width))
-        throw beyond(*restriction_, fmt::format("the band's half width is {}", band.widest()));
+    });
 }
 
 void Stages::check(const Grid& grid, const Band& band, SignRule sign) const {
-    check_inside(grid, band);
+    if (restriction_) restriction_->check(grid, band);
     check_distance(mesh_, lattice_of(grid));
     layout_of(grid, band, sign);
-}
-
-void Stages::check_inside(std::span<const Vec3> points, double within) const {
-    if (!restriction_) return;
-    if (!(within <= restriction_->half_width))
-        throw beyond(*restriction_, fmt::format("points are looked up within {}", within));
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (!is_within({points[i], points[i]}, restriction_->box, 0))
-            throw beyond(*restriction_,
-                         fmt::format("point {} lies at ({}, {}, {})", i, points[i][0], points[i][1], points[i][2]));
-}
-
-void Stages::check_inside(std::span<const Box> boxes, double half_width) const {
-    if (!restriction_) return;
-    if (!(half_width <= restriction_->half_width))
-        throw beyond(*restriction_, fmt::format("the half width around boxes is {}", half_width));
-    for (std::size_t i = 0; i < boxes.size(); ++i)
-        if (!is_within(boxes[i], restriction_->box, 0))
-            throw beyond(*restriction_, fmt::format("box {} reaches from {}", i, text_of(boxes[i])));
 }
 
 Stages::~Stages() {
@@ -308,7 +257,7 @@ const polyhedra::NearRecords& Stages::kept_records(const Grid& grid) {
 }
 
 Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone) {
-    try {
+    return prepare(mesh_, [&] {
         Inputs inputs;
         if (options_.method)
             inputs.records = options_.method->prepare(*this, grid, layout);
@@ -316,9 +265,7 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, boo
             set_records(grid, layout, lone, inputs);
         if (sign != SignRule::none) set_sweep_mesh(grid, layout, lone, inputs);
         return inputs;
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
+    });
 }
 
 bool Stages::is_shared(bool is_kept, std::size_t packed, double most) const {
@@ -392,7 +339,7 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
 
 void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
     if (!options_.has_selections || options_.method) return;
-    try {
+    prepare(mesh_, [&] {
         const Lattice& kept = lattice(part);
         if (inputs.records == kept.records)
             if (const auto near = near_bricks(part, layout))
@@ -400,9 +347,7 @@ void Stages::select(const Grid& part, const Layout& layout, Inputs& inputs) {
         if (inputs.sweep_mesh && inputs.sweep_mesh == kept.sweep_mesh)
             if (const auto near = near_rows(part, layout))
                 inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
+    });
 }
 
 bool Stages::may_meet_samples(const Grid& grid) {
@@ -421,7 +366,7 @@ bool Stages::encloses_negative_volume() {
 
 std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_normals) {
     using Lease = device::BufferPool::Lease;
-    try {
+    return prepare(mesh_, [&] {
         if (with_names && !sites_.names) {
             const auto numbers =
                 restriction_ ? std::span<const std::uint32_t>(restriction_->numbers) : std::span<const std::uint32_t>();
@@ -432,13 +377,11 @@ std::shared_ptr<const DeviceSites> Stages::sites(bool with_names, bool with_norm
             sites_.normals = std::make_shared<const Lease>(site_normals(context_, pool_, topology(), mesh_.vertices()));
         }
         return std::make_shared<const DeviceSites>(sites_);
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
+    });
 }
 
 std::shared_ptr<const points::PointMesh> Stages::points() {
-    try {
+    return prepare(mesh_, [&] {
         if (!points_) {
             topology();
             points::PointMesh made = points::make_point_mesh(context_, pool_, mesh_, topology_);
@@ -446,34 +389,28 @@ std::shared_ptr<const points::PointMesh> Stages::points() {
             points_ = std::make_shared<const points::PointMesh>(std::move(made));
         }
         return points_;
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
+    });
 }
 
 std::shared_ptr<const points::ScannedMesh> Stages::scanned_mesh(const cl::Program& program) {
-    try {
+    return prepare(mesh_, [&] {
         if (!scanned_mesh_) {
             const PreparedMesh polyhedra = all_records(points()->lattice);
             scanned_mesh_ = std::make_shared<const points::ScannedMesh>(
                 points::make_scanned_mesh(context_, program, pool_, *points_, frusta(), polyhedra));
         }
         return scanned_mesh_;
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
+    });
 }
 
 std::shared_ptr<const points::FaceSides> Stages::face_sides(SignRule sign, bool is_found) {
-    try {
+    return prepare(mesh_, [&] {
         // In front of a part's faces there may be others that are missing.
         if (!face_sides_ && is_found && !restriction_)
             face_sides_ =
                 std::make_shared<const points::FaceSides>(points::find_face_sides(context_, pool_, *points(), sign));
         return face_sides_;
-    } catch (const std::bad_alloc&) {
-        throw preparation_error(mesh_);
-    }
+    });
 }
 
 std::size_t Stages::budget() const {

@@ -18,6 +18,7 @@
 #include "scan/prepared_mesh.hpp"
 #include "scan/programs.hpp"
 #include "scan/sweep_mesh.hpp"
+#include "transform/restriction.hpp"
 
 #include <list>
 #include <memory>
@@ -49,17 +50,6 @@ struct Inputs {
 struct SetUpBy {
     cl::Program program;    ///< of kernels/mesh_records.cl
     std::size_t lanes = 1;  ///< that it is compiled for
-};
-
-/// The box of a restricted transform, and the values that it needs of the whole mesh.
-struct Restriction {
-    Box box{};
-    double half_width = 0;
-    double spacing = 0;
-    std::size_t record_count = 0;        ///< that a lattice keeps at most
-    std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
-    SurfaceSample sample;                ///< of the whole mesh
-    bool encloses_negative_volume = false;
 };
 
 /// The values that a transform keeps of its mesh. Each is made from those above it when it is needed first, and again
@@ -100,13 +90,9 @@ public:
                                        double spacing, SignRule sign);
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
-    /// Throws Error(invalid_argument) if a restricted mesh does not suffice for a field, points or boxes.
-    void check_inside(const Grid& grid, const Band& band) const;
-    /// Also throws if the grid has more samples than kernels can number, or lies too far from the mesh; see layout_of()
-    /// and check_distance().
+    /// Throws if a restricted mesh does not suffice for the field, or if the grid has more samples than kernels can
+    /// number or lies too far from the mesh; see Restriction::check(), layout_of() and check_distance().
     void check(const Grid& grid, const Band& band, SignRule sign) const;
-    void check_inside(std::span<const Vec3> points, double within) const;
-    void check_inside(std::span<const Box> boxes, double half_width) const;
 
     device::Context& context() const { return context_; }
     const std::shared_ptr<device::BufferPool>& pool() const { return pool_; }

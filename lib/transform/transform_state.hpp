@@ -86,6 +86,8 @@ struct DistanceTransform::State {
         return make();
     }
 
+    class SlabRun;  // slab_run.cpp, with compute()
+
     /// Adds what was spent on programs and no computation has reported yet.
     void report(const transform::Compiling& compiling, TransformStatistics& statistics);
 
@@ -145,10 +147,6 @@ private:
     /// A part of the points of a query, which asks for `asked` of them, into packed arrays.
     points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double within, const Outputs& outputs,
                              const scan::HostArrays& arrays, const std::function<void(double)>& between);
-
-    /// The samples of one slab. Its progress runs from `begin` to `end`.
-    void compute(transform::PlanState& plan, const scan::SlabPipeline::Slot& slot, double begin, double end,
-                 const CallOptions& call) const;
 };
 
 }  // namespace clsdf

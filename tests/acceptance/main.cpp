@@ -15,6 +15,8 @@
 #include <cstdio>
 #include <iterator>
 #include <map>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -31,11 +33,13 @@ struct Options {
     std::string only;
     std::string commit;
     std::uint64_t seed = 1;
-    KernelBody body = KernelBody::automatic;
+    std::string body = "automatic";
 };
 
-const std::map<std::string, KernelBody> bodies{
-    {"automatic", KernelBody::automatic}, {"by_vector", KernelBody::by_vector}, {"by_group", KernelBody::by_group}};
+const std::map<std::string, std::vector<KernelBody>> bodies{{"automatic", {KernelBody::automatic}},
+                                                            {"by_vector", {KernelBody::by_vector}},
+                                                            {"by_group", {KernelBody::by_group}},
+                                                            {"both", {KernelBody::by_vector, KernelBody::by_group}}};
 
 void append(std::vector<Case>& cases, std::vector<Case> more) {
     std::move(more.begin(), more.end(), std::back_inserter(cases));
@@ -64,17 +68,18 @@ void print_line(const std::string& text) {
     std::fflush(stdout);
 }
 
-void run_list(const Device& device, const std::vector<Case>& cases, KernelBody body, Record& record) {
+void run_list(const Device& device, const std::vector<Case>& cases, const std::string& body, Record& record) {
     print_line(heading());
-    for (const Case& example : cases) {
-        record.results.push_back(run(device, example, body));
-        print_line(row(record.results.back()));
-        fmt::print(stderr, "{}", explain(record.results.back()));
-    }
+    for (const Case& example : cases)
+        for (Result& result : run(device, example, bodies.at(body))) {
+            print_line(row(result));
+            fmt::print(stderr, "{}", explain(result));
+            record.results.push_back(std::move(result));
+        }
     const std::string bunny = "bunny00, 256, 10%";
     const auto found =
         std::find_if(cases.begin(), cases.end(), [&](const Case& example) { return example.name == bunny; });
-    if (found == cases.end() || body == KernelBody::by_group) return;  // the limits are those of vectors
+    if (found == cases.end() || body == "by_group") return;  // the limits are those of vectors
     print_line("\nHow well the polyhedra fit: " + bunny);
     record.costs = bunny_costs(device, found->make());
     for (const CostLimit& limit : record.costs) print_line(row(limit));
@@ -120,8 +125,10 @@ int main(int argument_count, char** arguments) {
     meshes->check(CLI::ExistingDirectory);
     app.add_option("--only", options.only, "Fields whose name holds this text, or of this kind");
     app.add_option("--seed", options.seed, "First seed of the random meshes")->capture_default_str();
-    app.add_option("--body", options.body, "The kernels' body: automatic, by_vector or by_group")
-        ->transform(CLI::CheckedTransformer(bodies));
+    app.add_option("--body", options.body, "The kernels' body: automatic, by_vector, by_group, or both of these")
+        ->check(CLI::IsMember(bodies))
+        ->take_last()
+        ->capture_default_str();
     app.add_option("--commit", options.commit, "For the record: the commit that was built");
     app.add_option("--record", options.record, "Write a summary to this Markdown file");
     app.add_option("--fields", options.fields, "Write what was found field by field to this Markdown file");

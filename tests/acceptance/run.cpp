@@ -5,15 +5,19 @@
 
 #include <clsdf/error.hpp>
 
+#include <fmt/format.h>
+
+#include <utility>
+
 namespace clsdf::acceptance {
 
 namespace {
 
-reference::CheckReport check(const Mesh& mesh, const Field& field, std::size_t samples, double tolerance_voxels) {
+reference::CheckOptions options_of(const Case& example, double tolerance_voxels) {
     reference::CheckOptions options;
-    options.samples = samples;
+    options.samples = example.samples;
     options.tolerance_voxels = tolerance_voxels;
-    return reference::check(mesh, field, options);
+    return options;
 }
 
 /// The result of a check against the aim: only values may be wrong, and none by more than the bound.
@@ -31,45 +35,65 @@ Outputs outputs_of(const Grid& grid) {
     return outputs;
 }
 
-void compute_and_check(const Device& device, const Case& example, KernelBody body, Result& result) {
-    const Problem problem = example.make();
-    result.triangles = problem.mesh.triangles().size();
-    result.size = problem.grid.size;
-    result.half_width_voxels = problem.band.outside / problem.grid.voxel();
+const char* name_of(KernelBody body) {
+    return body == KernelBody::by_vector ? "by vector" : body == KernelBody::by_group ? "by group" : "automatic";
+}
 
-    DistanceTransform transform(device, problem.mesh, {.sign = problem.sign, .body = body});
-    const Stopwatch computing;
-    const Field field = transform(problem.grid, problem.band, outputs_of(problem.grid));
-    result.compute_seconds = computing.seconds();
-    result.sign = field.sign;
-
-    const Stopwatch checking;
-    result.judged = check(problem.mesh, field, example.samples, aim_voxels);
+/// A field that meets the aim meets the judged bound, too; any other is checked again.
+void judge(const Problem& problem, const Case& example, const Field& field, reference::CheckReport against_aim,
+           Result& result) {
+    result.judged = std::move(against_aim);
     result.beyond_aim = result.judged.wrong_values;
-    // A field that meets the aim meets the judged bound, too; the others are checked again.
     if (is_within_bound(result.judged)) {
         result.judged.wrong_values = 0;
         result.judged.findings.clear();
     } else {
-        result.judged = check(problem.mesh, field, example.samples, judged_voxels);
+        result.judged = reference::check(problem.mesh, field, options_of(example, judged_voxels));
     }
-    result.check_seconds = checking.seconds();
-    result.wrong_calls = wrong_calls(transform, problem, field);
     result.every_sample = result.judged.samples == problem.grid.sample_count();
+}
+
+void compute_and_check(const Device& device, const Case& example, std::span<const KernelBody> bodies,
+                       std::vector<Result>& results) {
+    const Problem problem = example.make();
+    std::vector<DistanceTransform> transforms;
+    std::vector<Field> fields;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        transforms.emplace_back(device, problem.mesh, TransformOptions{.sign = problem.sign, .body = bodies[i]});
+        const Stopwatch computing;
+        fields.push_back(transforms[i](problem.grid, problem.band, outputs_of(problem.grid)));
+        results[i].compute_seconds = computing.seconds();
+    }
+    const Stopwatch checking;
+    std::vector<reference::CheckReport> reports =
+        reference::check(problem.mesh, fields, options_of(example, aim_voxels));
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        Result& result = results[i];
+        result.triangles = problem.mesh.triangles().size();
+        result.size = problem.grid.size;
+        result.half_width_voxels = problem.band.outside / problem.grid.voxel();
+        result.sign = fields[i].sign;
+        judge(problem, example, fields[i], std::move(reports[i]), result);
+        result.check_seconds = checking.seconds();
+        result.wrong_calls = wrong_calls(transforms[i], problem, fields[i]);
+    }
 }
 
 }  // namespace
 
-Result run(const Device& device, const Case& example, KernelBody body) {
-    Result result;
-    result.kind = example.kind;
-    result.name = example.name;
-    try {
-        compute_and_check(device, example, body, result);
-    } catch (const Error& error) {
-        result.error = error.what();
+std::vector<Result> run(const Device& device, const Case& example, std::span<const KernelBody> bodies) {
+    std::vector<Result> results(bodies.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        results[i].kind = example.kind;
+        results[i].name = example.name;
+        if (bodies.size() > 1) results[i].name += fmt::format(", {}", name_of(bodies[i]));
     }
-    return result;
+    try {
+        compute_and_check(device, example, bodies, results);
+    } catch (const Error& error) {
+        for (Result& result : results) result.error = error.what();
+    }
+    return results;
 }
 
 }  // namespace clsdf::acceptance

@@ -6,6 +6,10 @@
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/reference.hpp>
 
+#include <span>
+#include <string>
+#include <vector>
+
 namespace clsdf::acceptance {
 
 /// An error may be as large as the larger of this and two units in the last place; the aim is the tighter one.
@@ -32,6 +36,7 @@ struct Result {
     bool passed() const { return error.empty() && wrong_calls.empty() && judged.band_samples > 0 && judged.passed(); }
 };
 
-Result run(const Device& device, const Case& example, KernelBody body);
+/// A result for each body of the kernels. The truth, which takes most of the time, is found once for all of them.
+std::vector<Result> run(const Device& device, const Case& example, std::span<const KernelBody> bodies);
 
 }  // namespace clsdf::acceptance

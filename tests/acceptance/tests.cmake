@@ -1,5 +1,5 @@
 # The list of fields by which the program is accepted. The test runs a part of it on meshes made by code; the target
-# `accept` all of it, which takes half an hour and fetches meshes.
+# `accept` all of it, which takes three quarters of an hour and fetches meshes.
 clsdf_require(CLI11 libcli11-dev CONFIG)
 add_executable(acceptance)
 foreach(source main case shape_cases strained_cases random_cases archive_cases run calls cost record)

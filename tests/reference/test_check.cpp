@@ -105,6 +105,43 @@ BOOST_AUTO_TEST_CASE(a_right_field_passes_complete_and_sampled) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(fields_checked_together_get_the_reports_that_each_gets_alone) {
+    std::vector<Field> fields(3, right_field());
+    fields[1].distance[find(fields[1], is_in_outer_band)] += 3e-5F;
+    fields[2].distance[find(fields[2], is_in_inner_band)] *= -1;
+    for (const CheckOptions& options : {complete(), CheckOptions{.samples = 3000}}) {
+        const std::vector<CheckReport> reports = check(tetrahedron(), fields, options);
+        BOOST_REQUIRE(reports.size() == fields.size());
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            const CheckReport alone = check_broken(fields[i], options);
+            BOOST_TEST(reports[i].samples == alone.samples);
+            BOOST_TEST(reports[i].band_samples == alone.band_samples);
+            BOOST_TEST(reports[i].wrong_values == alone.wrong_values);
+            BOOST_TEST(reports[i].wrong_signs == alone.wrong_signs);
+            BOOST_TEST(reports[i].max_error_voxels == alone.max_error_voxels);
+            BOOST_TEST(reports[i].findings.size() == alone.findings.size());
+        }
+    }
+    const std::vector<CheckReport> reports = check(tetrahedron(), fields, complete());
+    BOOST_TEST(reports[0].passed());
+    BOOST_TEST(reports[1].wrong_values == 1U);
+    BOOST_TEST(reports[2].wrong_signs == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(fields_of_different_problems_are_not_checked_together) {
+    const auto refused = [](const Field& other) {
+        const std::vector<Field> fields{right_field(), other};
+        BOOST_CHECK_EXCEPTION(check(tetrahedron(), fields), Error,
+                              [](const Error& error) { return error.code() == ErrorCode::invalid_argument; });
+    };
+    refused(right_field({0.1, 0.6}));
+    refused(right_field({0.1, 0.7}, SignRule::parity));
+    Field moved = right_field();
+    moved.grid.first[0] += 1;
+    refused(moved);
+    BOOST_CHECK_THROW(check(tetrahedron(), std::vector<Field>{}), Error);
+}
+
 BOOST_AUTO_TEST_CASE(the_number_of_band_samples_is_that_of_the_triangles_named) {
     const Field field = right_field();
     const auto named = static_cast<std::size_t>(

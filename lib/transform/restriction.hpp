@@ -1,0 +1,33 @@
+#pragma once
+
+#include <clsdf/grid.hpp>
+#include <clsdf/mesh.hpp>
+
+#include "scan/prepared_mesh.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf::transform {
+
+/// The box of a restricted transform, and the values that it needs of the whole mesh.
+struct Restriction {
+    Box box{};
+    double half_width = 0;
+    double spacing = 0;
+    std::size_t record_count = 0;        ///< that a lattice keeps at most
+    std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
+    scan::SurfaceSample sample;          ///< of the whole mesh
+    bool encloses_negative_volume = false;
+
+    /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
+    void check(const Grid& grid, const Band& band) const;
+    void check(std::span<const Vec3> points, double within) const;
+    void check(std::span<const Box> boxes, double half_width_asked) const;
+
+private:
+    [[noreturn]] void refuse(const std::string& what) const;
+};
+
+}  // namespace clsdf::transform

@@ -1,0 +1,210 @@
+#include "core/stopwatch.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/slabs.hpp"
+#include "transform/transform_state.hpp"
+
+#include <algorithm>
+
+namespace clsdf {
+
+/// Computes a grid slab by slab. If the device has too little memory for a slab, the slab is halved; one that cannot be
+/// divided is tried once more without what is kept for later calls.
+class DistanceTransform::State::SlabRun {
+public:
+    /// What is passed by reference must outlive this.
+    SlabRun(State& state, const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
+            scan::SlabPipeline& pipeline, const CallOptions& call)
+        : keeps_budget_{state},
+          state_(state),
+          grid_(grid),
+          band_(band),
+          outputs_(outputs),
+          wanted_(wanted),
+          pipeline_(pipeline),
+          call_(call),
+          compiling_(call, state.options.log) {}
+
+    /// Into the arrays or, if not in place, to the sink.
+    void run(std::vector<Grid> slabs, const scan::HostArrays& arrays, bool in_place) {
+        prepare(slabs.size() == 1);
+        std::reverse(slabs.begin(), slabs.end());
+        while (!slabs.empty()) {
+            const Grid slab = slabs.back();
+            slabs.pop_back();
+            scan::SlabPipeline::Slot& slot = pipeline_.next();
+            try {
+                const std::scoped_lock lock(state_.mutex);
+                if (in_place)
+                    pipeline_.place(slot, slab, arrays_from(done_, arrays));
+                else
+                    pipeline_.place_own(slot, slab, arrays);
+                compute(slab, slot);
+            } catch (const Error& error) {
+                // How long a slab's lists are is known when they are made.
+                const bool is_divisible = scan::is_divisible(slab);
+                if (error.code() != ErrorCode::out_of_memory || (!is_divisible && has_room_)) throw;
+                if (is_divisible) {
+                    const auto [lower, upper] = scan::halves_of(slab);
+                    slabs.insert(slabs.end(), {upper, lower});
+                } else {
+                    has_room_ = true;
+                    slabs.push_back(slab);
+                }
+                make_room(slot);
+                continue;
+            }
+            pipeline_.deliver(slot, slab);
+            done_ += slab.sample_count();
+        }
+        finish();
+    }
+
+private:
+    /// Compiles, and takes a plan of an earlier call or makes the inputs of new ones.
+    void prepare(bool is_whole) {
+        const std::scoped_lock lock(state_.mutex);
+        transform::throw_if_stopped(call_);
+        state_.compile(grid_, band_, outputs_, call_.count, compiling_);
+        state_.pool->restart_peak();
+        if (is_whole) plan_ = state_.take_plan(grid_, band_, outputs_, wanted_, call_.count);
+        if (!plan_) make_inputs();
+    }
+
+    void make_inputs() {
+        const Stopwatch watch;
+        inputs_ = state_.inputs(grid_, band_, outputs_);
+        statistics_.polyhedra_seconds = watch.seconds();
+        transform::throw_if_stopped(call_);
+    }
+
+    /// The caller's arrays from a sample on.
+    static scan::HostArrays arrays_from(std::size_t sample, const scan::HostArrays& arrays) {
+        scan::HostArrays part;
+        for_each_output(
+            [&](const OutputRow& row, const auto& array, auto& of_part) { of_part = array.from_sample(row, sample); },
+            arrays, part);
+        return part;
+    }
+
+    void compute(const Grid& slab, const scan::SlabPipeline::Slot& slot) {
+        const bool is_part = slab.sample_count() < grid_.sample_count();
+        if (!plan_) {
+            // A part of the grid needs a part of what the grid needs.
+            transform::Inputs inputs = inputs_;
+            if (is_part) state_.stages->select(slab, scan::layout_of(slab, band_, state_.sign), inputs);
+            plan_ = state_.make_plan(std::move(inputs), slab, band_, outputs_, wanted_, call_, compiling_);
+        }
+        transform::throw_if_stopped(call_);
+        const auto share = [&](std::size_t samples) {
+            return static_cast<double>(samples) / static_cast<double>(grid_.sample_count());
+        };
+        run_plan(slot, share(done_), share(done_ + slab.sample_count()));
+        transform::add_slab(statistics_, plan_->statistics);
+        if (is_part) plan_.reset();
+    }
+
+    /// The samples of one slab. Its progress runs from `begin` to `end`.
+    void run_plan(const scan::SlabPipeline::Slot& slot, double begin, double end) {
+        const Stopwatch watch;
+        const device::Context& context = device::context_of(state_.device);
+        std::function<void(double)> between;
+        if (call_.progress || call_.should_stop)
+            between = [&](double fraction) {
+                transform::throw_if_stopped(call_);
+                if (call_.progress) call_.progress(begin + (end - begin) * fraction);
+            };
+        device::guarded([&] {
+            try {
+                plan_->enqueue(context.queue(), slot.buffers(), {}, between);
+                slot.enqueue_handover(context.queue());
+                context.queue().finish();
+                plan_->read_counters();
+                plan_->read_times(context.queue());
+            } catch (...) {
+                // Commands that are still running write to the caller's memory.
+                context.drain();
+                throw;
+            }
+        });
+        plan_->statistics.field_seconds = watch.seconds();
+    }
+
+    /// Releases what the slab had, and what is kept for later calls.
+    void make_room(scan::SlabPipeline::Slot& slot) {
+        const std::scoped_lock lock(state_.mutex);
+        // Commands that are still running use the buffers.
+        device::guarded([&] { device::context_of(state_.device).queue().finish(); });
+        pipeline_.take_back(slot);
+        plan_.reset();
+        state_.forget();
+        if (!inputs_.records) make_inputs();
+    }
+
+    /// Waits for the sink, and keeps the plan of the whole grid for the next call.
+    void finish() {
+        pipeline_.finish();
+        {
+            const std::scoped_lock lock(state_.mutex);
+            state_.report(compiling_, statistics_);
+            statistics_.device_bytes = state_.pool->peak();
+            statistics_.host_bytes = pipeline_.host_bytes();
+            inputs_ = {};
+            if (plan_) state_.keep(std::move(plan_), call_.count);
+        }
+        if (call_.progress) call_.progress(1.0);
+        if (call_.statistics != nullptr) *call_.statistics = statistics_;
+    }
+
+    KeepsBudget keeps_budget_;  // the first: it works when the others are gone
+    State& state_;
+    const Grid& grid_;
+    const Band& band_;
+    const Outputs& outputs_;
+    std::span<const Grid> wanted_;
+    scan::SlabPipeline& pipeline_;
+    const CallOptions& call_;
+    transform::Compiling compiling_;
+    transform::Inputs inputs_;  ///< of the whole grid
+    std::unique_ptr<transform::PlanState> plan_;
+    TransformStatistics statistics_;
+    std::size_t done_ = 0;   ///< samples
+    bool has_room_ = false;  ///< a slab that cannot be divided was tried again
+};
+
+void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
+                                       const scan::HostArrays& arrays, bool in_place, std::vector<Grid> slabs,
+                                       std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
+                                       const CallOptions& call) {
+    SlabRun(*this, grid, band, outputs, wanted, pipeline, call).run(std::move(slabs), arrays, in_place);
+}
+
+void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
+                                       const scan::HostTargets& targets, const CallOptions& call) {
+    const device::Context& context = device::context_of(device);
+    const bool in_place = targets.are_packed();
+    const auto store = [&](const Grid& part, const scan::HostArrays& values) { targets.store(part, values); };
+    const scan::SlabLimits limits =
+        in_place ? scan::limits_of(context.capabilities()) : scan::stream_limits_of(context.capabilities());
+    std::vector<Grid> slabs = scan::slabs_of(grid, limits);
+    scan::SlabPipeline pipeline(context, pool, in_place ? scan::ArraySink() : scan::ArraySink(store), slabs.size() > 1);
+    compute(grid, band, outputs, targets.arrays(), in_place, std::move(slabs), {}, pipeline, call);
+}
+
+void DistanceTransform::State::compute(const transform::Batch& batch, std::span<const Request> requests,
+                                       std::span<const scan::HostTargets> targets, scan::SlabPipeline& pipeline,
+                                       const CallOptions& call) {
+    const std::size_t any = batch.requests.front();
+    const Request& request = requests[any];
+    const Outputs outputs = scan::outputs_of(request.targets);
+    if (batch.requests.size() == 1) {
+        compute(request.grid, request.band, outputs, targets[any], call);
+        return;
+    }
+    const device::Context& context = device::context_of(device);
+    std::vector<Grid> wanted;
+    for (const std::size_t n : batch.requests) wanted.push_back(requests[n].grid);
+    compute(batch.block, request.band, outputs, targets[any].arrays(), false,
+            scan::slabs_of(batch.block, scan::stream_limits_of(context.capabilities())), wanted, pipeline, call);
+}
+
+}  // namespace clsdf
