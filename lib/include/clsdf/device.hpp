@@ -80,7 +80,7 @@ public:
     /// The value of CLSDF_DEVICE that preferred() uses; empty if it is not set.
     static std::string environment_choice();
 
-    /// The caller's own objects; they are retained, and released with the last copy.
+    /// Retains the caller's objects. Error(invalid_argument) if they do not belong together, unsupported without fp64.
     static Device from_handles(cl_context context, cl_device_id id, cl_command_queue queue);
 
     /// The same device with limits, with a context and a queue of its own. Programs are kept and tested as those of

@@ -43,10 +43,10 @@ struct TransformOptions {
     KernelBody body = KernelBody::automatic;
     /// The method of a library beside the core. Null: leaned frusta by bricks.
     std::shared_ptr<const FieldMethod> method{};
-    std::function<void(const std::string& message)> log{};  ///< warnings, e.g. that a mesh is open
-    /// Limit of the device memory that is kept between calls, in bytes: the polyhedra of the lattices and the lists of
-    /// the grids that were used last, and what points need. By default the polyhedra of two lattices (280 bytes a
-    /// triangle each) and all that points need, or 256 MiB if that is more. 0 keeps nothing.
+    std::function<void(const std::string& message)> log{};  ///< warnings; on the calling thread, as CallOptions' are
+    /// Limit of the device memory that is kept between calls, in bytes: polyhedra of lattices, lists of the last four
+    /// grids, and what points need. The default is the polyhedra of two lattices (280 bytes a triangle each) and all
+    /// that points need, or 256 MiB if that is more. 0 keeps nothing.
     std::optional<std::size_t> kept_bytes{};
 };
 
@@ -158,10 +158,10 @@ public:
     /// which the caller releases. May be called again at once, on any queue of the device's context: computations of a
     /// plan follow one another.
     ///
-    /// The targets may change from call to call; the outputs are those of the plan. A plan of a grid and outputs writes
-    /// to packed and aligned memory. A plan of a request whose target needs a copy (OutputTarget) copies to targets of
-    /// any offset and strides, with elements as in the request. Throws Error(invalid_argument) for memory that is
-    /// missing, read-only, too small or of another context, Error(unsupported) for others, and Error(device_failure).
+    /// The targets may change from call to call; the outputs are those of the plan. Targets must be packed and aligned
+    /// (OutputTarget::offset), unless plan() got a request with a target that is not. Then targets may have any offset
+    /// and strides, with elements as in the request. Throws Error(invalid_argument) for memory that is missing,
+    /// read-only, too small or of another context, Error(unsupported) for other targets, and Error(device_failure).
     cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
 
     const TransformStatistics& statistics() const;
@@ -187,14 +187,14 @@ public:
     /// Enqueues the computation of all requests into their targets on the caller's queue (null: the device's own),
     /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
     /// which the caller releases. May be called again at once, on any queue of the device's context, in order or not:
-    /// runs of a plan follow one another. Throws Error(device_failure).
+    /// runs of a plan follow one another. Throws Error(device_failure), Error(invalid_argument) after a failed move().
     cl_event enqueue(cl_command_queue queue, std::span<const cl_event> wait_list = {});
 
-    /// Prepares the next runs for the transform's present positions and, unless `grids` is empty, for other places of
-    /// the boxes: one for each request, of any lattice, whose samples fit the same target. Waits for the last run,
-    /// gives the plan's buffers back and makes those that are needed now, so that enqueue() need not. The bytes are
-    /// those of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled). A plan whose grids are refused
-    /// stays as it was. After other errors it must be moved again before it is enqueued.
+    /// Prepares the next runs for the present positions of `transform`, which made the plan or has its Device. If
+    /// `grids` is not empty, it has a grid for each request, of any lattice, whose samples fit the request's target.
+    /// Blocks: waits for the last run, and replaces the plan's buffers, so that enqueue() need not. The bytes are those
+    /// of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled). If a grid is refused, the plan stays
+    /// as it was. After any other error it must be moved again before enqueue().
     void move(const DistanceTransform& transform, std::span<const Grid> grids = {}, const CallOptions& call = {});
 
     /// device_bytes: what the plan has on the device, beside the polyhedra that it shares with the transform.
@@ -226,8 +226,8 @@ struct KeptMemory {
 /// the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT DistanceTransform {
 public:
-    /// Copies and checks the mesh, describes its topology and builds the programs that all computations need.
-    /// Throws Error(invalid_mesh, no_device or device_failure).
+    /// Copies and checks the mesh, describes its topology and builds the programs that all computations need. Throws
+    /// Error(invalid_mesh), also if the mesh does not meet `sign`; Error(device_failure, unsupported or cancelled).
     DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {}, const CallOptions& call = {});
     /// The view's arrays may be memory of the device's context, which is read after the events of `wait_list`.
     DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {}, const CallOptions& call = {},
@@ -249,9 +249,9 @@ public:
     /// exact decisions and tables need every position: mapped, 12 or 24 bytes each. They may change when move()
     /// returns.
     ///
-    /// Throws Error(invalid_argument) if the number of positions is another one, for memory that is missing, too small
-    /// or of another context, or if vertices that had equal coordinates, and count as one, move apart;
-    /// Error(invalid_mesh) if a vertex in use is not finite; Error(unsupported) for a buffer that the host may not
+    /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
+    /// another context, or if vertices that had equal coordinates, and count as one, move apart; Error(invalid_mesh) if
+    /// a vertex in use is not finite; Error(unsupported) for a restricted transform or a buffer that the host may not
     /// read. After an error the positions are those of before.
     void move(const Triples& positions, std::span<const cl_event> wait_list = {});
     /// The same of a temporary container.
@@ -267,11 +267,11 @@ public:
     /// R^T may differ from the identity's by 1e-12, and det R must be positive.
     void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
-    /// A transform for a part of the domain. It keeps only the triangles that the part can need: those near the box
-    /// and, for a sign, those with smaller x in the rows of its samples. Its results have the bytes of this one's, for
-    /// grids with all samples in the box, spacings up to `spacing` and bands up to `half_width`, for points and boxes
-    /// in the box within half_width; all else throws Error(invalid_argument) that names the box. It cannot be moved or
-    /// restricted again. This transform is prepared first, and may be destroyed then.
+    /// A transform for a part of the domain. It keeps only the triangles near the box and, for a sign, those with
+    /// smaller x in the rows of its samples. Samples, points and boxes must lie in the box. Spacings must not exceed
+    /// `spacing`; half widths and `within` must not exceed `half_width`. Other calls throw Error(invalid_argument) that
+    /// names the box. The results have the bytes of the whole transform. The part cannot be moved or restricted again
+    /// (Error(unsupported)). The whole transform is prepared first, which blocks. It may be destroyed afterwards.
     ///
     /// Throws Error(invalid_argument) for a box with a coordinate that is not finite or a lower corner above its upper
     /// one, and for lengths that are not positive and finite; Error(unsupported) for a transform that is restricted
@@ -291,22 +291,22 @@ public:
 
     /// Writes the outputs that have a target; the distance must have one. Targets are all on the host or all on the
     /// device. Device memory is written by a plan(), which cannot be cancelled while samples are computed. An error
-    /// leaves the targets undefined. Throws Error(invalid_argument) if a target is missing or its memory has another
-    /// size than the output, Error(unsupported) for elements of another type.
+    /// leaves the targets undefined. Throws Error(invalid_argument) for a grid, a band or a target's memory out of
+    /// range; Error(unsupported) for other elements; Error(out_of_memory, device_failure or cancelled).
     void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {}) const;
 
     /// Many boxes in one call, in any order, of any lattices, bands and outputs: the patches of a refined mesh, with
     /// their ghost samples. Each gets the bytes of a call of its own. Boxes of one lattice, one band and the same
-    /// outputs are computed together if that is cheaper, so that a sample which several of them share is computed once;
-    /// what is computed at once is no more than compute_slabs() has in memory. No two targets may overlap. Nothing is
-    /// computed if a request is refused; the message names its index. Throws what a call for each of them would throw.
+    /// outputs are computed together if that is cheaper. Then a sample that several boxes share is computed once, and
+    /// slabs are as large as those of compute_slabs(). No two targets may overlap. If a request is refused, nothing is
+    /// computed, and the message names its index. Throws what a call for each request would throw.
     /// CallOptions::progress covers all requests. The statistics are sums; their figures of memory are maxima.
     void compute(std::span<const Request> requests, const CallOptions& call = {}) const;
 
-    /// The same for fields of any size: hands whole slices, about 64 MiB of each output or 32 slices at a time, to the
-    /// sink in the order of z; together they are the field, with the same bytes. Two slabs are in memory, one being
-    /// computed and one in the sink's hands until it returns. On an error, also one that the sink throws, or when
-    /// CallOptions::should_stop says so, the sink has returned and is not called again.
+    /// The same for fields of any size: hands whole slices to the sink in the order of z, about 16 million samples (64
+    /// MiB of distances, 384 MiB of closest points) or 32 slices at a time. All outputs of two slabs are in memory: one
+    /// is computed while the sink has the other. The bytes are those of the whole. After an error the sink has returned
+    /// and is not called again. Throws what compute() and the sink throw, Error(invalid_argument) for an empty sink.
     void compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
                        const SlabOptions& options = {}, const CallOptions& call = {}) const;
 
@@ -319,11 +319,11 @@ public:
     /// number (or parity) at the given doubles; a point on the surface has the distance +0. A voxel, as a measure, is
     /// 1/256 of the longest side of the mesh's box, or 1 if the mesh has no extent.
     ///
-    /// Points and targets are memory of the host or of the device, each for itself, also the same memory. A target has
+    /// The points and each target may be memory of the host or of the device, and may share a buffer. A target has
     /// points.count values, packed or strides[0] bytes from point to point. The call begins after the events of
-    /// `wait_list`, and returns when the targets are written. Memory of the device is mapped: on a device with memory
-    /// of its own, points and outputs pass through the host, which sorts the points. No other command or call may write
-    /// to these buffers, from the first to the last byte of the targets, until the call returns.
+    /// `wait_list`, and returns when the targets are written. Memory of the device is mapped: if the device has its own
+    /// memory, points and outputs pass through the host, which sorts the points. Until the call returns, no other
+    /// command or call may write to a target's buffer between the target's first and last byte.
     ///
     /// A result depends on the point, `within`, the mesh's positions and the device: not on other points, their order
     /// or number, and not on threads or TransformOptions::method. The first call prepares the mesh and keeps about 550
@@ -331,8 +331,8 @@ public:
     /// targets undefined.
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
-    /// the mesh's box, for a negative or NaN `within`, and for memory that is missing, too small or of another context;
-    /// Error(unsupported) for a buffer that the host may not read or write; Error(cancelled).
+    /// the mesh's box, for `within` below 0, NaN or finite beyond a float, for memory missing, too small or of another
+    /// context; Error(unsupported) for a buffer that the host may not read or write; Error(out_of_memory or cancelled).
     void query(const Triples& points, double within, const OutputTargets& targets, const CallOptions& call = {},
                std::span<const cl_event> wait_list = {}) const;
     /// The same of a temporary container.
@@ -341,10 +341,10 @@ public:
         query(Triples(points), within, targets, call);
     }
 
-    /// Sets the place of each box, in the mesh's units: which patches of a refined mesh hold samples of a band, and on
-    /// which side the others lie. A box is `near` if it is within half_width of the smallest box around a triangle, so
-    /// also somewhat beyond half_width of the surface. The other answers are exact. Boxes are closed, and may be
-    /// points.
+    /// Sets the place of each box. Boxes and half_width are in the mesh's units; boxes include their limits, and may be
+    /// points. A box is `near` if it is within half_width of the smallest box around a triangle. So a box that is a
+    /// little farther than half_width from the surface may be `near`, too. The other answers are exact. Blocks; cannot
+    /// be cancelled.
     ///
     /// An answer depends on the box, half_width and the mesh's positions alone. Works on the host, on all cores. Keeps
     /// what query() keeps. Throws Error(invalid_argument) that names the index of a box with a coordinate that is not
@@ -357,9 +357,9 @@ public:
     /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
-    /// The same for targets like these, buffers of the device's context: each target may begin at any multiple of its
-    /// elements' size and have such strides. Targets that are not packed or not aligned, and distances in double, are
-    /// copied there from the plan's own memory. Also throws Error(unsupported).
+    /// The same for the request's targets, buffers of the device's context. Offsets and strides are multiples of the
+    /// elements' size. If a target is not packed or not aligned, or has distances in double, the plan computes in its
+    /// own memory and copies. Also throws Error(unsupported) for other elements, or for memory of the host.
     Plan plan(const Request& request, const CallOptions& call = {}) const;
 
     /// The same for many boxes, as compute() has them. The targets must not overlap, and must outlive the plan. Boxes

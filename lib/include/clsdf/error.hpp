@@ -9,18 +9,18 @@ namespace clsdf {
 
 /// The kind of a failure, for programs that act on it without reading the message.
 enum class ErrorCode {
-    invalid_mesh,      ///< index out of range, non-finite vertex in use, no triangle
+    invalid_mesh,      ///< index out of range, non-finite vertex in use, no triangle, sign rule that is not met
     unreadable_input,  ///< a file that cannot be opened, is truncated or malformed
     invalid_argument,  ///< a grid, band or option that makes no sense
     no_device,         ///< no OpenCL device, or none of the name asked for
-    device_failure,    ///< an OpenCL call failed; the message has the call, the code's name and any build log
+    device_failure,    ///< an OpenCL call failed (message: call, code, build log), or the device computes wrong values
     out_of_memory,     ///< host or device memory, or the device's largest allocation, is too small
     unsupported,       ///< a correct request that this build or device does not support
     cancelled,         ///< should_stop returned true
     output_failure,    ///< a result could not be written; nothing is left under its final name
 };
 
-/// The only exception the library throws. The message names the thing, the value and the remedy.
+/// What the library throws, except std::bad_alloc of a FieldArray. The message names the thing, the value, the remedy.
 class CLSDF_VISIBLE Error : public std::runtime_error {
 public:
     Error(ErrorCode code, const std::string& message, int opencl_code = 0)

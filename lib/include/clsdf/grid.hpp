@@ -44,7 +44,7 @@ struct CLSDF_EXPORT Band {
 
     double widest() const { return inside > outside ? inside : outside; }
 
-    /// Throws Error(invalid_argument) if a half width is not set, or negative.
+    /// Throws Error(invalid_argument) if one is not set, or negative. Computations refuse a finite one > 1e15 voxels.
     void validate() const;
 };
 
@@ -84,12 +84,12 @@ struct CLSDF_EXPORT Grid {
     /// The same around a mesh's box, with the band's outside half width as margin (5% of the longest side if infinite).
     static Grid around(const Mesh& mesh, std::int64_t resolution, const Band& band);
 
-    /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws if it is not
-    /// inside.
+    /// The block of `part_size` samples that starts `offset` samples from this grid's first one. Throws
+    /// Error(invalid_argument) if it is not inside.
     Grid part(const Index3& offset, const Index3& part_size) const;
 
     /// Any block of this grid's lattice: `block_size` samples from the lattice's sample `block_first` on, within this
-    /// grid or beyond it.
+    /// grid or beyond it. Nothing is checked here; see validate().
     Grid block(const Index3& block_first, const Index3& block_size) const;
 
     /// The block with so many samples more on every side, e.g. ghost samples; fewer if negative. Throws
@@ -127,8 +127,8 @@ struct CLSDF_EXPORT Grid {
                    (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
     }
 
-    /// Throws Error(invalid_argument) if a size is not positive, a spacing not positive and finite, the origin or a
-    /// sample's position not finite, or an index beyond 2^53 in magnitude.
+    /// Throws Error(invalid_argument) if a size or spacing is not positive, a number not finite, an index beyond 2^53.
+    /// A computation also refuses indices beyond 2^30 - 128, and spacings that differ by more than a factor of 1e9.
     void validate() const;
 
     friend bool operator==(const Grid&, const Grid&) = default;

@@ -64,8 +64,8 @@ class FormatWriter;
 
 /// Writes a field slab by slab, so it need never be whole in memory. The format follows from the file's ending, as with
 /// write(), and the bytes do not depend on the slabs. No file gets its final name before finish(); without it, no file
-/// stays. A .vdb keeps the samples of the band in memory until finish(); the other formats keep nothing but what the
-/// operating system has not yet written.
+/// stays. A .vdb keeps the samples of the band in memory until finish(); the other formats write each slab in append().
+/// One thread at a time.
 class CLSDF_EXPORT FieldWriter {
 public:
     /// Throws Error(unsupported) for an unknown ending, or for a grid or outputs that the format cannot store,

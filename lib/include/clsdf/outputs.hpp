@@ -76,14 +76,14 @@ void visit_outputs(const Visit& visit, Sets&&... sets) {
 /// The closest point may also be stored as floats: then it is the offset from the sample, whose accuracy does not
 /// depend on the size of the coordinates. Other elements are Error(unsupported).
 ///
-/// Samples are packed with x fastest unless strides are given, each at least the span of all shorter ones. Strides cost
-/// a copy of the field. Memory between the samples is not changed.
+/// Samples are packed with x fastest unless strides are given. No two values may overlap: each stride must be at least
+/// the span of all shorter strides. Strides cost a copy of the field. Memory between the samples is not changed.
 struct OutputTarget {
     enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
 
     void* host = nullptr;
     cl_mem device = nullptr;
-    std::size_t bytes = 0;  ///< that host memory holds
+    std::size_t bytes = 0;  ///< of host memory: those of the output if packed at offset 0, else all that is addressed
     Element element = Element::automatic;
     /// Bytes before the first sample, a multiple of the element's. In memory of the device, an offset that is no
     /// multiple of what buffers are aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8) costs a copy of the field.

@@ -18,8 +18,8 @@ namespace clsdf {
 
 class FieldMethod;
 
-/// The polyhedra that bound the samples a triangle is nearest to. A triangle counts only for samples it may be nearest
-/// to; with `bricks` that is decided for whole blocks of samples, with `slices` for each sample.
+/// The polyhedra that bound the samples to which a triangle may be nearest. The scan by bricks evaluates a triangle at
+/// whole blocks of samples that its polyhedron overlaps, the scan by slices only at the samples in its polyhedron.
 enum class Polyhedra {
     leaned,        ///< exact for every mesh
     peikert_sigg,  ///< as Peikert & Sigg published them, gaps closed; not exact: to be compared with
@@ -70,8 +70,8 @@ struct PapersOptions {
 ///     slice_intersections  intersections of a piece and a slice that were visited   with CallOptions::count
 ///     empty_intersections  of these, empty ones: none                               with CallOptions::count
 ///
-/// Throws what resolve_scan() throws; computations throw it if the device has no
-/// 64-bit atomics and `slice_minimum` asks for them. May be shared by transforms and by threads.
+/// Throws what resolve_scan() throws. Computations throw Error(unsupported) if `slice_minimum` is one_pass and the
+/// device has no 64-bit atomics. Transforms and threads may share a method.
 CLSDF_EXPORT std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options);
 
 // Peikert & Sigg's classification of a mesh, decided exactly on the coordinates as given. Vertices of equal coordinates

@@ -81,9 +81,9 @@ struct View {
     double perspective = 0;
 };
 
-/// "front", "back", "left", "right", "side" (the right one), "top", "bottom", "iso", or "AZIMUTH,ELEVATION" in degrees.
-/// "x", "-x", "y", ... or "auto". Both change a view's own members, and throw Error(invalid_argument) for anything
-/// else.
+/// set_direction() takes "front", "back", "left", "right", "side" (right), "top", "bottom", "iso" or
+/// "AZIMUTH,ELEVATION" in degrees; set_up() takes "x", "-x", "y", "-y", "z", "-z" or "auto". Both change `view`, and
+/// throw Error(invalid_argument) for any other text.
 CLSDF_EXPORT void set_direction(View& view, const std::string& text);
 CLSDF_EXPORT void set_up(View& view, const std::string& text);
 
