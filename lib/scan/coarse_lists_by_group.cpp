@@ -71,6 +71,7 @@ public:
     }
 
 private:
+    static constexpr const char* listed = "pairs of a triangle and a coarse brick";
     static constexpr const char* pairs_purpose = "pairs of the coarse lists";
 
     /// Few, because each pair of a segment is compared with the segment's others of the same brick; but more if there
@@ -91,9 +92,8 @@ private:
         set_arguments(pair_kernel_, 0, job_.layout, cl_uint{0}, cl_uint{0}, *job_.records.polyhedra, *lists.bounds,
                       cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
                       static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
-        launch(pair_kernel_, 1, job_.records.record_count, seconds_);
-        PrefixSums sums(job_.context, job_.programs, job_.pool, *counts_, *lists.starts, counters,
-                        "pairs of a triangle and a coarse brick");
+        job_.launches.over_items(pair_kernel_, 1, job_.records.record_count, seconds_);
+        PrefixSums sums(job_.context, job_.programs, job_.pool, *counts_, *lists.starts, counters, listed);
         sums.enqueue();
         cl::Kernel gather(job_.programs.coarse_lists, "coarse_list_starts");
         set_arguments(gather, 0, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_), *lists.starts,
@@ -107,10 +107,7 @@ private:
         is_under_way_ = false;
         // The counter of pairs has 32 bits and wraps; the scan's total shows it.
         lists.pairs = sums.total();
-        if (lists.pairs > found_.back())
-            throw Error(ErrorCode::out_of_memory,
-                        "lists of pairs of a triangle and a coarse brick are more than 2^32; compute a smaller part of "
-                        "the grid at a time, or a narrower band");
+        if (lists.pairs > found_.back()) throw too_many(listed);
     }
 
     void write_entries(CoarseLists& lists, std::size_t taken) {
@@ -122,18 +119,9 @@ private:
             set_arguments(*kernel, 2, *pairs_, static_cast<cl_uint>(per_segment_), static_cast<cl_uint>(segments_),
                           *lists.starts, *scattered);
         sort.setArg(7, *lists.entries);
-        launch(scatter, 0, taken, seconds_per_pair);
-        launch(sort, 0, taken, seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_));
-    }
-
-    /// kernel(..., begin, end, ...) for [0, items), one a work-item.
-    void launch(cl::Kernel& kernel, cl_uint begin_argument, std::size_t items, double seconds) const {
-        job_.launches.over(items, seconds, [&](std::size_t begin, std::size_t end) {
-            kernel.setArg(begin_argument, static_cast<cl_uint>(begin));
-            kernel.setArg(begin_argument + 1, static_cast<cl_uint>(end));
-            job_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
-                                              cl::NDRange(common_group));
-        });
+        job_.launches.over_items(scatter, 0, taken, seconds_per_pair);
+        job_.launches.over_items(sort, 0, taken,
+                                 seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_));
     }
 
     template <class... Arguments>

@@ -32,6 +32,11 @@ std::size_t parts_of(std::size_t count, bool by_group) {
 
 }  // namespace
 
+Error too_many(const char* what) {
+    return {ErrorCode::out_of_memory,
+            fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what)};
+}
+
 PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
                        const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& values,
                        const cl::Buffer& starts, std::size_t count, const char* what)
@@ -43,9 +48,7 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
       one_part_(programs.body == KernelBody::by_group ? common_group : 1),
       all_parts_(programs.body == KernelBody::by_group ? parts_ * common_group : parts_),
       total_(std::make_unique<cl_ulong>(0)) {
-    if (count >= std::numeric_limits<cl_uint>::max())
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what));
+    if (count >= std::numeric_limits<cl_uint>::max()) throw too_many(what);
     device::guarded([&] {
         sums_ = pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
         const auto values_count = static_cast<cl_uint>(count);
@@ -94,11 +97,7 @@ PrefixSums::~PrefixSums() {
 std::size_t PrefixSums::total() {
     device::guarded([&] { device::wait_for(total_read_); });
     is_known_ = true;
-    if (*total_ > std::numeric_limits<cl_uint>::max())
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("{} {} are more than 2^32; compute a smaller part of the grid at a time, or a narrower "
-                                "band",
-                                *total_, what_));
+    if (*total_ > std::numeric_limits<cl_uint>::max()) throw too_many(what_);
     return static_cast<std::size_t>(*total_);
 }
 

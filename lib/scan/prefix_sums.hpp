@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/error.hpp>
+
 #include "device/buffer_pool.hpp"
 
 #include <cstddef>
@@ -8,6 +10,9 @@
 namespace clsdf::scan {
 
 struct Programs;
+
+/// For lists of `what` that 32 bits cannot count.
+Error too_many(const char* what);
 
 /// Exclusive prefix sums of `count` 32-bit values into starts[0, count), and their total into starts[count].
 class PrefixSums {

@@ -3,6 +3,7 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "device/context.hpp"
+#include "scan/short_launches.hpp"
 
 #include <string>
 #include <vector>
@@ -67,15 +68,6 @@ private:
     bool is_processor_;
     std::string device_options_;
 };
-
-/// Work-items of a group, unless a kernel asks for another number. It is the same for all grids, because PoCL compiles
-/// a kernel anew for each size.
-constexpr std::size_t common_group = 64;
-
-/// The number of work-items, rounded up to whole groups.
-constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
-    return (items + group - 1) / group * group;
-}
 
 /// The kernels' programs for one device and body. Kernel objects are made anew for every use: they hold arguments, and
 /// are not shared between threads.

@@ -8,6 +8,15 @@
 
 namespace clsdf::scan {
 
+/// Work-items of a group, unless a kernel asks for another number. It is the same for all grids, because PoCL compiles
+/// a kernel anew for each size.
+constexpr std::size_t common_group = 64;
+
+/// The number of work-items, rounded up to whole groups.
+constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
+    return (items + group - 1) / group * group;
+}
+
 /// Divides the work of a stage into launches of about a tenth of a second: no launch may last longer than a fifth, and
 /// between two a computation can be stopped.
 class ShortLaunches {
@@ -45,6 +54,16 @@ public:
         const std::size_t step = most(core_seconds);
         one_by_one((items + step - 1) / step,
                    [&](std::size_t number) { enqueue(number * step, std::min((number + 1) * step, items)); });
+    }
+
+    /// A kernel for [0, items), an item a work-item. Argument `begin` and the one behind it get each launch's range.
+    void over_items(cl::Kernel& kernel, cl_uint begin, std::size_t items, double core_seconds) const {
+        over(items, core_seconds, [&](std::size_t first, std::size_t end) {
+            kernel.setArg(begin, static_cast<cl_uint>(first));
+            kernel.setArg(begin + 1, static_cast<cl_uint>(end));
+            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - first)),
+                                        cl::NDRange(common_group));
+        });
     }
 
 private:

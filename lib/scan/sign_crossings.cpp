@@ -8,8 +8,6 @@
 #include "scan/programs.hpp"
 #include "sweep.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -205,10 +203,7 @@ Crossings CrossingSearch::finish() {
     for (;;) {
         search_->end(crossings_);
         // The counter of records has 32 bits and wraps; the scan's total shows it.
-        if (crossings_.count > crossings_.record_count)
-            throw Error(
-                ErrorCode::out_of_memory,
-                fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", listed));
+        if (crossings_.count > crossings_.record_count) throw too_many(listed);
         if (crossings_.record_count <= capacity_) return std::move(crossings_);
         capacity_ = crossings_.record_count;
         crossings_.records = {};  // the smaller one goes back first

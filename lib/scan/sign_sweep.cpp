@@ -27,20 +27,14 @@ enum RowsArgument : cl_uint {
 };
 
 /// The keys of the crossings, row by row.
-device::BufferPool::Lease keys_by_row(device::Context& context, const Programs& programs,
-                                      const std::shared_ptr<device::BufferPool>& pool, const Crossings& crossings,
-                                      const ShortLaunches& launches) {
+device::BufferPool::Lease keys_by_row(const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
+                                      const Crossings& crossings, const ShortLaunches& launches) {
     auto keys = pool->lease(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
     cl::Kernel scatter(programs.sign_sweep, "sign_scatter");
     scatter.setArg(scatter_records, *crossings.records);
     scatter.setArg(scatter_starts, *crossings.starts);
     scatter.setArg(scatter_keys, *keys);
-    launches.over(crossings.record_count, seconds_per_record, [&](std::size_t begin, std::size_t end) {
-        scatter.setArg(scatter_begin, static_cast<cl_uint>(begin));
-        scatter.setArg(scatter_end, static_cast<cl_uint>(end));
-        context.queue().enqueueNDRangeKernel(scatter, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
-                                             cl::NDRange(common_group));
-    });
+    launches.over_items(scatter, scatter_begin, crossings.record_count, seconds_per_record);
     return keys;
 }
 
@@ -75,7 +69,7 @@ SignBits SignSweep::finish() {
 }
 
 void SignSweep::sweep_rows(const Crossings& crossings) {
-    const auto keys = keys_by_row(context_, programs_, pool_, crossings, launches_);
+    const auto keys = keys_by_row(programs_, pool_, crossings, launches_);
     const std::size_t rows = sign_row_count(layout_);
     cl::Kernel sweep(programs_.sign_sweep, "sign_rows");
     const std::size_t item_rows = programs_.body == KernelBody::by_group ? 1 : rows_of_a_core;

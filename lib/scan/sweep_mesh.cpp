@@ -147,12 +147,7 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
     kernel.setArg(scale_z, lattice.scale_z);
     kernel.setArg(positions, *faces.positions);
     kernel.setArg(out, *vertices);
-    ShortLaunches(job.context, {}).over(count, seconds_per_vertex, [&](std::size_t begin, std::size_t end) {
-        kernel.setArg(begins, static_cast<cl_uint>(begin));
-        kernel.setArg(ends, static_cast<cl_uint>(end));
-        job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - begin)),
-                                                 cl::NDRange(common_group));
-    });
+    ShortLaunches(job.context, {}).over_items(kernel, begins, count, seconds_per_vertex);
     return vertices;
 }
 
