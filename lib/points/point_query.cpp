@@ -6,7 +6,6 @@
 #include "device/buffer_pool.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_signs.hpp"
-#include "scan/output_targets.hpp"
 
 #include <fmt/format.h>
 
@@ -131,16 +130,9 @@ public:
         PointBuffer<std::uint32_t> places(pool_, count(), "order of points");
         PointBuffer<std::uint8_t> signs(pool_, count(), "signs of points");
         places.write(queue_, order_);
-        PerOutput<MemoryOf> memory;
-        scan::OutputBuffers outputs;
-        for_each_output(
-            [&](const OutputRow& row, const scan::HostArray& array, scan::OutputMemory& of_output, cl::Buffer& buffer) {
-                if (!array.is_wanted) return;
-                of_output.place(context_, pool_, array.data, count() * row.sample_bytes(array.in_double));
-                buffer = of_output.buffer();
-                if (array.in_double) outputs.in_double |= row.bit;
-            },
-            arrays, memory, outputs);
+        scan::OutputMemories memories;
+        memories.place(context_, pool_, arrays, count());
+        const scan::OutputBuffers outputs = memories.buffers();
         const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
         kernel.setArg(finish_points, *device_points_);
@@ -173,24 +165,13 @@ public:
             launch(0);
         }
         const double seconds = watch.seconds();
-        for_each_output(
-            [&](const OutputRow&, const scan::HostArray& array, const scan::OutputMemory& of_output) {
-                if (array.is_wanted) of_output.enqueue_handover(queue_);
-            },
-            arrays, memory);
+        memories.enqueue_handover(queue_);
         queue_.finish();
-        for_each_output(
-            [&](const OutputRow&, const scan::HostArray& array, const scan::OutputMemory& of_output) {
-                if (array.is_wanted) of_output.read(context_, queue_);
-            },
-            arrays, memory);
+        memories.read(context_, queue_);
         return seconds;
     }
 
 private:
-    template <typename>
-    using MemoryOf = scan::OutputMemory;
-
     std::size_t count() const { return callers_.size(); }
 
     void order() {

@@ -59,6 +59,44 @@ void OutputMemory::read(const device::Context& context, const cl::CommandQueue& 
     if (in_place_() == nullptr) context.read(transfers, *lease_, bytes_, host_);
 }
 
+void OutputMemories::place(const device::Context& context, device::BufferPool& pool, const HostArrays& arrays,
+                           std::size_t samples) {
+    arrays_ = arrays;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array, OutputMemory& memory) {
+            if (array.is_wanted) memory.place(context, pool, array.data, samples * row.sample_bytes(array.in_double));
+        },
+        arrays_, memory_);
+}
+
+OutputBuffers OutputMemories::buffers() const {
+    OutputBuffers buffers;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            buffer = memory.buffer();
+            if (array.in_double) buffers.in_double |= row.bit;
+        },
+        arrays_, memory_, buffers);
+    return buffers;
+}
+
+void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
+    for_each_output(
+        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+            if (array.is_wanted) memory.enqueue_handover(queue);
+        },
+        arrays_, memory_);
+}
+
+void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
+    for_each_output(
+        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+            if (array.is_wanted) memory.read(context, transfers);
+        },
+        arrays_, memory_);
+}
+
 HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples) {
     HostArrays result = wanted;
     try {
@@ -81,26 +119,6 @@ std::size_t OwnArrays::bytes() const {
                         const UninitializedVector<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
                     arrays_);
     return bytes;
-}
-
-OutputBuffers SlabPipeline::Slot::buffers() const {
-    OutputBuffers buffers;
-    for_each_output(
-        [&](const OutputRow& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
-            if (!array.is_wanted) return;
-            buffer = memory.buffer();
-            if (array.in_double) buffers.in_double |= row.bit;
-        },
-        host_, memory_, buffers);
-    return buffers;
-}
-
-void SlabPipeline::Slot::enqueue_handover(const cl::CommandQueue& queue) const {
-    for_each_output(
-        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
-            if (array.is_wanted) memory.enqueue_handover(queue);
-        },
-        host_, memory_);
 }
 
 SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
@@ -130,15 +148,7 @@ SlabPipeline::Slot& SlabPipeline::next() {
 }
 
 void SlabPipeline::place(Slot& slot, const Grid& slab, const HostArrays& callers) {
-    slot.host_ = callers;
-    device::guarded([&] {
-        for_each_output(
-            [&](const OutputRow& row, const HostArray& array, OutputMemory& memory) {
-                if (array.is_wanted)
-                    memory.place(context_, *pool_, array.data, slab.sample_count() * row.sample_bytes(array.in_double));
-            },
-            slot.host_, slot.memory_);
-    });
+    device::guarded([&] { slot.memories_.place(context_, *pool_, callers, slab.sample_count()); });
 }
 
 void SlabPipeline::place_own(Slot& slot, const Grid& slab, const HostArrays& wanted) {
@@ -153,17 +163,10 @@ void SlabPipeline::take_back(Slot& slot) {
 void SlabPipeline::deliver(Slot& slot, const Grid& slab) {
     is_finished_ = false;
     slot.delivered_ = std::async(policy_, [this, previous = latest_, &slot, slab]() mutable {
-        if (!abandoned_)
-            device::guarded([&] {
-                for_each_output(
-                    [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
-                        if (array.is_wanted) memory.read(context_, transfers_);
-                    },
-                    slot.host_, slot.memory_);
-            });
+        if (!abandoned_) device::guarded([&] { slot.memories_.read(context_, transfers_); });
         if (previous.valid()) previous.get();
         previous = {};  // or the chain of all slabs would stay
-        if (sink_ && !abandoned_) sink_(slab, slot.host_);
+        if (sink_ && !abandoned_) sink_(slab, slot.memories_.arrays());
     });
     latest_ = slot.delivered_;
     if (sink_ && policy_ == std::launch::deferred) latest_.get();

@@ -55,6 +55,25 @@ private:
     device::BufferPool::Lease lease_;
 };
 
+/// Device memory for the wanted arrays of a slab or of points.
+class OutputMemories {
+public:
+    void place(const device::Context& context, device::BufferPool& pool, const HostArrays& arrays, std::size_t samples);
+
+    const HostArrays& arrays() const { return arrays_; }
+    /// The buffers to which the device writes the samples.
+    OutputBuffers buffers() const;
+    /// As OutputMemory's, for all wanted arrays.
+    void enqueue_handover(const cl::CommandQueue& queue) const;
+    void read(const device::Context& context, const cl::CommandQueue& transfers) const;
+
+private:
+    template <typename>
+    using MemoryOf = OutputMemory;
+    HostArrays arrays_;
+    PerOutput<MemoryOf> memory_;
+};
+
 /// Called with the slabs of a field, as SlabSink is.
 using ArraySink = std::function<void(const Grid& part, const HostArrays& values)>;
 
@@ -85,16 +104,13 @@ public:
     class Slot {
     public:
         /// The buffers to which the device writes the slab.
-        OutputBuffers buffers() const;
+        OutputBuffers buffers() const { return memories_.buffers(); }
         /// Enqueued behind what computes the slab.
-        void enqueue_handover(const cl::CommandQueue& queue) const;
+        void enqueue_handover(const cl::CommandQueue& queue) const { memories_.enqueue_handover(queue); }
 
     private:
         friend SlabPipeline;
-        template <typename>
-        using MemoryOf = OutputMemory;
-        HostArrays host_;
-        PerOutput<MemoryOf> memory_;
+        OutputMemories memories_;
         OwnArrays own_;
         std::shared_future<void> delivered_;
     };
