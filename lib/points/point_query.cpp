@@ -6,6 +6,7 @@
 #include "device/buffer_pool.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_signs.hpp"
+#include "scan/short_launches.hpp"
 
 #include <fmt/format.h>
 
@@ -118,11 +119,14 @@ public:
         kernel.setArg(nearest_most, most());
         kernel.setArg(nearest_faces, *device_faces_);
         kernel.setArg(nearest_squared, *device_squared_);
-        in_launches(between, [&](std::size_t begin, std::size_t end) {
-            kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
-            kernel.setArg(nearest_end, static_cast<cl_uint>(end));
-            enqueue(kernel, chunk_count(end - begin, run()));
-        });
+        // How long a search takes depends on the mesh and the point.
+        scan::measured_launches(context_, count(), seconds_per_point,
+                                most_run * scan::cores_of(context_.capabilities()), between,
+                                [&](std::size_t begin, std::size_t end) {
+                                    kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
+                                    kernel.setArg(nearest_end, static_cast<cl_uint>(end));
+                                    enqueue(kernel, chunk_count(end - begin, run()));
+                                });
     }
 
     /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
@@ -204,27 +208,6 @@ private:
         const std::size_t group = programs_.part_group();
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scan::in_whole_groups(items, group)),
                                     cl::NDRange(group));
-    }
-
-    /// launch(begin, end) for ranges of points, each of which takes about as long as a launch may: how long a search
-    /// takes depends on the mesh and the point.
-    template <typename Launch>
-    void in_launches(const std::function<void(double)>& between, const Launch& launch) const {
-        const device::Context::Capabilities& device = context_.capabilities();
-        const unsigned cores = device.is_processor ? device.compute_units : std::max(8U, device.compute_units);
-        // On a busy machine the time is not that of the points alone.
-        const std::size_t least = most_run * cores;
-        auto size = static_cast<std::size_t>(device.launch_seconds * cores / seconds_per_point);
-        for (std::size_t begin = 0; begin < count();) {
-            const std::size_t end = std::min(begin + std::max(size, least), count());
-            if (between) between(static_cast<double>(begin) / static_cast<double>(count()));
-            const Stopwatch watch;
-            launch(begin, end);
-            queue_.finish();
-            const double ratio = device.launch_seconds / std::max(watch.seconds(), 1e-6);
-            size = static_cast<std::size_t>(static_cast<double>(end - begin) * std::clamp(ratio, 0.5, 4.0));
-            begin = end;
-        }
     }
 
     device::Context& context_;

@@ -1,8 +1,8 @@
 #include "points/point_scan.hpp"
 
 #include "core/parallel.hpp"
-#include "core/stopwatch.hpp"
 #include "device/buffer_pool.hpp"
+#include "scan/short_launches.hpp"
 
 #include <algorithm>
 #include <array>
@@ -265,22 +265,17 @@ public:
         mark.setArg(mark_squares, *squares);
         mark.setArg(mark_marks, *marks_);
         const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
-        const auto step =
-            static_cast<std::size_t>(job_.context.capabilities().launch_seconds * static_cast<double>(cores()) /
-                                     (seconds_per_mark * marked_together)) +
-            1;
-        for (std::size_t begin = 0; begin < items; begin += step) {
-            if (between) {
-                queue_.finish();
-                between(0);
-            }
-            mark.setArg(mark_first, static_cast<cl_uint>(begin));
-            enqueue(mark, std::min(step, items - begin));
-        }
+        const auto before_each = between ? [&] { between(0); } : std::function<void()>();
+        scan::ShortLaunches(job_.context, before_each)
+            .over(items, seconds_per_mark * marked_together, [&](std::size_t begin, std::size_t end) {
+                mark.setArg(mark_first, static_cast<cl_uint>(begin));
+                enqueue(mark, end - begin);
+            });
     }
 
     void find_nearest(const cl::Buffer& faces, const cl::Buffer& squared, const std::function<void(double)>& between) {
-        const std::size_t items = std::min<std::size_t>(cores(), block_count_), records = job_.scanned.counts.records;
+        const std::size_t items = std::min<std::size_t>(job_.context.capabilities().compute_units, block_count_),
+                          records = job_.scanned.counts.records;
         const auto lists =
             job_.pool.lease(items * 2 * (records + 1) * sizeof(cl_uint), "lists of polyhedra near points");
         const auto marks = job_.pool.lease(items * records * sizeof(cl_ushort), "lists of bricks of points");
@@ -307,26 +302,16 @@ public:
         kernel.setArg(scan_brick_memory, *memory);
         kernel.setArg(scan_faces, faces);
         kernel.setArg(scan_squared, squared);
-        const double launch_seconds = job_.context.capabilities().launch_seconds;
-        auto size = static_cast<std::size_t>(launch_seconds * static_cast<double>(cores()) /
-                                             (seconds_per_point * CLSDF_POINTS_OF_BLOCK));
-        for (std::size_t begin = 0; begin < block_count_;) {
-            const std::size_t end = std::min(block_count_, begin + std::max(size, items));
-            if (between) between(static_cast<double>(begin) / static_cast<double>(block_count_));
-            const Stopwatch watch;
-            queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
-            kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
-            kernel.setArg(scan_end, static_cast<cl_uint>(end));
-            enqueue(kernel, items);
-            queue_.finish();
-            const double ratio = std::clamp(launch_seconds / std::max(watch.seconds(), 1e-6), 0.5, 4.0);
-            size = static_cast<std::size_t>(static_cast<double>(end - begin) * ratio);
-            begin = end;
-        }
+        scan::measured_launches(job_.context, block_count_, seconds_per_point * CLSDF_POINTS_OF_BLOCK, items, between,
+                                [&](std::size_t begin, std::size_t end) {
+                                    queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
+                                    kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
+                                    kernel.setArg(scan_end, static_cast<cl_uint>(end));
+                                    enqueue(kernel, items);
+                                });
     }
 
 private:
-    std::size_t cores() const { return job_.context.capabilities().compute_units; }
     void enqueue(const cl::Kernel& kernel, std::size_t items) const {
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(1));
     }

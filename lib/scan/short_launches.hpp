@@ -1,10 +1,13 @@
 #pragma once
 
+#include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
 #include "device/context.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <utility>
 
 namespace clsdf::scan {
 
@@ -15,6 +18,11 @@ constexpr std::size_t common_group = 64;
 /// The number of work-items, rounded up to whole groups.
 constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
     return (items + group - 1) / group * group;
+}
+
+/// The cores that estimates of a launch's time count with. A device that is no processor is taken for eight at least.
+inline unsigned cores_of(const device::Context::Capabilities& device) {
+    return device.is_processor ? device.compute_units : std::max(8U, device.compute_units);
 }
 
 /// Divides the work of a stage into launches of about a tenth of a second: no launch may last longer than a fifth, and
@@ -52,7 +60,7 @@ public:
     template <class Enqueue>
     void over(std::size_t items, double core_seconds, Enqueue&& enqueue) const {
         const std::size_t step = most(core_seconds);
-        one_by_one((items + step - 1) / step,
+        one_by_one(chunk_count(items, step),
                    [&](std::size_t number) { enqueue(number * step, std::min((number + 1) * step, items)); });
     }
 
@@ -67,14 +75,31 @@ public:
     }
 
 private:
-    /// A device that is no processor is taken for eight cores at least.
-    static double cores_of(const device::Context::Capabilities& device) {
-        return device.is_processor ? device.compute_units : std::max(8U, device.compute_units);
-    }
-
     cl::CommandQueue queue_;
     std::function<void()> between_;
     double core_seconds_;  ///< of a launch, on all cores together
 };
+
+/// Calls launch(begin, end) for ranges that are [0, items) together, and waits for each. The first range follows from
+/// an estimate, the seconds of a core for an item; the size of each later one follows from the measured time of the
+/// range before. No range but the last has fewer than `least` items: on a busy machine the time is not that of the
+/// items alone. `between`, which may be empty, is called before each launch with the fraction done; what it throws ends
+/// the work.
+template <class Launch>
+void measured_launches(const device::Context& context, std::size_t items, double core_seconds, std::size_t least,
+                       const std::function<void(double)>& between, Launch&& launch) {
+    const double launch_seconds = context.capabilities().launch_seconds;
+    auto size = static_cast<std::size_t>(launch_seconds * cores_of(context.capabilities()) / core_seconds);
+    for (std::size_t begin = 0; begin < items;) {
+        const std::size_t end = std::min(begin + std::max(size, least), items);
+        if (between) between(static_cast<double>(begin) / static_cast<double>(items));
+        const Stopwatch watch;
+        launch(begin, end);
+        context.queue().finish();
+        const double ratio = std::clamp(launch_seconds / std::max(watch.seconds(), 1e-6), 0.5, 4.0);
+        size = static_cast<std::size_t>(static_cast<double>(end - begin) * ratio);
+        begin = end;
+    }
+}
 
 }  // namespace clsdf::scan
