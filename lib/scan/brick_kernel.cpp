@@ -7,8 +7,9 @@
 namespace clsdf::scan {
 
 BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                         const CoarseLists& lists, double pairs_per_launch, std::size_t counter_sets)
-    : counter_sets_(counter_sets) {
+                         const BrickInputs& inputs, double pairs_per_launch, std::size_t counter_sets)
+    : finishing_(inputs.finishing), counter_sets_(counter_sets) {
+    const CoarseLists& lists = inputs.lists;
     double before = 0;
     double pairs = 0;
     cl_uint begin = 0;
@@ -23,6 +24,14 @@ BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device:
     }
     if (!lists.order.empty()) order_ = device::copied(context, lists.order);
     if (counter_sets > 0) counters_ = pool->lease(counter_sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
+}
+
+void BrickKernel::set_outputs(cl::Kernel& kernel, cl_uint distance, const OutputBuffers& outputs) const {
+    const cl_uint optional = distance + 1;
+    kernel.setArg(distance, outputs.distance);
+    if (finishing_ != nullptr) finishing_->set_arguments(kernel, optional, outputs);
+    if (counter_sets_ > 0)
+        kernel.setArg(finishing_ != nullptr ? optional + Finishing::argument_count : optional, *counters_);
 }
 
 std::vector<std::size_t> BrickKernel::read_counters(const cl::CommandQueue& queue) const {

@@ -49,10 +49,14 @@ protected:
         double fraction_before;
     };
 
-    BrickKernel(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const CoarseLists& lists,
+    BrickKernel(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const BrickInputs& inputs,
                 double pairs_per_launch, std::size_t counter_sets);
 
+    /// Sets the last arguments: the distance, then those of Finishing and the counters if they are asked for.
+    void set_outputs(cl::Kernel& kernel, cl_uint distance, const OutputBuffers& outputs) const;
+
     std::vector<Launch> launches_;
+    const Finishing* finishing_;
     cl::Buffer order_;
     device::BufferPool::Lease counters_;
     std::size_t counter_sets_;  ///< 0: nothing is counted

@@ -15,9 +15,8 @@ class BricksByGroup final : public BrickKernel {
 public:
     BricksByGroup(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                   const BrickInputs& inputs, const BrickVariant& variant)
-        : BrickKernel(context, pool, inputs.lists, pairs_per_launch,
+        : BrickKernel(context, pool, inputs, pairs_per_launch,
                       variant.count ? inputs.lists.order.size() * groups_per_coarse_brick : 0),
-          finishing_(inputs.finishing),
           group_size_(programs.group_size),
           program_(programs.bricks(context, variant)),
           bounds_(
@@ -35,16 +34,13 @@ public:
         kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
         kernel_.setArg(arg_sign_bits, inputs.sign_bits);
         kernel_.setArg(arg_computed, inputs.computed);
-        if (variant.count)
-            kernel_.setArg(variant.nearest ? arg_optional + Finishing::argument_count : arg_optional, *counters_);
         enqueue_masks(context.queue(), inputs);
     }
 
     std::size_t device_bytes() const override { return BrickKernel::device_bytes() + bounds_.bytes() + masks_.bytes(); }
 
     void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
-        kernel_.setArg(arg_distance, outputs.distance);
-        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
+        set_outputs(kernel_, arg_distance, outputs);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
     }
 
@@ -108,11 +104,9 @@ private:
         arg_polyhedra,
         arg_sign_bits,
         arg_computed,
-        arg_distance,
-        arg_optional  // those of finishing, then the counters, if asked for
+        arg_distance  // and what set_outputs() sets
     };
 
-    const Finishing* finishing_;
     std::size_t group_size_;
     cl::Program program_;
     device::BufferPool::Lease bounds_;  ///< float a brick of the coarse bricks in their order

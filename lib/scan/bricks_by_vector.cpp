@@ -27,11 +27,10 @@ class BricksByVector final : public BrickKernel {
 public:
     BricksByVector(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                    const BrickInputs& inputs, const BrickVariant& variant)
-        : BrickKernel(context, pool, inputs.lists,
+        : BrickKernel(context, pool, inputs,
                       pairs_per_core_and_launch * static_cast<double>(work_items(context, variant)),
                       variant.count ? work_items(context, variant) : 0),
           work_items_(work_items(context, variant)),
-          finishing_(inputs.finishing),
           kernel_(programs.bricks(context, variant), "bricks_by_vector") {
         const CoarseLists& lists = inputs.lists;
         next_slots_ = pool->lease(launches_.size() * sizeof(cl_uint), "next slots of the launches");
@@ -50,14 +49,11 @@ public:
         kernel_.setArg(arg_computed, inputs.computed);
         kernel_.setArg(arg_scratch, *scratch_);
         kernel_.setArg(arg_minima, *minima_);
-        if (variant.count)
-            kernel_.setArg(variant.nearest ? arg_optional + Finishing::argument_count : arg_optional, *counters_);
         if (!launches_.empty() && context.is_first_use_of(kernel_)) warm_up(context.queue(), inputs.computed);
     }
 
     void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
-        kernel_.setArg(arg_distance, outputs.distance);
-        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
+        set_outputs(kernel_, arg_distance, outputs);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
         chain.then_fill(*next_slots_, launches_.size() * sizeof(cl_uint));
     }
@@ -92,24 +88,21 @@ private:
         arg_computed,
         arg_scratch,
         arg_minima,
-        arg_distance,
-        arg_optional  // those of finishing, then the counters, if asked for
+        arg_distance  // and what set_outputs() sets
     };
 
     void warm_up(const cl::CommandQueue& queue, const cl::Buffer& unused) {
         kernel_.setArg(arg_launch, cl_uint{0});
         kernel_.setArg(arg_begin, cl_uint{0});
         kernel_.setArg(arg_end, cl_uint{0});
-        kernel_.setArg(arg_distance, unused);
         OutputBuffers outputs;
         outputs.distance = unused;
-        if (finishing_ != nullptr) finishing_->set_arguments(kernel_, arg_optional, outputs);
+        set_outputs(kernel_, arg_distance, outputs);
         queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1));
         queue.finish();
     }
 
     std::size_t work_items_;
-    const Finishing* finishing_;
     cl::Kernel kernel_;
     device::BufferPool::Lease next_slots_;
     device::BufferPool::Lease scratch_;
