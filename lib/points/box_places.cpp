@@ -22,24 +22,6 @@ namespace {
 constexpr std::size_t width = CLSDF_TREE_WIDTH;
 // Above the rounding of floats in a sum of three squares.
 constexpr double rounding = 1e-6;
-// Nothing nearer to the mesh than that, in units, is moved by cutting it off there.
-constexpr double farthest = 1e30;
-
-/// In units, rounded outwards.
-struct UnitBox {
-    std::array<float, 3> lower{}, upper{};
-
-    UnitBox(const Box& box, const polyhedra::LatticeView& lattice) {
-        constexpr float infinity = std::numeric_limits<float>::infinity();
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto in_units = [&](double x) {
-                return static_cast<float>(std::clamp((x - lattice.origin[axis]) / lattice.unit, -farthest, farthest));
-            };
-            lower[axis] = std::nextafter(in_units(box.lower[axis]), -infinity);
-            upper[axis] = std::nextafter(in_units(box.upper[axis]), infinity);
-        }
-    }
-};
 
 using Squares = std::array<float, width>;
 
@@ -141,12 +123,6 @@ Vec3 centre_of(const Box& box) {
     return centre;
 }
 
-bool holds(const Box& box, const Vec3& p) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (p[axis] < box.lower[axis] || p[axis] > box.upper[axis]) return false;
-    return true;
-}
-
 double least_side(const Box& box) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t axis = 0; axis < 3; ++axis) least = std::min(least, box.upper[axis] - box.lower[axis]);
@@ -192,7 +168,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         if (places[i] == BoxPlace::near) continue;
         const Vec3 centre = centre_of(boxes[i]);
-        if (!holds(mesh.box, centre)) continue;
+        if (!contains(mesh.box, centre)) continue;
         open.push_back(static_cast<std::uint32_t>(i));
         centres.push_back(centre);
     }

@@ -41,10 +41,7 @@ struct Shape {
 Shape shape_of(const PointMesh& mesh, std::size_t face) {
     Shape shape{};
     const auto corners = mesh.corners(face);
-    for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            shape.corners[k][static_cast<Eigen::Index>(axis)] =
-                (corners[k][axis] - mesh.lattice.origin[axis]) / mesh.lattice.unit;
+    for (std::size_t k = 0; k < 3; ++k) shape.corners[k] = polyhedra::to_vector(mesh.in_units(corners[k]));
     const auto& [a, b, c] = shape.corners;
     const Vector product = (b - a).cross(c - a);
     const double length = product.norm();
@@ -224,16 +221,12 @@ private:
         if (!(shape.altitude > least_altitude_in_front)) return 0;
         const Vector middle = (shape.corners[0] + shape.corners[1] + shape.corners[2]) / 3;
         const Vector aim = middle + offset_in_front * shape.normal;
-        Vec3 point{}, in_units{};
-        Vector reached;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto i = static_cast<Eigen::Index>(axis);
-            point[axis] = mesh_.lattice.origin[axis] + aim[i] * mesh_.lattice.unit;
-            in_units[axis] = (point[axis] - mesh_.lattice.origin[axis]) / mesh_.lattice.unit;
-            reached[i] = in_units[axis];
-        }
+        Vec3 point{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = mesh_.lattice.origin[axis] + aim[static_cast<Eigen::Index>(axis)] * mesh_.lattice.unit;
+        const Vec3 in_units = mesh_.in_units(point);
         // Coordinates far from zero are too coarse.
-        if (!((reached - aim).norm() < 0.5 * offset_in_front)) return 0;
+        if (!((polyhedra::to_vector(in_units) - aim).norm() < 0.5 * offset_in_front)) return 0;
         const Crossings in_front = count_crossings(mesh_, point, in_units);
         const Crossings behind{in_front.winding + 1, in_front.count + 1};
         return static_cast<std::uint16_t>(CLSDF_SIDES_KNOWN |

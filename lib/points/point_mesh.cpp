@@ -22,6 +22,8 @@ constexpr std::size_t width = CLSDF_TREE_WIDTH;
 
 // Distances to a face are off by less, in units: its frame has roundings of the size of the mesh's box.
 constexpr double frame_error = 1e-6;
+// In units: boxes are cut off there, within a float's range. Boxes nearer to the mesh do not change.
+constexpr double farthest = 1e30;
 
 float rounded_down(double x) {
     return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
@@ -142,10 +144,9 @@ public:
 
 private:
     void add_corner(PointNode& node, std::size_t child, const Vec3& corner) const {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double at = (corner[axis] - mesh_.lattice.origin[axis]) / mesh_.lattice.unit;
-            add(node, child, axis, rounded_down(at - frame_error), rounded_up(at + frame_error));
-        }
+        const Vec3 at = mesh_.in_units(corner);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            add(node, child, axis, rounded_down(at[axis] - frame_error), rounded_up(at[axis] + frame_error));
     }
 
     PointMesh& mesh_;
@@ -181,9 +182,18 @@ polyhedra::LatticeView lattice_for_points(const Mesh& mesh) {
 
 UnitBox::UnitBox(const Vec3& p) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto nearest = static_cast<float>(p[axis]);
-        lower[axis] = std::nextafter(nearest, -std::numeric_limits<float>::infinity());
-        upper[axis] = std::nextafter(nearest, std::numeric_limits<float>::infinity());
+        lower[axis] = rounded_down(p[axis]);
+        upper[axis] = rounded_up(p[axis]);
+    }
+}
+
+UnitBox::UnitBox(const Box& box, const polyhedra::LatticeView& lattice) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto in_units = [&](double x) {
+            return std::clamp((x - lattice.origin[axis]) / lattice.unit, -farthest, farthest);
+        };
+        lower[axis] = rounded_down(in_units(box.lower[axis]));
+        upper[axis] = rounded_up(in_units(box.upper[axis]));
     }
 }
 

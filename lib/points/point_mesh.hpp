@@ -24,6 +24,13 @@ namespace clsdf::points {
 /// Error(invalid_argument) if a float cannot hold the unit.
 polyhedra::LatticeView lattice_for_points(const Mesh& mesh);
 
+/// Whether a closed box contains the point.
+inline bool contains(const Box& box, const Vec3& p) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (p[axis] < box.lower[axis] || p[axis] > box.upper[axis]) return false;
+    return true;
+}
+
 /// A mesh as searches for the nearest triangle of a point read it, on the device and, for signs, on the host. It
 /// follows from the triangles and the positions alone.
 struct PointMesh {
@@ -67,6 +74,8 @@ struct UnitBox {
     UnitBox() = default;
     /// The smallest one around a point.
     explicit UnitBox(const Vec3& p);
+    /// Around a box in the caller's coordinates, rounded outwards and cut off far from the mesh.
+    UnitBox(const Box& box, const polyhedra::LatticeView& lattice);
 
     void add(const UnitBox& other);
 };

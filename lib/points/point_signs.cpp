@@ -197,12 +197,6 @@ Crossings crossings_of(const PointMesh& mesh, const Vec3& p, const Vec3& in_unit
     return crossings_of_ray(mesh, p, in_units);
 }
 
-bool holds(const Box& box, const Vec3& p) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if (p[axis] < box.lower[axis] || p[axis] > box.upper[axis]) return false;
-    return true;
-}
-
 }  // namespace
 
 Crossings count_crossings(const PointMesh& mesh, const Vec3& point, const Vec3& in_units) {
@@ -217,7 +211,7 @@ void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& point
             if (signs[i] != CLSDF_POINT_UNDECIDED) continue;
             signs[i] = CLSDF_POINT_OUTSIDE;
             const Vec3& p = points.callers[points.order[i]];
-            if (!holds(mesh.box, p)) continue;
+            if (!contains(mesh.box, p)) continue;
             const double distance = std::sqrt(points.squared[i]);
             const Vec3 in_units = mesh.in_units(p);
             if (distance < nearly_zero && is_on_surface(mesh, p, in_units)) {
