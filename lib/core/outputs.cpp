@@ -1,9 +1,13 @@
 #include "core/outputs.hpp"
 
+#include "layout.h"
+
 #include <array>
 
 namespace clsdf {
 namespace {
+
+static_assert(no_triangle == CLSDF_NO_TRIANGLE);
 
 template <typename Value>
 constexpr ValueType type_of() {

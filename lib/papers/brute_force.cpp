@@ -22,7 +22,6 @@ constexpr std::size_t chunk_bytes = std::size_t{64} << 20;
 constexpr double distances_per_core_and_launch = 3e7;
 constexpr double distances_per_launch = 1e9;  // a small GPU computes ten times as many in a second
 constexpr std::size_t brick_samples = CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK;
-constexpr cl_uint no_key = 0xFFFFFFFF;
 
 std::size_t rows_of_item(KernelBody body) {
     return body == KernelBody::by_vector ? CLSDF_BRICK * CLSDF_BRICK : 1;
@@ -48,7 +47,7 @@ public:
           kernel_(program_of(inputs.context, brute_force_source(inputs.programs, variant_)), "brute_force"),
           finish_kernel_(program_of(inputs.context, finish_source(inputs.programs, variant_)), "slices_finish") {
         divide(inputs.context, inputs.programs);
-        const std::size_t samples = static_cast<std::size_t>(chunk_layers_) * CLSDF_BRICK * samples_of_slice();
+        const std::size_t samples = static_cast<std::size_t>(chunk_layers_) * CLSDF_BRICK * samples_of_slice(layout_);
         squares_ = inputs.pool->lease(samples * sizeof(cl_uint), "least distances");
         if (variant_.nearest) triangles_ = inputs.pool->lease(samples * sizeof(cl_uint), "nearest triangles");
         const cl::Buffer& triangles = variant_.nearest ? *triangles_ : *squares_;
@@ -86,7 +85,7 @@ public:
             std::max(layout_.first[2], (layout_.brick_first[2] + first_layer) * CLSDF_BRICK);
         const std::int32_t end_slice =
             std::min(layout_.first[2] + layout_.size[2], (layout_.brick_first[2] + end_layer) * CLSDF_BRICK);
-        if (of_chunk == 0) fill(chain, static_cast<std::size_t>(end_slice - first_slice) * samples_of_slice());
+        if (of_chunk == 0) fill(chain, static_cast<std::size_t>(end_slice - first_slice) * samples_of_slice(layout_));
         const std::size_t first_brick =
             static_cast<std::size_t>(first_layer) * bricks_of_layer() + of_chunk % brick_parts_ * bricks_at_once_;
         const std::size_t end_brick =
@@ -146,9 +145,6 @@ private:
         finish_outputs
     };
 
-    std::size_t samples_of_slice() const {
-        return static_cast<std::size_t>(layout_.size[0]) * static_cast<std::size_t>(layout_.size[1]);
-    }
     std::size_t bricks_of_layer() const {
         return static_cast<std::size_t>(layout_.bricks[0]) * static_cast<std::size_t>(layout_.bricks[1]);
     }
@@ -161,7 +157,7 @@ private:
     void divide(const device::Context& context, const scan::Programs& programs) {
         const device::Context::Capabilities& device = context.capabilities();
         const std::size_t bytes = std::min(chunk_bytes, device.largest_allocation);
-        const std::size_t layer_bytes = 2 * sizeof(cl_uint) * CLSDF_BRICK * samples_of_slice();
+        const std::size_t layer_bytes = 2 * sizeof(cl_uint) * CLSDF_BRICK * samples_of_slice(layout_);
         chunk_layers_ = static_cast<std::int32_t>(
             std::clamp<std::size_t>(bytes / layer_bytes, 1, static_cast<std::size_t>(layout_.bricks[2])));
         const double limit = programs.body == KernelBody::by_vector

@@ -15,6 +15,13 @@
 
 namespace clsdf::papers {
 
+/// The initial value of least distances and of nearest triangles.
+inline constexpr cl_uint no_key = 0xFFFFFFFF;
+
+inline std::size_t samples_of_slice(const Layout& layout) {
+    return static_cast<std::size_t>(layout.size[0]) * static_cast<std::size_t>(layout.size[1]);
+}
+
 /// A buffer with the values.
 device::BufferPool::Lease upload(const transform::Stages& stages, const void* values, std::size_t bytes,
                                  const char* purpose);

@@ -24,15 +24,10 @@ constexpr std::size_t chunk_bytes = std::size_t{32} << 20;
 constexpr double cost_per_core_and_launch = 4e6;
 constexpr double cost_per_launch = 2e7;
 constexpr std::size_t active_counted_at_once = std::size_t{1} << 23;
-constexpr cl_uint no_key = 0xFFFFFFFF;
 
 bool has_64_bit_atomics(const cl::Device& device) {
     const std::string extensions = device.getInfo<CL_DEVICE_EXTENSIONS>();
     return extensions.find("cl_khr_int64_extended_atomics") != std::string::npos;
-}
-
-std::size_t samples_of_slice(const Layout& layout) {
-    return static_cast<std::size_t>(layout.size[0]) * static_cast<std::size_t>(layout.size[1]);
 }
 
 class SliceScan final : public scan::FieldScan {

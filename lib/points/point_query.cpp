@@ -23,8 +23,6 @@ namespace {
 constexpr std::size_t fewest_sorted = 128;
 // Points of a work-item on a processor, which share their way through the tree.
 constexpr std::size_t most_run = 64;
-// In units: squares of distances stay far inside a float's range.
-constexpr double farthest = 1e14;
 // First estimate for a search on a core; later launches use the measured time.
 constexpr double seconds_per_point = 2e-5;
 
@@ -229,7 +227,7 @@ private:
 }  // namespace
 
 void check_points(const PointMesh& mesh, std::span<const Vec3> points) {
-    const double far = farthest * mesh.lattice.unit;
+    const double far = scan::farthest * mesh.lattice.unit;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3& p = points[i];
         bool is_usable = true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "face_sources.h"
 #include "polyhedra/frames.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedron.h"
@@ -13,7 +14,7 @@ namespace clsdf::polyhedra {
 
 /// Kernels process up to this many consecutive records together, from multiples of their number on. The result of a
 /// group must not depend on other records, so records are selected in whole groups.
-inline constexpr std::size_t record_group = 16;
+inline constexpr std::size_t record_group = CLSDF_RECORD_GROUP;
 
 /// The record of a polyhedron. corners: the face's vertices.
 Polyhedron pack(const TriangleFrame& frame, const FaceSlopes& slopes, std::uint32_t triangle,

@@ -19,7 +19,6 @@ namespace {
 // Upper estimates for one core; they limit the work of a launch.
 constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
 constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
-constexpr double seconds_per_pair = 5e-8;
 
 std::size_t coarse_group_count(const Layout& layout) {
     std::size_t count = 1;

@@ -12,6 +12,9 @@ namespace clsdf::scan {
 
 struct Programs;
 
+/// An upper estimate of a core's time for a pair of the lists; it limits the work of a launch.
+inline constexpr double seconds_per_pair = 5e-8;
+
 /// Which polyhedra overlap which coarse bricks, on the device.
 struct CoarseLists {
     device::BufferPool::Lease bounds;   ///< float a coarse brick, by groups of 4 x 4 x 4 of the lattice: bound of its

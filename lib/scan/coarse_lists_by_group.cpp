@@ -12,8 +12,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// Upper estimates for one core; they limit the work of a launch.
-constexpr double seconds_per_pair = 5e-8;
+// An upper estimate for one core; it limits the work of a launch.
 constexpr double seconds_per_comparison = 2e-9;
 
 /// Pairs that there is room for at first, those left over included, for each polyhedron on average. If there are
@@ -77,7 +76,7 @@ private:
     /// Few, because each pair of a segment is compared with the segment's others of the same brick; but more if there
     /// would be too many counters.
     static std::size_t polyhedra_of_a_segment(std::size_t polyhedra, std::size_t bricks) {
-        constexpr std::size_t fewest = 256, most_counters = std::size_t{1} << 22;
+        constexpr std::size_t fewest = 256;
         const std::size_t most_segments = std::max<std::size_t>(most_counters / bricks, 1);
         return std::max(fewest, (polyhedra + most_segments - 1) / most_segments);
     }

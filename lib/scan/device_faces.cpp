@@ -13,11 +13,6 @@ namespace clsdf::scan {
 
 namespace {
 
-static_assert(CLSDF_RECORD_GROUP == polyhedra::record_group);
-
-// An upper estimate for one core; it limits the work of a launch.
-constexpr double seconds_per_face = 1e-6;
-
 void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyhedra::LatticeView& lattice,
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = job.upload(groups, "numbers of the faces");

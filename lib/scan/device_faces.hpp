@@ -17,6 +17,9 @@
 
 namespace clsdf::scan {
 
+/// An upper estimate of a core's time for the record or the slopes of a face; it limits the work of a launch.
+inline constexpr double seconds_per_face = 1e-6;
+
 /// Makes data of a mesh on the device: by the program of kernels/mesh_records.cl, compiled for so many lanes.
 struct DeviceSetUp {
     device::Context& context;

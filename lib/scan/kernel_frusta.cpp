@@ -13,8 +13,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// Upper estimates for one core; they limit the work of a launch.
-constexpr double seconds_per_face = 1e-6;
+// An upper estimate for one core; it limits the work of a launch.
 constexpr double seconds_per_fan_item = CLSDF_FAN_ITEM * 1e-6;
 
 /// Room for the point sites of most meshes: one of 240 faces needs one on a noisy scan, one of 1600 on a smooth one.

@@ -19,9 +19,6 @@ namespace {
 // Surface points that the coarse bounds look at, at most twice as many: they need not be tight.
 constexpr std::size_t most_surface_points = 4096;
 
-// Squares of distances stay far inside a float's range.
-constexpr double farthest = 1e14;
-
 }  // namespace
 
 RecordSelection select_records(const device::Context& context, const polyhedra::NearRecords& kept,

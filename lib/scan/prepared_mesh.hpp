@@ -19,6 +19,9 @@
 
 namespace clsdf::scan {
 
+/// The limit of coordinates in a lattice's units: squares of distances stay far inside a float's range.
+inline constexpr double farthest = 1e14;
+
 /// A fixed sample of the surface's points, in a lattice's units, that distances are bounded with.
 using SurfacePoints = std::vector<SurfacePoint>;
 

@@ -22,9 +22,6 @@ std::size_t lanes_for(const device::Context::Capabilities& capabilities, KernelB
     return capabilities.float_width >= 16 ? 16 : 8;
 }
 
-// Counters of all histograms together: enough for a GPU's work-items, and a few megabytes.
-constexpr std::size_t histogram_budget = std::size_t{1} << 22;
-
 /// Refuses what is known to fail before anything is built: a compiler that fails may end the process.
 ProgramSources usable_sources(const device::Context& context, KernelBody asked) {
     ProgramSources sources(context.capabilities(), asked);
@@ -123,10 +120,10 @@ cl::Program Programs::point_scan(device::Context& context, const device::BuildWa
 
 std::size_t Programs::parallel_parts(const device::Context& context, std::size_t histogram) const {
     if (body == KernelBody::by_vector) {
-        const std::size_t most = std::max<std::size_t>(histogram_budget / histogram, 1);
+        const std::size_t most = std::max<std::size_t>(most_counters / histogram, 1);
         return std::min(most, 8 * std::size_t{context.capabilities().compute_units});
     }
-    return std::clamp<std::size_t>(histogram_budget / histogram, common_group, 8192) / common_group * common_group;
+    return std::clamp<std::size_t>(most_counters / histogram, common_group, 8192) / common_group * common_group;
 }
 
 }  // namespace clsdf::scan

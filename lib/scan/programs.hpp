@@ -10,6 +10,9 @@
 
 namespace clsdf::scan {
 
+/// Counters of all histograms of a job together: enough for a GPU's work-items, and a few megabytes.
+inline constexpr std::size_t most_counters = std::size_t{1} << 22;
+
 /// The variant of a brick kernel.
 struct BrickVariant {
     bool nearest = false;      ///< keeps the nearest polyhedron: other outputs than the distance are asked for

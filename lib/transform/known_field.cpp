@@ -2,6 +2,8 @@
 
 #include "polyhedra/frames.hpp"
 
+#include <clsdf/outputs.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,8 +20,6 @@ using polyhedra::Vector;
 
 // In voxels: what a field is held to (docs/accuracy.md), twice.
 constexpr double tolerance = 2e-5;
-
-constexpr std::uint32_t no_triangle = 0xFFFFFFFF;
 
 struct Surface {
     std::vector<Vec3> vertices;
