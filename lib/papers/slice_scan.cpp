@@ -1,5 +1,6 @@
 #include "papers/scans.hpp"
 
+#include "core/parallel.hpp"
 #include "scan/prefix_sums.hpp"
 
 #include <fmt/format.h>
@@ -268,14 +269,11 @@ private:
     static constexpr std::size_t finish_group = 64;
 
     cl::NDRange finish_range(std::size_t slices) const {
-        const auto row = static_cast<std::size_t>(layout_.size[0]);
-        return {(row + finish_group - 1) / finish_group * finish_group, static_cast<std::size_t>(layout_.size[1]),
-                slices};
+        return {scan::in_whole_groups(static_cast<std::size_t>(layout_.size[0]), finish_group),
+                static_cast<std::size_t>(layout_.size[1]), slices};
     }
 
-    std::size_t work_items(std::size_t entries) const {
-        return (entries + shape_.batch - 1) / shape_.batch * shape_.group;
-    }
+    std::size_t work_items(std::size_t entries) const { return chunk_count(entries, shape_.batch) * shape_.group; }
 
     Layout layout_;
     SliceVariant variant_;

@@ -131,7 +131,9 @@ private:
                    slices = static_cast<std::size_t>(layout_.size[2]);
         for (std::size_t slice = 0; slice < slices; slice += most) {
             kernel.setArg(first_slice_argument, static_cast<cl_int>(slice));
-            const cl::NDRange range(fill_pieces_, brick_rows, std::min(most, whole_groups(slices - slice)));
+            // The kernel skips slices beyond the last one.
+            const cl::NDRange range(fill_pieces_, brick_rows,
+                                    std::min(most, in_whole_groups(slices - slice, fill_group_slices_)));
             chain.then([&](auto& target, auto* wait, auto* event) {
                 target.enqueueNDRangeKernel(kernel, cl::NullRange, range, fill_group_, wait, event);
             });
@@ -141,11 +143,6 @@ private:
     /// Whole groups of no more slices, but one at least.
     std::size_t in_groups(std::size_t slices) const {
         return std::max<std::size_t>(slices / fill_group_slices_, 1) * fill_group_slices_;
-    }
-
-    /// The slices for which a launch has work-items; the kernel skips those beyond the last slice.
-    std::size_t whole_groups(std::size_t slices) const {
-        return (slices + fill_group_slices_ - 1) / fill_group_slices_ * fill_group_slices_;
     }
 
     Layout layout_;

@@ -2,6 +2,7 @@
 
 #include "coarse.h"
 #include "core/lifetime.hpp"
+#include "core/parallel.hpp"
 #include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"
@@ -145,7 +146,7 @@ private:
         const bool has_groups = job_.selection.groups() != nullptr;
         const std::size_t records =
             has_groups ? job_.selection.group_count * polyhedra::record_group : job_.records.record_count;
-        const std::size_t clusters = (records + job_.programs.lanes - 1) / job_.programs.lanes;
+        const std::size_t clusters = chunk_count(records, job_.programs.lanes);
         cl::Kernel kernel(job_.programs.coarse_lists, "coarse_count");
         kernel.setArg(count_layout, job_.layout);
         kernel.setArg(count_count, static_cast<cl_uint>(job_.records.record_count));

@@ -1,5 +1,6 @@
 #include "coarse.h"
 #include "core/lifetime.hpp"
+#include "core/parallel.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"
@@ -78,7 +79,7 @@ private:
     static std::size_t polyhedra_of_a_segment(std::size_t polyhedra, std::size_t bricks) {
         constexpr std::size_t fewest = 256;
         const std::size_t most_segments = std::max<std::size_t>(most_counters / bricks, 1);
-        return std::max(fewest, (polyhedra + most_segments - 1) / most_segments);
+        return std::max(fewest, chunk_count(polyhedra, most_segments));
     }
 
     /// Finds the pairs, and waits for their number and the lists' starts.

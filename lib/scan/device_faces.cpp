@@ -52,7 +52,7 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
 
 void DeviceSetUp::enqueue(const cl::Kernel& kernel, std::size_t faces) const {
     const std::size_t group = lanes == 1 ? common_group : 1;
-    const std::size_t items = in_whole_groups((faces + item_faces() - 1) / item_faces(), group);
+    const std::size_t items = in_whole_groups(chunk_count(faces, item_faces()), group);
     context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(group));
 }
 

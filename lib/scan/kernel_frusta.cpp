@@ -1,6 +1,7 @@
 #include "scan/kernel_frusta.hpp"
 
 #include "core/lifetime.hpp"
+#include "core/parallel.hpp"
 #include "scan/programs.hpp"
 #include "scan/short_launches.hpp"
 
@@ -137,7 +138,7 @@ private:
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
         ShortLaunches(job_.context, {})
-            .over((all + unit - 1) / unit, seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
+            .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
                 kernel.setArg(begins, static_cast<cl_uint>(begin * unit));
                 kernel.setArg(ends, static_cast<cl_uint>(last));

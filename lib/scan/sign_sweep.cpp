@@ -84,7 +84,7 @@ void SignSweep::sweep_rows(const Crossings& crossings) {
     launches_.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
         sweep.setArg(rows_begin, static_cast<cl_uint>(begin));
         sweep.setArg(rows_end, static_cast<cl_uint>(end));
-        const std::size_t items = (end - begin + item_rows - 1) / item_rows;
+        const std::size_t items = chunk_count(end - begin, item_rows);
         const std::size_t items_of_group = programs_.part_group();
         context_.queue().enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),
                                               cl::NDRange(items_of_group));

@@ -1,6 +1,7 @@
 #include "scan/slab_pipeline.hpp"
 
 #include "core/lifetime.hpp"
+#include "core/parallel.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +11,7 @@ namespace {
 
 /// For exactly so many bytes if it must grow; what it holds is of no use any more.
 void make_room(UninitializedVector<MemoryLine>& array, std::size_t bytes) {
-    const std::size_t lines = (bytes + sizeof(MemoryLine) - 1) / sizeof(MemoryLine);
+    const std::size_t lines = chunk_count(bytes, sizeof(MemoryLine));
     if (array.capacity() < lines) array = {};
     array.resize(lines);
 }
