@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
+#include "scan/commands.hpp"
 #include "scan/short_launches.hpp"
 
 #include <algorithm>
@@ -179,10 +180,8 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
     mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
         cl::Kernel pack(program, "pack_records");
-        pack.setArg(0, *polyhedra.polyhedra);
-        pack.setArg(1, mesh.counts);
-        pack.setArg(2, static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()));
-        pack.setArg(3, *mesh.records);
+        scan::set_arguments(pack, 0, *polyhedra.polyhedra, mesh.counts,
+                            static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
         context.queue().enqueueNDRangeKernel(pack, cl::NullRange, cl::NDRange(scan::in_whole_groups(records)),
                                              cl::NDRange(scan::common_group));
         context.queue().finish();

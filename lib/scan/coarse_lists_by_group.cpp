@@ -2,6 +2,7 @@
 #include "core/lifetime.hpp"
 #include "core/parallel.hpp"
 #include "scan/coarse_lists.hpp"
+#include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"
 #include "scan/programs.hpp"
@@ -122,11 +123,6 @@ private:
         job_.launches.over_items(scatter, 0, taken, seconds_per_pair);
         job_.launches.over_items(sort, 0, taken,
                                  seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_));
-    }
-
-    template <class... Arguments>
-    static void set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arguments) {
-        (kernel.setArg(first++, arguments), ...);
     }
 
     const ListJob& job_;

@@ -8,6 +8,13 @@
 
 namespace clsdf::scan {
 
+/// Sets a kernel's arguments from `first` on. Each must have the type of the kernel's parameter exactly, such as
+/// cl_uint: a number of another type has other bytes.
+template <class... Arguments>
+void set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arguments) {
+    (kernel.setArg(first++, arguments), ...);
+}
+
 /// Commands of which each waits for the one before: the caller's queue may be out of order.
 class CommandChain {
 public:

@@ -1,6 +1,7 @@
 #include "scan/device_faces.hpp"
 
 #include "core/parallel.hpp"
+#include "scan/commands.hpp"
 #include "scan/programs.hpp"
 #include "scan/short_launches.hpp"
 
@@ -76,11 +77,7 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items) {
     cl::Kernel kernel(job.program, "place_items");
-    kernel.setArg(0, static_cast<cl_uint>(count));
-    kernel.setArg(1, static_cast<cl_uint>(item_words));
-    kernel.setArg(2, written);
-    kernel.setArg(3, places);
-    kernel.setArg(4, items);
+    set_arguments(kernel, 0, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words), written, places, items);
     job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(count)),
                                              cl::NDRange(common_group));
 }

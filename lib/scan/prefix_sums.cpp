@@ -2,6 +2,7 @@
 
 #include "core/lifetime.hpp"
 #include "device/opencl.hpp"
+#include "scan/commands.hpp"
 #include "scan/programs.hpp"
 
 #include <fmt/format.h>
@@ -12,11 +13,6 @@
 namespace clsdf::scan {
 
 namespace {
-
-enum SumsArgument : cl_uint { sums_count, sums_values, sums_sums };
-enum OffsetsArgument : cl_uint { offsets_parts, offsets_sums };
-/// Arguments of the launch that writes the starts. Few values have one sum, the total.
-enum WriteArgument : cl_uint { write_count, write_values, write_sums, write_starts };
 
 /// On a processor so few values are summed by one launch, because three take longer to start. (The self-test's field
 /// has sums of more values, too.)
@@ -52,26 +48,13 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
     device::guarded([&] {
         sums_ = pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
         const auto values_count = static_cast<cl_uint>(count);
-        if (is_few_) {
-            write_kernel_ = cl::Kernel(programs.scan, "scan_few");
-            write_kernel_.setArg(write_count, values_count);
-            write_kernel_.setArg(write_values, values);
-            write_kernel_.setArg(write_sums, *sums_);
-            write_kernel_.setArg(write_starts, starts);
-            return;
-        }
+        write_kernel_ = cl::Kernel(programs.scan, is_few_ ? "scan_few" : "scan_write");
+        set_arguments(write_kernel_, 0, values_count, values, *sums_, starts);
+        if (is_few_) return;
         sum_kernel_ = cl::Kernel(programs.scan, "scan_sums");
-        sum_kernel_.setArg(sums_count, values_count);
-        sum_kernel_.setArg(sums_values, values);
-        sum_kernel_.setArg(sums_sums, *sums_);
+        set_arguments(sum_kernel_, 0, values_count, values, *sums_);
         offset_kernel_ = cl::Kernel(programs.scan, "scan_offsets");
-        offset_kernel_.setArg(offsets_parts, static_cast<cl_uint>(parts_));
-        offset_kernel_.setArg(offsets_sums, *sums_);
-        write_kernel_ = cl::Kernel(programs.scan, "scan_write");
-        write_kernel_.setArg(write_count, values_count);
-        write_kernel_.setArg(write_values, values);
-        write_kernel_.setArg(write_sums, *sums_);
-        write_kernel_.setArg(write_starts, starts);
+        set_arguments(offset_kernel_, 0, static_cast<cl_uint>(parts_), *sums_);
     });
 }
 
