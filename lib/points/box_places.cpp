@@ -1,8 +1,8 @@
-#include "points/point_signs.hpp"
+#include "points/box_places.hpp"
 
 #include "core/large_memory.hpp"
 #include "core/parallel.hpp"
-#include "points/point_mesh.hpp"
+#include "points/point_signs.hpp"
 
 #include <clsdf/error.hpp>
 

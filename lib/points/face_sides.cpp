@@ -1,6 +1,7 @@
-#include "points/point_signs.hpp"
+#include "points/face_sides.hpp"
 
 #include "core/parallel.hpp"
+#include "points/point_signs.hpp"
 #include "polyhedra/frames.hpp"
 
 #include <algorithm>

@@ -3,9 +3,9 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
+#include "points/face_sides.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_scan.hpp"
-#include "points/point_signs.hpp"
 #include "scan/finishing.hpp"
 #include "scan/programs.hpp"
 #include "scan/slab_pipeline.hpp"

@@ -2,13 +2,11 @@
 
 #include "points/point_mesh.hpp"
 
-#include <clsdf/distance_transform.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 
 namespace clsdf::points {
@@ -38,30 +36,5 @@ struct LocatedPoints {
 /// Two points have the same sign if a ball around one of them holds the other and does not reach the surface. For every
 /// other point, crossings with the surface are counted: on the way from a point nearby, or on a ray along x.
 void find_signs(const PointMesh& mesh, SignRule rule, const LocatedPoints& points, std::span<std::uint8_t> signs);
-
-/// The sign on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
-///
-/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if
-/// the face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its
-/// front is then the same place as the fronts beside it, and one point's crossings tell for all of them.
-/// docs/method.md, 'Sides of faces', proves it.
-struct FaceSides {
-    device::BufferPool::Lease sides;
-    std::size_t known = 0;  ///< faces whose sides are
-};
-
-/// Whether they cost less than the crossings of so many points that are asked for.
-bool are_sides_worthwhile(std::size_t points, std::size_t faces);
-
-/// Throws Error(out_of_memory).
-FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                          const PointMesh& mesh, SignRule rule);
-
-/// Throws Error(invalid_argument) that names the first box that is not finite or has its corners exchanged.
-void check_boxes(std::span<const Box> boxes);
-
-/// The place of each box: see DistanceTransform::classify().
-void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
-                 std::span<BoxPlace> places);
 
 }  // namespace clsdf::points

@@ -1,8 +1,9 @@
 #include "core/outputs.hpp"
 #include "core/stopwatch.hpp"
 #include "device/mapped_memory.hpp"
+#include "points/box_places.hpp"
+#include "points/face_sides.hpp"
 #include "points/point_query.hpp"
-#include "points/point_signs.hpp"
 #include "scan/output_targets.hpp"
 #include "transform/transform_state.hpp"
 

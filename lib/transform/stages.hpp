@@ -6,9 +6,9 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
+#include "points/face_sides.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_scan.hpp"
-#include "points/point_signs.hpp"
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/topology.hpp"

@@ -2,7 +2,7 @@
 
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
-#include "points/point_signs.hpp"
+#include "points/box_places.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/sweep_mesh.hpp"

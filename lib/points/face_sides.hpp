@@ -1,0 +1,31 @@
+#pragma once
+
+#include "device/buffer_pool.hpp"
+#include "points/point_mesh.hpp"
+
+#include <clsdf/topology.hpp>
+
+#include <cstddef>
+#include <memory>
+
+namespace clsdf::points {
+
+/// The sign on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
+///
+/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if
+/// the face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its
+/// front is then the same place as the fronts beside it, and one point's crossings tell for all of them.
+/// docs/method.md, 'Sides of faces', proves it.
+struct FaceSides {
+    device::BufferPool::Lease sides;
+    std::size_t known = 0;  ///< faces whose sides are
+};
+
+/// Whether they cost less than the crossings of so many points that are asked for.
+bool are_sides_worthwhile(std::size_t points, std::size_t faces);
+
+/// Throws Error(out_of_memory).
+FaceSides find_face_sides(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
+                          const PointMesh& mesh, SignRule rule);
+
+}  // namespace clsdf::points
