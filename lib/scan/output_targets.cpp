@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 
 namespace clsdf::scan {
 
@@ -33,16 +34,8 @@ const char* name_of(Element element) {
 
 /// The elements of PerOutput.
 template <typename Value>
-constexpr Element natural_element() {
-    return std::is_same_v<Value, float>           ? Element::float32
-           : std::is_same_v<Value, double>        ? Element::float64
-           : std::is_same_v<Value, std::uint32_t> ? Element::uint32
-                                                  : Element::uint8;
-}
-
-template <typename Value>
 struct ElementOf {
-    Element element = natural_element<Value>();
+    Element element = OutputTarget(std::span<Value>()).element;
 };
 
 Error misuse(const std::string& what) {
