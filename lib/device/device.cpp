@@ -1,4 +1,5 @@
 #include <clsdf/device.hpp>
+#include <clsdf/distance_transform.hpp>
 
 #include "core/lifetime.hpp"
 #include "device/context.hpp"
@@ -310,8 +311,9 @@ void ask(const cl::Device& device, DeviceInfo& info) {
         info.why_not = "its driver has no compiler";
     else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
         info.why_not = "its driver says that it is not available";
-    else if (const device::KnownFault* fault = device::known_fault(
-                 device::implementation_of(device), capabilities.is_processor ? "by_vector" : "by_group"))
+    else if (const device::KnownFault* fault =
+                 device::known_fault(device::implementation_of(device),
+                                     capabilities.is_processor ? KernelBody::by_vector : KernelBody::by_group))
         info.why_not = fmt::format("it {}; {}", fault->symptom, fault->remedy);
 }
 

@@ -1,5 +1,7 @@
 #include "device/opencl.hpp"
 
+#include <clsdf/distance_transform.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -121,7 +123,7 @@ constexpr KnownFault known_faults[] = {
      .version = {"PoCL 3.0", "LLVM 14"},
      .device = "AMD",
      .least_float_width = 16,
-     .body = "by_vector",
+     .body = KernelBody::by_vector,
      .symptom = "cannot compile vectors for AMD's processors with AVX-512 and ends the process",
      .remedy =
          "install PoCL 3.1 or later (Debian's pocl-opencl-icd; PyPI's pocl-binary-distribution ends with 3.0), or "
@@ -141,22 +143,26 @@ Implementation implementation_of(const cl::Device& device) {
             device.getInfo<CL_DEVICE_NAME>(), device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>()};
 }
 
-const KnownFault* known_fault(const Implementation& implementation, std::string_view body) {
+const char* name_of(KernelBody body) {
+    return body == KernelBody::by_group ? "by_group" : "by_vector";
+}
+
+const KnownFault* known_fault(const Implementation& implementation, KernelBody body) {
     const auto found = std::find_if(std::begin(known_faults), std::end(known_faults), [&](const KnownFault& fault) {
         return has(implementation.platform, fault.platform) && has(implementation.version, fault.version[0]) &&
                has(implementation.version, fault.version[1]) && has(implementation.device, fault.device) &&
-               implementation.float_width >= fault.least_float_width && has(body, fault.body);
+               implementation.float_width >= fault.least_float_width && body == fault.body;
     });
     return found == std::end(known_faults) ? nullptr : found;
 }
 
-void refuse_known_fault(const cl::Device& device, std::string_view body) {
+void refuse_known_fault(const cl::Device& device, KernelBody body) {
     const Implementation implementation = guarded([&] { return implementation_of(device); });
     if (const KnownFault* fault = known_fault(implementation, body))
         throw Error(ErrorCode::unsupported,
                     fmt::format("\"{}\" ({}) on \"{}\" {}, so the kernel body {} is not tried there; {}",
                                 implementation.platform, implementation.version, implementation.device, fault->symptom,
-                                body, fault->remedy));
+                                name_of(body), fault->remedy));
 }
 
 std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file) {

@@ -17,6 +17,10 @@
 #include <string_view>
 #include <utility>
 
+namespace clsdf {
+enum class KernelBody;  // clsdf/distance_transform.hpp
+}
+
 namespace clsdf::device {
 
 /// "CL_OUT_OF_RESOURCES" for -5, and so on.
@@ -73,17 +77,20 @@ struct KnownFault {
     std::array<std::string_view, 2> version;
     std::string_view device;
     unsigned least_float_width;
-    std::string_view body;     ///< the kernel body that fails: "by_vector" or "by_group"; empty: both
+    KernelBody body;           ///< that fails
     std::string_view symptom;  ///< what happens: "<implementation> ..."
     std::string_view remedy;   ///< what the user can do
 };
 
+/// "by_vector" or "by_group".
+const char* name_of(KernelBody body);
+
 /// The fault that this kernel body meets on this implementation, or null.
-const KnownFault* known_fault(const Implementation& implementation, std::string_view body);
+const KnownFault* known_fault(const Implementation& implementation, KernelBody body);
 
 /// Throws Error(unsupported) with device, version, symptom and remedy if there is such a fault. Called before the first
 /// program of a kernel body is built, because a compiler that fails may end the process.
-void refuse_known_fault(const cl::Device& device, std::string_view body);
+void refuse_known_fault(const cl::Device& device, KernelBody body);
 
 /// Build options, beginning with a space, that work around what this implementation makes wrong of a kernel file;
 /// mostly empty. The bytes of fields are those of other implementations.

@@ -25,7 +25,7 @@ std::size_t lanes_for(const device::Context::Capabilities& capabilities, KernelB
 /// Refuses what is known to fail before anything is built: a compiler that fails may end the process.
 ProgramSources usable_sources(const device::Context& context, KernelBody asked) {
     ProgramSources sources(context.capabilities(), asked);
-    device::refuse_known_fault(context.device(), sources.body == KernelBody::by_vector ? "by_vector" : "by_group");
+    device::refuse_known_fault(context.device(), sources.body);
     return sources;
 }
 

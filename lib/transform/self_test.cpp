@@ -86,10 +86,10 @@ TestCase TestCase::with_small_triangles() const {
 }
 
 std::string TestCase::name() const {
-    return fmt::format("{} {}{}{}{} {} {}{}", body == KernelBody::by_group ? "by_group" : "by_vector",
-                       method ? method->name() : "bricks", variant.nearest ? " NEAREST" : "",
-                       variant.count ? " COUNT" : "", variant.long_bricks ? " LONG_BRICKS" : "",
-                       is_signed ? "signed" : "unsigned", is_wide ? "wide" : "narrow", is_large ? " large" : "");
+    return fmt::format("{} {}{}{}{} {} {}{}", device::name_of(body), method ? method->name() : "bricks",
+                       variant.nearest ? " NEAREST" : "", variant.count ? " COUNT" : "",
+                       variant.long_bricks ? " LONG_BRICKS" : "", is_signed ? "signed" : "unsigned",
+                       is_wide ? "wide" : "narrow", is_large ? " large" : "");
 }
 
 std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
@@ -188,8 +188,7 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
 bool ensure_points_tested(const Device& device, const Programs& programs, bool are_scanned,
                           const device::BuildWatch& watch) {
     device::Context& context = device::context_of(device);
-    const char* const body = programs.body == KernelBody::by_group ? "by_group" : "by_vector";
-    TestSubject subject{fmt::format("{} {}points", body, are_scanned ? "many " : ""), {}};
+    TestSubject subject{fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : ""), {}};
     device::guarded([&] {
         subject.programs.push_back(programs.points(context, watch));
         if (are_scanned) subject.programs.push_back(programs.point_scan(context, watch));

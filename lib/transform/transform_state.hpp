@@ -14,6 +14,7 @@
 #include "transform/stages.hpp"
 #include "transform/vertices.hpp"
 
+#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -104,7 +105,12 @@ struct DistanceTransform::State {
                  bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
                  const CallOptions& call);
 
-    /// Makes the blocks of a plan that has none, for the targets of its requests. (request_plan.cpp)
+    // plans.cpp
+    /// A plan of one request. targets_of: makes its targets, when its grid and band have been checked.
+    std::unique_ptr<transform::RequestPlanState> plan(const Request& request,
+                                                      const std::function<scan::DeviceTargets()>& targets_of,
+                                                      const CallOptions& call);
+    /// Makes the blocks of a plan that has none, for the targets of its requests.
     void plan(transform::RequestPlanState& made, std::vector<Request> requests, const CallOptions& call);
     void plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
 

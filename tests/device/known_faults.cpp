@@ -1,3 +1,5 @@
+#include <clsdf/distance_transform.hpp>
+
 #include "device/opencl.hpp"
 
 #include <boost/test/unit_test.hpp>
@@ -14,22 +16,22 @@ const device::Implementation pocl_30_on_zen_4{"Portable Computing Language",
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(pocl_30_is_refused_where_its_compiler_ends_the_process) {
-    const device::KnownFault* fault = device::known_fault(pocl_30_on_zen_4, "by_vector");
+    const device::KnownFault* fault = device::known_fault(pocl_30_on_zen_4, KernelBody::by_vector);
     BOOST_REQUIRE(fault != nullptr);
     BOOST_TEST(fault->remedy.find("PoCL 3.1") != std::string_view::npos);
 }
 
 BOOST_AUTO_TEST_CASE(what_works_is_not_refused) {
-    BOOST_TEST(device::known_fault(pocl_30_on_zen_4, "by_group") == nullptr);
+    BOOST_TEST(device::known_fault(pocl_30_on_zen_4, KernelBody::by_group) == nullptr);
     device::Implementation other = pocl_30_on_zen_4;
     other.float_width = 8;
-    BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
+    BOOST_TEST(device::known_fault(other, KernelBody::by_vector) == nullptr);
     other = pocl_30_on_zen_4;
     other.version = "OpenCL 3.0 PoCL 3.1+debian  Linux, None+Asserts, RELOC, SPIR, LLVM 14.0.6, SLEEF, DISTRO";
-    BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
+    BOOST_TEST(device::known_fault(other, KernelBody::by_vector) == nullptr);
     other = pocl_30_on_zen_4;
     other.device = "pthread-Intel(R) Xeon(R) Platinum 8481C";
-    BOOST_TEST(device::known_fault(other, "by_vector") == nullptr);
+    BOOST_TEST(device::known_fault(other, KernelBody::by_vector) == nullptr);
 }
 
 BOOST_AUTO_TEST_CASE(lists_are_compiled_plainly_by_the_one_compiler_that_makes_them_wrong) {
