@@ -85,7 +85,17 @@ Grid Grid::block(const Index3& block_first, const Index3& block_size) const {
     return result;
 }
 
+namespace {
+
+/// Far beyond every block that can be computed, and far below what 64 bits hold.
+constexpr double farthest = 0x1p53;
+
+}  // namespace
+
 Grid Grid::grown(std::int64_t samples) const {
+    if (!(std::abs(static_cast<double>(samples)) <= farthest))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("grid: it cannot be grown by {} samples, which is beyond 2^53", samples));
     Grid result = *this;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         result.first[axis] -= samples;
@@ -100,16 +110,21 @@ Grid Grid::grown(std::int64_t samples) const {
 
 namespace {
 
-void check_ratio(std::int64_t ratio) {
+void check_ratio(const Grid& grid, std::int64_t ratio) {
     if (ratio < 1)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("grid: it cannot be refined by a ratio of {}; give 1 or more", ratio));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const std::int64_t number : {grid.first[axis], grid.size[axis]})
+            if (std::abs(static_cast<double>(number) * static_cast<double>(ratio)) > farthest)
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("grid: refined by a ratio of {}, it would have indices beyond 2^53", ratio));
 }
 
 }  // namespace
 
 Grid Grid::refined(std::int64_t ratio) const {
-    check_ratio(ratio);
+    check_ratio(*this, ratio);
     Grid result = *this;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         result.spacing[axis] /= static_cast<double>(ratio);
@@ -120,7 +135,7 @@ Grid Grid::refined(std::int64_t ratio) const {
 }
 
 Grid Grid::refined_cells(std::int64_t ratio) const {
-    check_ratio(ratio);
+    check_ratio(*this, ratio);
     Grid result = *this;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         result.spacing[axis] /= static_cast<double>(ratio);

@@ -1,7 +1,12 @@
 #pragma once
 
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <new>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -23,6 +28,22 @@ void free_array(void* memory, std::size_t count, std::size_t element) noexcept;
 
 /// Asks the system for huge pages in memory that is allocated, but not yet written to.
 void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
+
+/// Returns what work() returns. Throws Error(out_of_memory) if the host has too little memory. what: follows "too
+/// little memory" in the message.
+template <typename Work>
+decltype(auto) with_host_memory(const char* what, const Work& work) {
+    const auto error = [&] {
+        return Error(ErrorCode::out_of_memory, fmt::format("the host has too little memory {}", what));
+    };
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw error();
+    } catch (const std::length_error&) {  // of a vector that no memory could hold
+        throw error();
+    }
+}
 
 /// Leaves new elements of plain types uninitialised. The memory is that of a field: on huge pages if it is large.
 template <typename T>

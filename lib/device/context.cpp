@@ -201,6 +201,14 @@ void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::s
         queue.enqueueReadBuffer(from, CL_TRUE, 0, bytes, to);
 }
 
+void Context::require_usable() const {
+    if (lost_)
+        throw Error(ErrorCode::device_failure,
+                    fmt::format("\"{}\" cannot be used any more in this process: an earlier call of OpenCL failed, and "
+                                "commands before it may wait for ever; start the program again",
+                                device_.getInfo<CL_DEVICE_NAME>()));
+}
+
 bool Context::drain() const noexcept {
     if (!lost_ && clFinish(queue_()) != CL_SUCCESS) lost_ = true;
     return !lost_;

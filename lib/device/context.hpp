@@ -96,6 +96,8 @@ public:
     void give_up() const noexcept { lost_ = true; }
     /// Whether a drain has failed.
     bool is_lost() const noexcept { return lost_; }
+    /// Throws Error(device_failure) if so: a call would wait for ever.
+    void require_usable() const;
 
     /// The folder that keeps compiled programs and records between runs; empty: none.
     void set_cache_folder(std::filesystem::path folder);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <span>
 
 namespace clsdf::scan {
@@ -140,14 +141,14 @@ ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& t
 }
 
 void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner, const OutputTarget& target,
-                       bool is_packed) {
+                       bool is_plain) {
     if (target.device != nullptr)
         throw Error(ErrorCode::unsupported,
                     fmt::format("the target of the output {} is memory of the device, and this call writes to the "
                                 "host's; give all targets memory of the host, or all memory of the device",
                                 row.name));
     const std::ptrdiff_t width = width_of(target.element);
-    if (is_packed && target.offset == 0) {
+    if (is_plain) {
         if (target.bytes == packed_bytes(row, target, grid)) return;
         throw misuse(fmt::format("{}, and the array given for the output {} holds {} values of {}",
                                  fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
@@ -189,8 +190,9 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const c
         [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array) {
             if (!target.is_given()) return;
             resolve_element(row, natural.element, target);
+            const bool is_plain = target.offset == 0 && target.strides == OutputTarget().strides;
             const bool is_packed = resolve_strides(row, grid, target);
-            check_host_memory(row, grid, owner, target, is_packed);
+            check_host_memory(row, grid, owner, target, is_plain);
             are_packed_ = are_packed_ && is_packed && !is_widened(row, target);
             array = {true, is_computed_in_double(row, target), static_cast<std::byte*>(target.host) + target.offset};
         },
@@ -249,6 +251,20 @@ OutputTargets on_host(const OutputTargets& targets, std::size_t points, const de
                              target.bytes = range.end - range.begin;
                              if (is_packed) target.strides = {};
                          });
+    return result;
+}
+
+bool overlap(const OutputTargets& targets, std::span<const std::byte> bytes) {
+    bool result = false;
+    const std::less<const std::byte*> is_before;
+    for_each_output(
+        [&](const OutputRow&, const OutputTarget& target) {
+            const auto* begin = static_cast<const std::byte*>(target.host);
+            if (begin == nullptr || bytes.empty()) return;
+            result = result ||
+                     (is_before(begin, bytes.data() + bytes.size()) && is_before(bytes.data(), begin + target.bytes));
+        },
+        targets);
     return result;
 }
 

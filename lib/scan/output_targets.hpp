@@ -7,7 +7,9 @@
 #include "scan/finishing.hpp"
 #include "scan/slab_pipeline.hpp"
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 
 namespace clsdf::scan {
@@ -57,6 +59,8 @@ private:
 void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory);
 /// The same targets when that is mapped, all in memory of the host.
 OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory);
+/// Whether targets in memory of the host lie on some of these bytes.
+bool overlap(const OutputTargets& targets, std::span<const std::byte> bytes);
 
 /// The caller's device memory for a grid, with any offset and strides. Throws as HostTargets does.
 class DeviceTargets {

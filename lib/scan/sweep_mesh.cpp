@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace clsdf::scan {
 
@@ -54,11 +55,6 @@ std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const polyhedra::Lat
     // No grid reaches farther, and its samples' distances from here fit 32 bits.
     constexpr double limit = 1 << 30;
     return CLSDF_BRICK * static_cast<std::int32_t>(std::clamp(nearest, -limit, limit) / CLSDF_BRICK);
-}
-
-void lower(std::atomic<std::size_t>& least, std::size_t value) {
-    for (std::size_t known = least; value < known && !least.compare_exchange_weak(known, value);) {
-    }
 }
 
 device::BufferPool::Lease sweep_triangles(const device::Context& context,
@@ -109,29 +105,37 @@ struct SweepLattice {
     double scale_y, scale_z;
 };
 
+/// Throws if a triangle has a vertex beyond the sweep's integers.
+void check_used_vertices(const SweepLattice& lattice, const Mesh& mesh) {
+    constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    std::uint32_t first = none;
+    SweepVertex any;
+    for (const Triangle& triangle : mesh.triangles())
+        for (const std::uint32_t v : triangle)
+            if (v < first && !lattice.snap(mesh.vertices()[v], any)) first = v;
+    if (first == none) return;
+    throw Error(ErrorCode::unsupported,
+                fmt::format("vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an exact "
+                            "sign; use a larger spacing or an unsigned field",
+                            first, mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
+}
+
 device::BufferPool::Lease sweep_vertices(const device::Context& context,
                                          const std::shared_ptr<device::BufferPool>& pool, const SweepLattice& lattice,
                                          const Mesh& mesh) {
     const std::vector<Vec3>& positions = mesh.vertices();
     device::HostFilling filling(context, pool, positions.size() * sizeof(SweepVertex), vertices_purpose);
     auto* const vertices = static_cast<SweepVertex*>(filling.memory());
-    std::atomic<std::size_t> too_far{positions.size()};
+    std::atomic<bool> is_one_far = false;
     for_each_index(
         positions.size(),
         [&](std::size_t v) {
-            // A vertex that is not finite is in no triangle, or the mesh would not be.
-            if (!lattice.snap(positions[v], vertices[v]) && std::isfinite(positions[v][1]) &&
-                std::isfinite(positions[v][2]))
-                lower(too_far, v);
+            if (lattice.snap(positions[v], vertices[v])) return;
+            vertices[v] = {};
+            is_one_far = true;
         },
         4096);
-    if (too_far < positions.size())
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format(
-                "vertex {} of {} lies more than 2^{} voxels from the grid's origin, too far for an exact sign; use a "
-                "larger spacing or an unsigned field",
-                too_far.load(), mesh.name(), 61 - std::max(lattice.bits_y, lattice.bits_z)));
+    if (is_one_far) check_used_vertices(lattice, mesh);
     return filling.finish();
 }
 

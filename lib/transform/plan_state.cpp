@@ -48,6 +48,7 @@ PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_
         statistics.sign_seconds += sign_watch.seconds();
         context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
         context.queue().flush();
+        runs_.add(ready_);
     });
 
     statistics.triangles = records.triangle_count;
@@ -62,10 +63,7 @@ PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_
 }
 
 PlanState::~PlanState() {
-    const cl::Event& end = last_() != nullptr ? last_ : ready_;
-    if (device::has_ended(end)) return;
-    const cl_int code = clWaitForEvents(1, &end());
-    if (code == CL_SUCCESS || code == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return;
+    if (runs_.wait() == CL_SUCCESS) return;
     // Whatever takes them next must not share them with what may be under way.
     keep_for_good(scan_);
     keep_for_good(sign_bits_);
@@ -76,7 +74,8 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, const OutputBuffers&
                              const std::vector<cl::Event>& wait_list,
                              const std::function<void(double)>& between_launches) {
     std::vector<cl::Event> before = wait_list;
-    before.push_back(device::has_ended(last_) ? ready_ : last_);  // the run before has the same buffers
+    const cl::Event latest = runs_.latest();  // which has the same buffers
+    before.push_back(latest() != nullptr ? latest : ready_);
     CommandChain chain(queue, std::move(before));
     try {
         scan_->enqueue_begin(chain, buffers);
@@ -91,10 +90,11 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, const OutputBuffers&
         after_launches_ = chain.last();
         scan_->enqueue_end(chain);
     } catch (...) {
-        if (chain.has_begun()) last_ = chain.last();  // which the destructor waits for
+        if (chain.has_begun()) runs_.add(chain.last());
         throw;
     }
     last_ = chain.last();
+    runs_.add(last_);
     queue.flush();
     return last_;
 }

@@ -4,6 +4,7 @@
 
 #include "scan/field_scan.hpp"
 #include "scan/programs.hpp"
+#include "transform/runs.hpp"
 #include "transform/stages.hpp"
 
 #include <functional>
@@ -33,6 +34,9 @@ struct PlanState {
     cl::Event enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
                       const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
 
+    /// The end of what is under way; null if nothing is.
+    cl::Event latest() { return runs_.latest(); }
+
     /// Reads the counters of the last computation into the statistics, where it was asked for.
     void read_counters();
 
@@ -58,6 +62,7 @@ private:
     std::optional<Finishing> finishing_;  ///< if more than the distance is asked for
     std::unique_ptr<FieldScan> scan_;
     cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
+    Runs runs_;        // the set-up's launches among them
     // Events of the latest computation.
     cl::Event before_launches_;
     cl::Event after_launches_;

@@ -1,3 +1,4 @@
+#include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
 #include "device/opencl.hpp"
@@ -198,21 +199,26 @@ cl_event RequestPlan::enqueue(cl_command_queue queue, std::span<const cl_event> 
 }
 
 void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
-    transform::RequestPlanState& state = this->state();
-    if (!grids.empty() && grids.size() != state.requests.size())
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the plan has {} requests, and {} grids are given to move them to; give one for each, "
-                                "or none",
-                                state.requests.size(), grids.size()));
-    std::vector<Request> requests = state.requests;
-    for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
-    transform.state().plan(state, std::move(requests), call);
+    with_host_memory("for the plan; give fewer requests", [&] {
+        transform::RequestPlanState& state = this->state();
+        if (!grids.empty() && grids.size() != state.requests.size())
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the plan has {} requests, and {} grids are given to move them to; give one for each, "
+                            "or none",
+                            state.requests.size(), grids.size()));
+        std::vector<Request> requests = state.requests;
+        for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
+        transform.state().plan(state, std::move(requests), call);
+    });
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
                              const CallOptions& call) const {
-    return Plan(state().plan(
-        {grid, band, {}}, [&] { return scan::DeviceTargets(outputs, grid); }, call));
+    return with_host_memory("for the plan", [&] {
+        return Plan(state().plan(
+            {grid, band, {}}, [&] { return scan::DeviceTargets(outputs, grid); }, call));
+    });
 }
 
 Plan DistanceTransform::plan(const Request& request, const CallOptions& call) const {
@@ -220,15 +226,17 @@ Plan DistanceTransform::plan(const Request& request, const CallOptions& call) co
         return device::guarded(
             [&] { return scan::DeviceTargets(request.targets, request.grid, device::context_of(state().device)); });
     };
-    return Plan(state().plan(request, targets, call));
+    return with_host_memory("for the plan", [&] { return Plan(state().plan(request, targets, call)); });
 }
 
 RequestPlan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {
-    State& state = this->state();
-    auto made =
-        std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>(), state.pool->beside(), true);
-    state.plan(*made, std::vector<Request>(requests.begin(), requests.end()), call);
-    return RequestPlan(std::move(made));
+    return with_host_memory("for the plan; give fewer requests", [&] {
+        State& state = this->state();
+        auto made = std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>(),
+                                                                  state.pool->beside(), true);
+        state.plan(*made, std::vector<Request>(requests.begin(), requests.end()), call);
+        return RequestPlan(std::move(made));
+    });
 }
 
 std::size_t DistanceTransform::plan_bytes(std::span<const Request> requests, const CallOptions& call) const {

@@ -1,3 +1,4 @@
+#include "core/large_memory.hpp"
 #include "core/outputs.hpp"
 #include "core/stopwatch.hpp"
 #include "device/mapped_memory.hpp"
@@ -55,6 +56,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     transform::Compiling compiling(call, options.log);
     {
         const std::scoped_lock lock(mutex);
+        device::context_of(device).require_usable();
         transform::throw_if_stopped(call);
         if (stages->restriction() != nullptr) stages->restriction()->check(all, within);
         const Stopwatch compile_watch;
@@ -106,44 +108,54 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
 
 void DistanceTransform::query(const Triples& points, double within, const OutputTargets& targets,
                               const CallOptions& call, std::span<const cl_event> wait_list) const {
-    State& state = this->state();
-    if (!(within >= 0))
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("points are looked up within {}, and the limit must be 0 or more; infinity is none", within));
-    if (std::isfinite(within) && within > static_cast<double>(std::numeric_limits<float>::max()))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("points are looked up within {}, which is beyond the floats that distances are given "
-                                "in; infinity is no limit",
-                                within));
-    check_triples(points, TripleKind::positions, "points", ErrorCode::invalid_argument);
-    if (points.count == 0) {  // vectors without elements have no memory
-        if (call.progress) call.progress(1.0);
-        if (call.statistics != nullptr) *call.statistics = {};
-        return;
-    }
-    device::MappedMemory memory(device::context_of(state.device));
-    memory.add(points, "points");
-    scan::add_targets(targets, points.count, memory);
-    memory.map(wait_list);
-    const PositionArray positions(memory.on_host(points));
-    const OutputTargets on_host = scan::on_host(targets, points.count, memory);
-    state.query(positions.get(), within, scan::outputs_of(targets), scan::HostTargets::of_points(on_host, points.count),
-                call);
-    memory.unmap();
+    with_host_memory("for the points; give fewer at once", [&] {
+        State& state = this->state();
+        if (!(within >= 0))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("points are looked up within {}, and the limit must be 0 or more; infinity is none",
+                                    within));
+        if (std::isfinite(within) && within > static_cast<double>(std::numeric_limits<float>::max()))
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("points are looked up within {}, which is beyond the floats that distances are given "
+                            "in; infinity is no limit",
+                            within));
+        check_triples(points, TripleKind::positions, "points", ErrorCode::invalid_argument);
+        if (points.count == 0) {  // vectors without elements have no memory
+            if (call.progress) call.progress(1.0);
+            if (call.statistics != nullptr) *call.statistics = {};
+            return;
+        }
+        device::MappedMemory memory(device::context_of(state.device));
+        memory.add(points, "points");
+        scan::add_targets(targets, points.count, memory);
+        memory.map(wait_list);
+        const PositionArray positions(memory.on_host(points));
+        const OutputTargets on_host = scan::on_host(targets, points.count, memory);
+        // The outputs of some points may lie on others.
+        std::vector<Vec3> copy;
+        if (scan::overlap(on_host, std::as_bytes(positions.get())))
+            copy.assign(positions.get().begin(), positions.get().end());
+        state.query(copy.empty() ? positions.get() : copy, std::abs(within), scan::outputs_of(targets),
+                    scan::HostTargets::of_points(on_host, points.count), call);
+        memory.unmap();
+    });
 }
 
 void DistanceTransform::classify(std::span<const Box> boxes, double half_width, std::span<BoxPlace> places) const {
-    State& state = this->state();
-    if (!(half_width >= 0))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("the half width around boxes is {}, and must be 0 or more", half_width));
-    if (places.size() != boxes.size())
-        throw Error(ErrorCode::invalid_argument, fmt::format("{} boxes have {} places for their answers; give as many",
-                                                             boxes.size(), places.size()));
-    points::check_boxes(boxes);
-    if (const auto* restriction = state.stages->restriction()) restriction->check(boxes, half_width);
-    points::find_places(*state.points(), state.sign, boxes, half_width, places);
+    with_host_memory("for the boxes; give fewer at once", [&] {
+        State& state = this->state();
+        if (!(half_width >= 0))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the half width around boxes is {}, and must be 0 or more", half_width));
+        if (places.size() != boxes.size())
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("{} boxes have {} places for their answers; give as many", boxes.size(), places.size()));
+        points::check_boxes(boxes);
+        if (const auto* restriction = state.stages->restriction()) restriction->check(boxes, half_width);
+        points::find_places(*state.points(), state.sign, boxes, half_width, places);
+    });
 }
 
 }  // namespace clsdf

@@ -30,9 +30,7 @@ RequestPlanState::RequestPlanState(Device device_in, std::vector<Request> reques
       requests(std::move(requests_in)) {}
 
 RequestPlanState::~RequestPlanState() {
-    if (device::has_ended(last_)) return;
-    const cl_int code = clWaitForEvents(1, &last_());
-    if (code == CL_SUCCESS || code == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return;
+    if (runs_.wait() == CL_SUCCESS) return;
     // The plans of the parts cannot tell either, and keep what is theirs.
     keep_for_good(samples_);
     for (Part& part : parts_) keep_for_good(part.stores);
@@ -132,7 +130,9 @@ OutputBuffers RequestPlanState::set_targets(const OutputTargets& targets) {
 }
 
 void RequestPlanState::clear() {
-    if (last_() != nullptr) device::guarded([&] { device::wait_for(last_); });
+    device::guarded([&] {
+        if (const cl_int code = runs_.wait(); code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
+    });
     is_whole = false;
     parts_.clear();
     samples_ = {};
@@ -152,19 +152,33 @@ std::size_t RequestPlanState::own_bytes() const {
 
 cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
                                     const OutputBuffers* in_place) {
-    if (!device::has_ended(last_)) before.push_back(last_);
-    if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last_);
-    for (Part& part : parts_) {
-        last_ = part.plan->enqueue(queue, part.in_place && in_place != nullptr ? *in_place : part.buffers, before, {});
-        CommandChain chain(queue, {last_});
-        for (BoxStore& store : part.stores) {
-            store.enqueue(chain);
-            last_ = chain.last();  // which the next run and the destructor wait for, if what follows fails
+    if (const cl::Event latest = runs_.latest(); latest() != nullptr) before.push_back(latest);
+    cl::Event last;
+    try {
+        if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last);
+        for (Part& part : parts_) {
+            last =
+                part.plan->enqueue(queue, part.in_place && in_place != nullptr ? *in_place : part.buffers, before, {});
+            CommandChain chain(queue, {last});
+            try {
+                for (BoxStore& store : part.stores) store.enqueue(chain);
+            } catch (...) {
+                runs_.add(chain.last());
+                throw;
+            }
+            last = chain.last();
+            before.assign(1, last);
         }
-        before.assign(1, last_);
+    } catch (...) {
+        // Parts that are under way write to memory that all share.
+        if (last() != nullptr) runs_.add(last);
+        for (Part& part : parts_)
+            if (const cl::Event latest = part.plan->latest(); latest() != nullptr) runs_.add(latest);
+        throw;
     }
+    runs_.add(last);
     queue.flush();
-    return last_;
+    return last;
 }
 
 }  // namespace clsdf::transform

@@ -5,6 +5,7 @@
 #include "core/outputs.hpp"
 #include "transform/plan_state.hpp"
 #include "transform/requests.hpp"
+#include "transform/runs.hpp"
 #include "transform/stored_boxes.hpp"
 
 #include <memory>
@@ -35,7 +36,7 @@ struct RequestPlanState {
     void make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets);
     void add(const Block& block, std::unique_ptr<PlanState> plan, std::span<const DeviceTargets> targets,
              const Programs& programs);
-    /// Waits for the last run and gives back what depends on positions and places.
+    /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
     void clear();
 
     /// Device memory of this plan, without records that are shared with the transform.
@@ -70,7 +71,7 @@ private:
     PerOutput<LeaseOf> samples_;  ///< of a block
     OutputTargets planned_;       ///< of the first request
     std::vector<Part> parts_;
-    cl::Event last_;
+    Runs runs_;
 };
 
 }  // namespace clsdf::transform

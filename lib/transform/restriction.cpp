@@ -31,14 +31,15 @@ void Restriction::refuse(const std::string& what) const {
                             what, text_of(box), half_width, spacing));
 }
 
-void Restriction::check(const Grid& grid, const Band& band) const {
+void Restriction::check(const Grid& grid, const Band& band, SignRule sign) const {
     const Box samples{grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
     const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
     // Samples are as far off as their positions are rounded.
     if (!is_within(samples, box, 1e-6 * longest))
         refuse(fmt::format("the grid's samples reach from {}", text_of(samples)));
     if (!(longest <= spacing)) refuse(fmt::format("the grid's spacing is {}", longest));
-    if (!(band.widest() <= half_width)) refuse(fmt::format("the band's half width is {}", band.widest()));
+    const double widest = sign == SignRule::none ? band.outside : band.widest();
+    if (!(widest <= half_width)) refuse(fmt::format("the band's half width is {}", widest));
 }
 
 void Restriction::check(std::span<const Vec3> points, double within) const {

@@ -2,6 +2,7 @@
 
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/topology.hpp>
 
 #include "scan/prepared_mesh.hpp"
 
@@ -22,7 +23,7 @@ struct Restriction {
     bool encloses_negative_volume = false;
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
-    void check(const Grid& grid, const Band& band) const;
+    void check(const Grid& grid, const Band& band, SignRule sign) const;
     void check(std::span<const Vec3> points, double within) const;
     void check(std::span<const Box> boxes, double half_width_asked) const;
 

@@ -181,6 +181,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
                                        const scan::HostTargets& targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);
+    stages->check(grid, band, sign);
     const bool in_place = targets.are_packed();
     const auto store = [&](const Grid& part, const scan::HostArrays& values) { targets.store(part, values); };
     const scan::SlabLimits limits =

@@ -132,7 +132,7 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
 }
 
 void Stages::check(const Grid& grid, const Band& band, SignRule sign) const {
-    if (restriction_) restriction_->check(grid, band);
+    if (restriction_) restriction_->check(grid, band, sign);
     check_distance(mesh_, lattice_of(grid));
     layout_of(grid, band, sign);
 }
@@ -229,6 +229,9 @@ Stages::Lattice& Stages::lattice(const Grid& grid) {
             lattices_.splice(lattices_.begin(), lattices_, it);
             return lattices_.front();
         }
+    // Those without records are not in the budget; a caller may use a lattice for each call.
+    constexpr std::size_t most_lattices = 64;
+    if (lattices_.size() == most_lattices) lattices_.pop_back();
     lattices_.push_front({grid.origin, grid.spacing, nullptr, nullptr, nullptr, 0, 0});
     return lattices_.front();
 }
@@ -463,8 +466,14 @@ std::size_t Stages::record_bytes() const {
 }
 
 std::size_t Stages::host_bytes() const {
-    return (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) + (index_ ? index_->bytes() : 0) +
-           (points_ ? points_->host_bytes() : 0) + (frusta_sources_ ? frusta_sources_->host_bytes() : 0) +
+    std::size_t of_lattices = 0;
+    for (const Lattice& lattice : lattices_)
+        of_lattices += sizeof lattice + (lattice.kept ? (lattice.kept->faces.size() + lattice.kept->sites.size()) *
+                                                            sizeof(polyhedra::RecordRange)
+                                                      : 0);
+    return of_lattices + (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) +
+           (index_ ? index_->bytes() : 0) + (points_ ? points_->host_bytes() : 0) +
+           (frusta_sources_ ? frusta_sources_->host_bytes() : 0) +
            (restriction_ ? restriction_->numbers.size() * sizeof(std::uint32_t) +
                                restriction_->sample.size() * sizeof(restriction_->sample[0])
                          : 0);

@@ -100,20 +100,25 @@ scan::Programs DistanceTransform::State::build_programs(const CallOptions& call)
 
 void DistanceTransform::State::move(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
+    require_whole();
     move_vertices(vertices.moved(mesh(), positions));
 }
 
 void DistanceTransform::State::move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
+    require_whole();
     move_vertices(transform::Vertices::moved(first_positions.empty() ? mesh().vertices() : first_positions, rotation,
                                              translation));
 }
 
-void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
+void DistanceTransform::State::require_whole() const {
     if (stages->restriction() != nullptr)
         throw Error(ErrorCode::unsupported,
                     "the transform is restricted, and triangles would come and go; move the whole one and restrict it "
                     "again");
+}
+
+void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     std::vector<Vec3> before;
     if (first_positions.empty()) before = mesh().vertices();
     stages->move(std::move(positions));
@@ -149,6 +154,7 @@ bool DistanceTransform::State::test(const transform::TestCase& test_case, transf
 
 bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
                                        transform::Compiling& compiling) const {
+    device::context_of(device).require_usable();
     if (options.method) options.method->check_outputs(outputs);
     transform::TestCase test_case = test_case_of(grid, band, outputs, count);
     transform::TestCase large = test_case;

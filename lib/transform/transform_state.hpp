@@ -142,6 +142,8 @@ private:
           std::unique_ptr<transform::Stages> own_stages);
 
     scan::Programs build_programs(const CallOptions& call);
+    /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
+    void require_whole() const;
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
     transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;

@@ -59,12 +59,13 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
         const std::uint32_t index = welded_[vertex];
         if (index == no_vertex) continue;
         const Vec3& to = positions[vertex];
+        if (!is_finite(to))
+            throw Error(ErrorCode::invalid_mesh, fmt::format("{}: vertex {} moves to ({}, {}, {}), which is not finite",
+                                                             mesh.name(), vertex, to[0], to[1], to[2]));
         if (first[index] == no_vertex) {
             first[index] = vertex;
             result[index] = to;
-        } else if (!is_finite(to)) {
-            result[index] = to;  // is refused as part of the mesh
-        } else if (const Vec3& other = result[index]; other != to && is_finite(other)) {
+        } else if (const Vec3& other = result[index]; other != to) {
             throw Error(
                 ErrorCode::invalid_argument,
                 fmt::format("vertices {} and {} of {} had equal coordinates and count as one, and they move "

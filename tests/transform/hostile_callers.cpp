@@ -3,13 +3,20 @@
 
 #include "core/parallel.hpp"
 #include "device/context.hpp"
+#include "transform/runs.hpp"
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
+#include <span>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -69,6 +76,7 @@ BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
     BOOST_TEST(calls > 0U);
 }
 
+#ifndef __SANITIZE_THREAD__  // oneTBB is not instrumented, and starts threads here
 // A task of the caller that began within one of the library's loops could lock a mutex that its own thread holds.
 BOOST_AUTO_TEST_CASE(no_task_of_the_caller_runs_within_a_loop_of_the_library) {
     using namespace std::chrono_literals;
@@ -104,6 +112,7 @@ BOOST_AUTO_TEST_CASE(no_task_of_the_caller_runs_within_a_loop_of_the_library) {
     BOOST_TEST(begun == 2);
     BOOST_TEST(nested == 0);
 }
+#endif
 
 BOOST_AUTO_TEST_CASE(a_queue_of_another_context_is_refused) {
     const device::Context& context = device::context_of(test_device());
@@ -212,6 +221,156 @@ BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error
         check_throws(ErrorCode::invalid_argument, {"Device", "moved from"}, call);
     BOOST_TEST(other.name() == test_device().name());
     // NOLINTEND(bugprone-use-after-move)
+}
+
+// A run that fails ends before those that it was to follow.
+BOOST_AUTO_TEST_CASE(a_run_that_fails_hides_no_run_that_is_under_way) {
+    const device::Context& context = device::context_of(test_device());
+    cl::UserEvent pending(context.context()), failed(context.context());
+    transform::Runs runs;
+    runs.add(pending);
+    runs.add(failed);
+    BOOST_TEST((runs.latest()() == failed()));
+    failed.setStatus(-1);
+    BOOST_TEST((runs.latest()() == pending()));
+    std::atomic<bool> has_ended = false;
+    std::thread device([&, pending]() mutable {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        has_ended = true;
+        pending.setStatus(CL_COMPLETE);
+    });
+    BOOST_TEST(runs.wait() == CL_SUCCESS);
+    BOOST_TEST(has_ended);
+    device.join();
+    BOOST_TEST((runs.latest()() == nullptr));
+    // A failure is an end, too.
+    runs.add(failed);
+    BOOST_TEST(runs.wait() == CL_SUCCESS);
+}
+
+BOOST_AUTO_TEST_CASE(a_part_of_a_soup_does_not_move) {
+    const Mesh soup = as_soup(make_shape("sphere2"));
+    const DistanceTransform whole(test_device(), soup);
+    DistanceTransform part = whole.restrict_to({{0.5, 0.5, 0.5}, {1, 1, 1}}, 0.1, 0.05);
+    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.move(soup.vertices()); });
+    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] {
+        part.move({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {0, 0, 1});
+    });
+}
+
+BOOST_AUTO_TEST_CASE(the_band_of_an_unsigned_part_has_no_inside) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform whole(test_device(), mesh, {.sign = SignRule::none});
+    const DistanceTransform part = whole.restrict_to({{0, 0, 0}, {1, 1, 1}}, 0.3, 0.1);
+    Grid grid = unit_grid();
+    grid.origin = {0.1, 0.1, 0.1};
+    grid.size = {8, 8, 8};
+    const Band band{std::numeric_limits<double>::infinity(), 0.3};
+    BOOST_TEST((part(grid, band).distance == whole(grid, band).distance));
+}
+
+BOOST_AUTO_TEST_CASE(a_lattice_for_each_call_keeps_no_more_after_many) {
+    const DistanceTransform transform(test_device(), make_shape("sphere2"));
+    std::size_t after_some = 0;
+    for (int call = 0; call < 160; ++call) {
+        Grid grid = unit_grid();
+        grid.size = {3, 3, 3};
+        grid.origin[0] += 1e-3 * call;
+        transform(grid, Band::symmetric(0.1));
+        if (call == 79) after_some = transform.memory().host_bytes;
+    }
+    BOOST_TEST(transform.memory().host_bytes == after_some);
+}
+
+BOOST_AUTO_TEST_CASE(outputs_may_go_where_the_points_lie) {
+    const DistanceTransform transform(test_device(), make_shape("sphere3"));
+    std::vector<Vec3> points(40'000);
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> coordinate(-1.3, 1.3);
+    for (Vec3& p : points) p = {coordinate(random), coordinate(random), coordinate(random)};
+    const double no_limit = std::numeric_limits<double>::infinity();
+    std::vector<float> expected(points.size());
+    transform.query(points, no_limit, {.distance = expected});
+    for (const double place : {0.0, 0.5, 0.8}) {
+        std::vector<Vec3> shared = points;
+        float* const first = &reinterpret_cast<float*>(
+            shared.data())[static_cast<std::size_t>(place * 5 * static_cast<double>(points.size()))];
+        transform.query(shared, no_limit, {.distance = std::span(first, points.size())});
+        BOOST_TEST(std::equal(expected.begin(), expected.end(), first), "at " << place);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(boxes_at_a_distance_beyond_floats_are_near) {
+    const DistanceTransform transform(test_device(), make_shape("sphere1"));
+    for (const double far : {1e17, 1e18, 1e30, 1e100}) {
+        const std::vector<Box> boxes{{{far, 0, 0}, {far, 1, 1}}, {{1.5 * far, 0, 0}, {1.5 * far, 1, 1}}};
+        std::vector<BoxPlace> places(2);
+        transform.classify(boxes, 1.2 * far, places);
+        BOOST_TEST((places[0] == BoxPlace::near), "a box from " << far);
+        if (far < 1e18) BOOST_TEST((places[1] == BoxPlace::outside), "a box from " << 1.5 * far);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(strides_of_a_packed_field_may_be_given_in_larger_memory) {
+    const DistanceTransform transform(test_device(), make_shape("sphere1"));
+    Grid grid = unit_grid();
+    grid.size = {8, 8, 8};
+    const Field expected = transform(grid, Band::full());
+    std::vector<float> memory(600, -7.0F);
+    OutputTarget target = memory;
+    target.strides = {4, 32, 256};
+    transform.compute(grid, Band::full(), {.distance = target});
+    BOOST_TEST(std::equal(expected.distance.begin(), expected.distance.end(), memory.begin()));
+    BOOST_TEST(std::all_of(memory.begin() + 512, memory.end(), [](float value) { return value == -7.0F; }));
+    target.strides = {};
+    check_throws(ErrorCode::invalid_argument, {"has 512 samples", "600 values"},
+                 [&] { transform.compute(grid, Band::full(), {.distance = target}); });
+}
+
+BOOST_AUTO_TEST_CASE(a_vertex_that_no_triangle_uses_may_lie_anywhere) {
+    Mesh mesh = make_shape("sphere1");
+    std::vector<Vec3> vertices = mesh.vertices();
+    vertices.push_back({0, 1e30, 0});
+    Grid grid = unit_grid();
+    grid.first = {100'000'000, 0, 0};
+    grid.origin[0] -= grid.spacing[0] * 1e8;
+    check_exact(Mesh(vertices, mesh.triangles()), grid, Band::full());
+}
+
+BOOST_AUTO_TEST_CASE(minus_zero_is_zero) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const Field plus = transform(unit_grid(), {0.0, 0.2});
+    const Field minus = DistanceTransform(test_device(), mesh)(unit_grid(), {-0.0, 0.2});
+    BOOST_TEST((bits_of(plus.distance) == bits_of(minus.distance)));
+    const std::vector<Vec3> points{{0, 0, 0}, {2, 0, 0}};
+    std::vector<float> of_plus(2), of_minus(2);
+    transform.query(points, 0.0, {.distance = of_plus});
+    transform.query(points, -0.0, {.distance = of_minus});
+    BOOST_TEST(std::signbit(of_plus[0]) == std::signbit(of_minus[0]));
+    BOOST_TEST(std::signbit(of_plus[1]) == std::signbit(of_minus[1]));
+}
+
+BOOST_AUTO_TEST_CASE(a_vertex_that_moves_beyond_all_numbers_is_named_by_the_callers_index) {
+    const Mesh soup = as_soup(make_shape("cube"));
+    DistanceTransform transform(test_device(), soup);
+    std::vector<Vec3> positions = soup.vertices();
+    positions[17][1] = std::numeric_limits<double>::quiet_NaN();
+    check_throws(ErrorCode::invalid_mesh, {"vertex 17", "not finite"}, [&] { transform.move(positions); });
+}
+
+BOOST_AUTO_TEST_CASE(grids_beyond_whole_numbers_are_refused) {
+    const Grid grid = unit_grid();
+    check_throws(ErrorCode::invalid_argument, {"2^53"},
+                 [&] { static_cast<void>(grid.refined(std::int64_t{1} << 61)); });
+    check_throws(ErrorCode::invalid_argument, {"2^53"},
+                 [&] { static_cast<void>(grid.grown(std::numeric_limits<std::int64_t>::max() / 2)); });
+    Grid long_one = grid;
+    long_one.size = {1, 1, std::int64_t{1} << 50};
+    const DistanceTransform transform(test_device(), make_shape("cube"));
+    const auto sink = [](const Grid&, const FieldSlab&) {};
+    check_throws(ErrorCode::invalid_argument, {}, [&] { transform.compute_slabs(long_one, Band::full(), {}, sink); });
+    check_throws(ErrorCode::invalid_argument, {}, [&] { static_cast<void>(DistanceTransform::slabs_of(long_one)); });
 }
 
 BOOST_AUTO_TEST_CASE(an_oracle_that_was_moved_from_answers_with_an_error) {
