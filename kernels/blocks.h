@@ -11,6 +11,18 @@
 #include "frame.h"
 #include "lanes.h"
 
+// The bricks of a coarse brick, the sub-blocks of a brick: number b of 4 x 4 x 4.
+INLINE int3 four_cubed(uint b) {
+    return (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
+}
+
+// A coarse brick of the part, by its number.
+INLINE int3 coarse_brick_at(Layout layout, uint number) {
+    const int3 size = vload3(0, layout.coarse_bricks);
+    return vload3(0, layout.coarse_first) +
+           (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
+}
+
 typedef struct Extent {
     float x, y, z, right, left;
     float right_end, left_end, apex;  // along the bounds of the corners (overlapped_within)

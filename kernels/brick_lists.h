@@ -51,7 +51,7 @@ INLINE uintL packed(uintL values, uint bits) {
 
 // Brick b of a coarse brick.
 INLINE int3 brick_of_coarse(int3 coarse, uint b) {
-    return coarse * CLSDF_BRICKS_PER_COARSE + (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
+    return coarse * CLSDF_BRICKS_PER_COARSE + four_cubed(b);
 }
 
 // The numbers list[e, e + LANES); beyond the list's end, its last.
@@ -70,7 +70,7 @@ INLINE uint lanes_in_list(uint e, uint count) {
 // goes to masks[b * stride]. Returns which bricks any of them overlaps.
 INLINE ulong overlapped_bricks(const LanePolyhedra* p, __private const float* bounds, float slack, uint lanes,
                                __global LaneMask* masks, uint stride) {
-    const float half_side = 0.5f * (CLSDF_BRICK - 1);
+    const float half_side = BRICK_CENTRE;
     const LaneExtent extent = extent_of_lanes(p, half_side, half_side, half_side, slack);
     const PlaneDistances step_x = plane_product(p->step_x, CLSDF_BRICK), step_y = plane_product(p->step_y, CLSDF_BRICK),
                          step_z = plane_product(p->step_z, CLSDF_BRICK);
@@ -80,7 +80,7 @@ INLINE ulong overlapped_bricks(const LanePolyhedra* p, __private const float* bo
                        &extent);
     const floatL half_row = 1.5f * fabs(step_x.z) + extent.z;
     ulong any = 0;
-    for (uint b = 0; b < 64; b += 4) {
+    for (uint b = 0; b < CLSDF_COARSE_BRICKS; b += 4) {
         const PlaneDistances row =
             plane_sum(first, plane_sum(plane_product(step_y, b / 4 % 4), plane_product(step_z, b / 16)));
         const floatL height = row.z + 1.5f * step_x.z;
@@ -154,8 +154,7 @@ INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float*
     PlaneDistances at = plane_sum(plane_sum(p->at, plane_product(p->step_x, half_x - 3.5f)),
                                   plane_sum(plane_product(p->step_y, -3.0f), plane_product(p->step_z, -3.0f)));
     at = without_extent(at, &extent);
-    const floatL brick_extent =
-        (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * (0.5f * (CLSDF_BRICK - 1));
+    const floatL brick_extent = (fabs(p->step_x.z) + fabs(p->step_y.z) + fabs(p->step_z.z)) * BRICK_CENTRE;
     floatL slopes[3];
     slopes_at(p, p->at.z, brick_extent + slack, slopes);
     if (p->all_compact && lanes_to_bits(fabs(p->at.z) <= brick_extent + slack) == 0) {

@@ -10,30 +10,16 @@
 #include "blocks.h"
 #include "builtins.h"
 
-#define BRICKS 64  // of a coarse brick
-#define BRICK_CENTRE (0.5f * (CLSDF_BRICK - 1))
-#define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
-
-INLINE int3 coarse_brick_at(Layout layout, uint number) {
-    const int3 size = vload3(0, layout.coarse_bricks);
-    return vload3(0, layout.coarse_first) +
-           (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
-}
-
-// The bricks of a coarse brick, the sub-blocks of a brick: number b of 4 x 4 x 4.
-INLINE int3 four_cubed(uint b) {
-    return (int3)(b & 3u, (b >> 2) & 3u, b >> 4);
-}
-
 // Returns the square of the least distance from the feet of altitudes in the list, points of the surface, to the centre
-// of a brick. Work-item i takes brick i % BRICKS and every (GROUP / BRICKS)-th foot. feet: relative to the centre of
-// the coarse brick.
+// of a brick. Work-item i takes brick i % CLSDF_COARSE_BRICKS and every (GROUP / CLSDF_COARSE_BRICKS)-th foot. feet:
+// relative to the centre of the coarse brick.
 static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_begin, uint list_end,
                                          __global const uint* entries, __global const Polyhedron* polyhedra,
                                          __local float3* feet) {
     const uint item = get_local_id(0);
     const int3 first = coarse * CLSDF_COARSE;
-    const float3 centre = (convert_float3(four_cubed(item % BRICKS)) - 1.5f) * CLSDF_BRICK * vload3(0, layout.spacing);
+    const float3 centre =
+        (convert_float3(four_cubed(item % CLSDF_COARSE_BRICKS)) - 1.5f) * CLSDF_BRICK * vload3(0, layout.spacing);
     float least = INFINITY;
     for (uint begin = list_begin; begin < list_end; begin += GROUP) {
         const uint count = min(list_end - begin, (uint)GROUP);
@@ -41,7 +27,7 @@ static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_b
             feet[item] =
                 from_foot_to(layout, polyhedra + entries[begin + item], first.x, first.y, first.z, COARSE_CENTRE);
         barrier(CLK_LOCAL_MEM_FENCE);
-        for (uint n = item / BRICKS; n < count; n += GROUP / BRICKS) {
+        for (uint n = item / CLSDF_COARSE_BRICKS; n < count; n += GROUP / CLSDF_COARSE_BRICKS) {
             const float3 from_foot = feet[n] + centre;
             const float square = dot(from_foot, from_foot);
             least = LESSER(square, least);
@@ -58,7 +44,7 @@ static inline ulong overlapped_bricks(__global const Polyhedron* p, int3 coarse,
     const FramePosition position = frame_position_at(p, first.x, first.y, first.z, COARSE_CENTRE);
     const Extent extent = widened(extent_of_cube(p, BRICK_CENTRE), slack);
     ulong overlapped = 0;
-    for (uint b = 0; b < BRICKS; ++b) {
+    for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) {
         const float3 centre = (convert_float3(four_cubed(b)) - 1.5f) * CLSDF_BRICK;
         overlapped |= (ulong)overlapped_blocks(p, position, centres_of(p, position, centre.x, centre.y, centre.z),
                                                extent, bounds[b])
@@ -67,7 +53,8 @@ static inline ulong overlapped_bricks(__global const Polyhedron* p, int3 coarse,
     return overlapped;
 }
 
-// Global size: a group for each coarse brick order[begin, ...) of the launch. brick_bounds: BRICKS for each of `order`.
+// Global size: a group for each coarse brick order[begin, ...) of the launch. brick_bounds: CLSDF_COARSE_BRICKS for
+// each of `order`.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_bounds(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
     __global const uint* restrict entries, __global const float* restrict coarse_bounds,
@@ -79,12 +66,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_bounds(
     least_squares[item] = least_square_of_feet(layout, coarse, starts[number * parts], starts[(number + 1) * parts],
                                                entries, polyhedra, feet);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < BRICKS) {
+    if (item < CLSDF_COARSE_BRICKS) {
         float least = least_squares[item];
-        for (uint other = item + BRICKS; other < GROUP; other += BRICKS) least = LESSER(least_squares[other], least);
+        for (uint other = item + CLSDF_COARSE_BRICKS; other < GROUP; other += CLSDF_COARSE_BRICKS)
+            least = LESSER(least_squares[other], least);
         const float bound = sqrt(least) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
         const float coarse_bound = coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)];
-        bounds[slot * BRICKS + item] = LESSER(bound, coarse_bound);
+        bounds[slot * CLSDF_COARSE_BRICKS + item] = LESSER(bound, coarse_bound);
     }
 }
 
@@ -94,9 +82,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_masks(
     __global const uint* restrict entries, __global const float* restrict coarse_bounds,
     __global const Polyhedron* restrict polyhedra, __global const float* restrict bounds, uint groups,
     __global ulong* restrict masks) {
-    __local float brick_bounds[BRICKS];
+    __local float brick_bounds[CLSDF_COARSE_BRICKS];
     const uint item = get_local_id(0), slot = begin + get_group_id(0) / groups, number = order[slot];
-    if (item < BRICKS) brick_bounds[item] = bounds[slot * BRICKS + item];
+    if (item < CLSDF_COARSE_BRICKS) brick_bounds[item] = bounds[slot * CLSDF_COARSE_BRICKS + item];
     barrier(CLK_LOCAL_MEM_FENCE);
     const int3 coarse = coarse_brick_at(layout, number);
     const float slack = coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)] * layout.slack_rate +

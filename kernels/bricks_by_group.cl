@@ -396,7 +396,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #endif
 ) {
     __local Work work;
-    const uint item = get_local_id(0), slot = begin + get_group_id(0) / BRICKS, b = get_group_id(0) % BRICKS;
+    const uint item = get_local_id(0), slot = begin + get_group_id(0) / CLSDF_COARSE_BRICKS,
+               b = get_group_id(0) % CLSDF_COARSE_BRICKS;
     const uint number = order[slot], list_end = starts[(number + 1) * parts];
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     const int3 at = coarse_brick_at(layout, number) * CLSDF_BRICKS_PER_COARSE + four_cubed(b);
@@ -406,7 +407,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     Brick brick;
     brick.first = at * CLSDF_BRICK;
     brick.spacing = vload3(0, layout.spacing);
-    brick.bound = brick_bounds[slot * BRICKS + b];
+    brick.bound = brick_bounds[slot * CLSDF_COARSE_BRICKS + b];
     brick.slack = brick.bound * layout.slack_rate + layout.brick_slack;
     brick.radius = 0.5f * sqrt(dot(brick.spacing, brick.spacing)) * (1.0f + 1.0e-5f) + layout.brick_slack;
     if (item < SUBBLOCKS) work.bounds[item] = as_uint(brick.bound);
@@ -454,6 +455,6 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     for (uint c = 0; c < CLSDF_COUNTERS; ++c) atomic_add(group_counters + c, counters[c]);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < CLSDF_COUNTERS)
-        all_counters[(begin * 64 + get_group_id(0)) * CLSDF_COUNTERS + item] = group_counters[item];
+        all_counters[(begin * CLSDF_COARSE_BRICKS + get_group_id(0)) * CLSDF_COUNTERS + item] = group_counters[item];
 #endif
 }

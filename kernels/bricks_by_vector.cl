@@ -28,7 +28,7 @@
 static inline void subblock_bounds(Layout layout, int3 first, __global const Polyhedron* nearest, float brick_bound,
                                    __private float* bounds) {
     const float3 spacing = vload3(0, layout.spacing);
-    const float3 from_foot = from_foot_to(layout, nearest, first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
+    const float3 from_foot = from_foot_to(layout, nearest, first.x, first.y, first.z, BRICK_CENTRE);
     const float3 half_sides = 0.5f * (float3)(SUBBLOCK_X - 1, 1.0f, 1.0f) * spacing;
     const float radius = sqrt(dot(half_sides, half_sides)) * (1.0f + 1.0e-5f) + layout.brick_slack;
     for (uint v = 0; v < SUBBLOCK_PLANE / LANES; ++v) {
@@ -54,7 +54,7 @@ typedef struct Queue {
 // Adds those of numbers[0, LANES) that overlap a sub-block and whose bit in `lanes` is set.
 INLINE void enqueue(int3 first, __private const uint* numbers, uint lanes, __private const float* bounds, float slack,
                     __global const Polyhedron* polyhedra, __private Queue* queue) {
-    const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, 0.5f * (CLSDF_BRICK - 1));
+    const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, first, BRICK_CENTRE);
     const uintL masks = overlapped_subblocks(&p, bounds, slack);
     const uint overlapping = lanes & lanes_to_bits(masks != 0);
     store_lanes(packed(load_lanes(0, numbers), overlapping), 0, queue->numbers + queue->count);
@@ -125,8 +125,8 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
 
 // One for each of a coarse brick's 64 bricks.
 typedef struct BrickBounds {
-    float bound[64];   // an upper bound of the distance of its samples
-    uint nearest[64];  // the polyhedron whose foot gave it
+    float bound[CLSDF_COARSE_BRICKS];   // an upper bound of the distance of its samples
+    uint nearest[CLSDF_COARSE_BRICKS];  // the polyhedron whose foot gave it
 } BrickBounds;
 
 // The distance of the brick's centre to the nearest of the surface points it knows (the feet of the altitudes), and the
@@ -134,9 +134,9 @@ typedef struct BrickBounds {
 static inline void find_brick_bounds(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                      __global const Polyhedron* polyhedra, float coarse_bound,
                                      __private BrickBounds* bounds) {
-    floatL least[64 / LANES];
-    uintL nearest[64 / LANES];
-    for (uint v = 0; v < 64 / LANES; ++v) {
+    floatL least[CLSDF_COARSE_BRICKS / LANES];
+    uintL nearest[CLSDF_COARSE_BRICKS / LANES];
+    for (uint v = 0; v < CLSDF_COARSE_BRICKS / LANES; ++v) {
         least[v] = INFINITY;
         nearest[v] = entries[0];
     }
@@ -148,8 +148,7 @@ static inline void find_brick_bounds(Layout layout, int3 coarse, uint count, __g
     const uint stride = max(count > 256 ? 2u : 1u, count / 2048);
     for (uint e = 0; e < count; e += stride) {
         if (e + 16 * stride < count) prefetch_foot(polyhedra + entries[e + 16 * stride]);
-        const float3 from_foot =
-            from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, 0.5f * (CLSDF_BRICK - 1));
+        const float3 from_foot = from_foot_to(layout, polyhedra + entries[e], first.x, first.y, first.z, BRICK_CENTRE);
         const floatL x = i + from_foot.x;
         floatL of_slice[16 / LANES];
 #pragma unroll
@@ -158,14 +157,14 @@ static inline void find_brick_bounds(Layout layout, int3 coarse, uint count, __g
             of_slice[v] = x * x + y * y;
         }
 #pragma unroll
-        for (uint v = 0; v < 64 / LANES; ++v) {
+        for (uint v = 0; v < CLSDF_COARSE_BRICKS / LANES; ++v) {
             const float z = from_foot.z + (float)(v * LANES / 16) * (CLSDF_BRICK * layout.spacing[2]);
             const floatL squared = of_slice[v % (16 / LANES)] + z * z;
             nearest[v] = squared < least[v] ? (uintL)entries[e] : nearest[v];
             least[v] = LESSER(squared, least[v]);
         }
     }
-    for (uint v = 0; v < 64 / LANES; ++v) {
+    for (uint v = 0; v < CLSDF_COARSE_BRICKS / LANES; ++v) {
         const floatL bound = sqrt(least[v]) * (1.0f + 1.0e-5f) + (layout.brick_radius + layout.brick_slack);
         store_lanes(LESSER(bound, coarse_bound), v, bounds->bound);
         store_lanes(nearest[v], v, bounds->nearest);
@@ -174,10 +173,10 @@ static inline void find_brick_bounds(Layout layout, int3 coarse, uint count, __g
 
 // A work-item's own memory.
 typedef struct Scratch {
-    LaneMask
-        masks[64 * CLSDF_LIST_PART / LANES];  // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
-    uint others[CLSDF_LIST_PART + LANES];     // that are not slender
-    uint list[CLSDF_LIST_PART + LANES];       // of a brick
+    LaneMask masks[CLSDF_COARSE_BRICKS * CLSDF_LIST_PART /
+                   LANES];                 // from b * CLSDF_LIST_PART / LANES: of brick b, one for LANES polyhedra
+    uint others[CLSDF_LIST_PART + LANES];  // that are not slender
+    uint list[CLSDF_LIST_PART + LANES];    // of a brick
 } Scratch;
 
 // The host allocates CLSDF_SCRATCH_BYTES for it.
@@ -193,7 +192,7 @@ typedef char SliceFits[DISTANCE_BYTES + SLICE_BYTES <= sizeof(Scratch) ? 1 : -1]
 static inline ulong bricks_of_part(Layout layout, int3 coarse, Output output) {
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     ulong in_part = 0;
-    for (uint b = 0; b < 64; ++b) {
+    for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) {
         const int3 relative = brick_of_coarse(coarse, b) - brick_first;
         if (all(relative >= 0) && all(relative < bricks))
             in_part |= (ulong)(*mark_of(layout, brick_of_coarse(coarse, b), output) != CLSDF_UNWANTED_BRICK) << b;
@@ -212,7 +211,7 @@ static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global
         load_numbers(entries, e, count, numbers);
         for (uint ahead = e + LANES; ahead < min(count, e + 2 * LANES); ++ahead)
             prefetch_record(polyhedra + entries[ahead]);
-        const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, coarse * CLSDF_COARSE, 0.5f * (CLSDF_COARSE - 1));
+        const LanePolyhedra p = lane_polyhedra(polyhedra, numbers, coarse * CLSDF_COARSE, COARSE_CENTRE);
         any |=
             overlapped_bricks(&p, bounds, slack, lanes_in_list(e, count), masks + e / LANES, CLSDF_LIST_PART / LANES);
     }
@@ -223,7 +222,7 @@ static inline ulong list_bricks(Layout layout, int3 coarse, uint count, __global
 static inline void evaluate_bricks(Layout layout, int3 coarse, ulong in_part, uint count, __global const uint* entries,
                                    float slack, __private BrickBounds* bounds, __global const Polyhedron* polyhedra,
                                    __global Scratch* scratch, __global Minimum* minima, __private ulong* counters) {
-    for (uint b = 0; b < 64; ++b) bounds->bound[b] = bound_of_brick(minima + b, bounds->bound[b]);
+    for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) bounds->bound[b] = bound_of_brick(minima + b, bounds->bound[b]);
     ulong rest = in_part & list_bricks(layout, coarse, count, entries, bounds->bound, slack, polyhedra, scratch->masks);
     for (; rest; rest &= rest - 1) {
         const uint b = lowest_bit_of_long(rest);
@@ -256,7 +255,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
         evaluate_bricks(layout, coarse, in_part, length, some, slack, &bounds, polyhedra, scratch, minima, counters);
     }
     ulong used = 0;
-    for (uint b = 0; b < 64; ++b) used |= (ulong)has_distances(minima + b) << b;
+    for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) used |= (ulong)has_distances(minima + b) << b;
     const ulong written = write_used(layout, coarse, used, in_part, minima, output, counters);
     // The samples of slender polyhedra may lie in bricks beyond the part, too.
     for (used &= ~written; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
@@ -281,8 +280,8 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
 ) {
     const size_t item = get_global_id(0);
     __global Scratch* scratch = all_scratch + item;
-    __global Minimum* minima = all_minima + item * 64;
-    for (uint b = 0; b < 64; ++b) clear_minimum(minima + b);
+    __global Minimum* minima = all_minima + item * CLSDF_COARSE_BRICKS;
+    for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) clear_minimum(minima + b);
     ulong counters[CLSDF_COUNTERS] = {0};
     Output output;
     output.distance = distance;
@@ -296,13 +295,12 @@ __kernel void bricks_by_vector(Layout layout, uint launch, uint begin, uint end,
     output.rows = (__global uint*)scratch;
     output.computed = computed;
     output.sign_bits = sign_bits;
-    const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     for (;;) {
         const uint slot = begin + atomic_inc(next_slot + launch);
         if (slot >= end) break;
         const uint number = order[slot];
         const uint list = starts[number * parts], count = starts[(number + 1) * parts] - list;
-        const int3 coarse = first + (int3)(number % size.x, number / size.x % size.y, number / (size.x * size.y));
+        const int3 coarse = coarse_brick_at(layout, number);
         compute_coarse_brick(layout, coarse, count, entries + list,
                              coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)], polyhedra,
                              scratch, minima, output, counters);

@@ -12,9 +12,6 @@
 #include "lane_polyhedra.h"
 #endif
 
-// From a coarse brick's first sample to its centre, in samples.
-#define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
-
 typedef struct Cluster {
     uint first, count;  // its polyhedra
     int3 sample;        // of the lattice, near it

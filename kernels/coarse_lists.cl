@@ -9,10 +9,7 @@
 #include "builtins.h"
 #include "coarse_clusters.h"
 #include "face_sources.h"
-
-INLINE uint share_of(uint count, uint number, uint numbers) {
-    return (uint)((ulong)count * number / numbers);
-}
+#include "shares.h"
 
 // The pairs that a part has found. Pairs beyond the room are counted, but not stored.
 typedef struct Found {

@@ -8,6 +8,10 @@
 #include "builtins.h"
 #include "layout.h"
 
+// From the first sample of a brick, or of a coarse brick, to its centre, in samples.
+#define BRICK_CENTRE (0.5f * (CLSDF_BRICK - 1))
+#define COARSE_CENTRE (0.5f * (CLSDF_COARSE - 1))
+
 // The frame's coordinates, and what follows from them by subtraction of nearly equal numbers, at one point. "Right" and
 // "left" are the formulas of the two halves; each holds where X lies on its side.
 typedef struct Offsets {

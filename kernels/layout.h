@@ -10,6 +10,8 @@
 #define CLSDF_BRICK 8
 #define CLSDF_COARSE 32
 #define CLSDF_BRICKS_PER_COARSE 4
+// A set of them has a bit for each.
+#define CLSDF_COARSE_BRICKS 64
 
 // The minima of a brick in the vector body: of each sample a squared distance and, if more is asked for than
 // that, the number of the nearest polyhedron.
@@ -17,9 +19,9 @@
 
 // How many polyhedra of a coarse brick's list the vector body takes at a time.
 #define CLSDF_LIST_PART 2048
-// A work-item's own memory there: a bit for each polyhedron and each of the 64 bricks, and two lists, each with
+// A work-item's own memory there: a bit for each polyhedron and each brick, and two lists, each with
 // room for a vector.
-#define CLSDF_SCRATCH_BYTES (64 * CLSDF_LIST_PART / 8 + 2 * 4 * (CLSDF_LIST_PART + 16))
+#define CLSDF_SCRATCH_BYTES (CLSDF_COARSE_BRICKS * CLSDF_LIST_PART / 8 + 2 * 4 * (CLSDF_LIST_PART + 16))
 
 // The nearest triangle of a sample beyond the band, and the nearest polyhedron of one that none holds.
 #define CLSDF_NO_TRIANGLE 0xFFFFFFFFu

@@ -25,6 +25,7 @@
 #ifdef __OPENCL_VERSION__
 #pragma OPENCL EXTENSION cl_khr_fp64 : enable
 typedef int clsdf_int32;
+typedef long clsdf_int64;
 typedef uint clsdf_uint32;
 typedef uchar clsdf_uint8;
 #else
@@ -32,6 +33,7 @@ typedef uchar clsdf_uint8;
 #include <cstdint>
 namespace clsdf {
 using clsdf_int32 = std::int32_t;
+using clsdf_int64 = std::int64_t;
 using clsdf_uint32 = std::uint32_t;
 using clsdf_uint8 = std::uint8_t;
 #endif

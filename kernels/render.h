@@ -7,9 +7,7 @@
 
 #include "polyhedron.h"
 
-#ifdef __OPENCL_VERSION__
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
-#else
+#ifndef __OPENCL_VERSION__
 namespace clsdf {
 #endif
 

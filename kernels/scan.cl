@@ -2,15 +2,13 @@
 // sums; each writes its range. (A tree in local memory is slower on a processor; GPUs have scan_by_group.cl.) Few
 // values are summed in one launch, by one work-item.
 
-static inline uint range_begin(uint count, uint part, uint parts) {
-    return (uint)((ulong)count * part / parts);
-}
+#include "shares.h"
 
 __kernel void scan_sums(uint count, __global const uint* values, __global ulong* sums) {
     const uint part = get_global_id(0), parts = get_global_size(0);
-    const uint end = range_begin(count, part + 1, parts);
+    const uint end = share_of(count, part + 1, parts);
     ulong sum = 0;
-    for (uint i = range_begin(count, part, parts); i < end; ++i) sum += values[i];
+    for (uint i = share_of(count, part, parts); i < end; ++i) sum += values[i];
     sums[part] = sum;
 }
 
@@ -27,9 +25,9 @@ __kernel void scan_offsets(uint parts, __global ulong* sums) {
 
 __kernel void scan_write(uint count, __global const uint* values, __global const ulong* sums, __global uint* starts) {
     const uint part = get_global_id(0), parts = get_global_size(0);
-    const uint end = range_begin(count, part + 1, parts);
+    const uint end = share_of(count, part + 1, parts);
     uint sum = (uint)sums[part];
-    for (uint i = range_begin(count, part, parts); i < end; ++i) {
+    for (uint i = share_of(count, part, parts); i < end; ++i) {
         const uint value = values[i];
         starts[i] = sum;
         sum += value;

@@ -1,21 +1,19 @@
 // Exclusive prefix sums of 32-bit counts on a GPU, in three launches: each work-group sums a part of the counts, one
 // group sums the sums, and each group writes its part. A work-item takes a range of its group's part.
 
+#include "shares.h"
+
 #define ITEMS 64  // of a group
 
 typedef struct Range {
     uint begin, end;
 } Range;
 
-static inline uint range_begin(uint count, uint part, uint parts) {
-    return (uint)((ulong)count * part / parts);
-}
-
 // A work-item's range of a part of `count` values.
 static inline Range range_of_item(uint count, uint part, uint parts) {
-    const uint begin = range_begin(count, part, parts), length = range_begin(count, part + 1, parts) - begin;
+    const uint begin = share_of(count, part, parts), length = share_of(count, part + 1, parts) - begin;
     const uint item = get_local_id(0);
-    const Range range = {begin + range_begin(length, item, ITEMS), begin + range_begin(length, item + 1, ITEMS)};
+    const Range range = {begin + share_of(length, item, ITEMS), begin + share_of(length, item + 1, ITEMS)};
     return range;
 }
 

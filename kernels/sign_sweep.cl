@@ -12,6 +12,7 @@
 // to their rows and sorted there; a running sum of their orientation is the winding number.
 
 #include "layout.h"
+#include "shares.h"
 #include "sweep_edges.h"
 
 // A crossing has the same coordinate in every vector width, on every device.
@@ -250,9 +251,9 @@ __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const
                              uint capacity, __global SweepRecord* records, __global SweepTotals* totals,
                              __global uint* large, int has_chosen, __global const uint* chosen) {
     const uint part = get_global_id(0), parts = get_global_size(0), count = end - begin;
-    const uint own_end = begin + (uint)((ulong)count * (part + 1) / parts);
+    const uint own_end = begin + share_of(count, part + 1, parts);
     Writer writer = {row_counts, records, capacity, totals, 0, 0};
-    for (uint n = begin + (uint)((ulong)count * part / parts); n < own_end;) {
+    for (uint n = begin + share_of(count, part, parts); n < own_end;) {
 #if LANES == 8
         uint numbers[LANES];
         for (uint lane = 0; lane < LANES; ++lane) {

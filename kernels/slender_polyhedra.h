@@ -101,8 +101,8 @@ INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const
     t->x = FRAME_AT(words, 0, i, j, k);
     t->y = FRAME_AT(words, 1, i, j, k);
     t->z = FRAME_AT(words, 2, i, j, k);
-    t->height = t->z + rise * (0.5f * (CLSDF_COARSE - 1));
-    t->extent = extent * (0.5f * (CLSDF_COARSE - 1));
+    t->height = t->z + rise * COARSE_CENTRE;
+    t->extent = extent * COARSE_CENTRE;
     // From the longer half of the base: the other may be nothing.
     const intL right = words[NUMBER_BASE] >= words[NUMBER_BASE + 1];
     t->altitude = (right ? words[NUMBER_NORMAL_ALONG] : words[NUMBER_NORMAL_ALONG + 1]) *
@@ -211,8 +211,7 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
     intL regular = (as_intL(t.words[WORD_FLAGS]) & (int)(needed | CLSDF_POLYHEDRON_NON_MANIFOLD)) == needed;
     *absent = lanes_to_bits(regular & ~present);
 #pragma unroll
-    for (uint axis = 0; axis < 3; ++axis)
-        regular &= fabs(t.to_origin[axis] - 0.5f * (CLSDF_COARSE - 1)) <= SLENDER_RANGE;
+    for (uint axis = 0; axis < 3; ++axis) regular &= fabs(t.to_origin[axis] - COARSE_CENTRE) <= SLENDER_RANGE;
     const intL slender = regular & present & ~wide;
     if (part->is_whole) return lanes_to_bits(slender);
     const intL near = is_near_part(layout, &t, part, bound, margin);

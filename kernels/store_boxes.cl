@@ -2,8 +2,6 @@
 
 #include "stored_box.h"
 
-#pragma OPENCL EXTENSION cl_khr_fp64 : enable
-
 #define STORE(From, To)                                                                                        \
     for (int x = piece; x < box->size[0]; x += pieces) {                                                       \
         __global const From* samples = (__global const From*)from + (first + x) * components;                  \

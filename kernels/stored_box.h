@@ -2,7 +2,7 @@
 #ifndef CLSDF_STORED_BOX_H
 #define CLSDF_STORED_BOX_H
 
-#include "sweep.h"
+#include "polyhedron.h"
 
 #ifndef __OPENCL_VERSION__
 namespace clsdf {

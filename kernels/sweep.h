@@ -4,11 +4,8 @@
 
 #include "polyhedron.h"
 
-#ifdef __OPENCL_VERSION__
-typedef long clsdf_int64;
-#else
+#ifndef __OPENCL_VERSION__
 namespace clsdf {
-using clsdf_int64 = std::int64_t;
 #endif
 
 // A triangle whose box holds more rows is shared by several work-items.

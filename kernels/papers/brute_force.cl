@@ -13,7 +13,6 @@
 
 #define ROWS (CLSDF_BRICK * CLSDF_BRICK)
 #define ITEM_VECTORS (ITEM_ROWS * CLSDF_BRICK / LANES)
-#define HALF_BRICK (0.5f * (CLSDF_BRICK - 1))
 
 // What a work-item has found so far.
 typedef struct Least {
@@ -50,7 +49,7 @@ __kernel void brute_force(Layout layout, int first_slice, uint first_brick, uint
     }
     for (uint n = first_record; n < end_record; ++n) {
         __global const Polyhedron* p = polyhedra + n;
-        const double3 centre = convert_double3(corner) + (double)HALF_BRICK;
+        const double3 centre = convert_double3(corner) + (double)BRICK_CENTRE;
 #ifdef LONG_BRICKS
         const double4 frame = frame_at(p, centre.x, centre.y, centre.z);
 #else
@@ -59,9 +58,9 @@ __kernel void brute_force(Layout layout, int first_slice, uint first_brick, uint
 #endif
         for (uint v = 0; v < ITEM_VECTORS; ++v) {
             const uint row = first_row + v * LANES / CLSDF_BRICK;
-            const floatL i = convert_floatL(LANE_NUMBERS) + ((float)(v * LANES % CLSDF_BRICK) - HALF_BRICK);
-            const floatL j = (float)(row % CLSDF_BRICK) - HALF_BRICK;
-            const floatL k = (float)(row / CLSDF_BRICK) - HALF_BRICK;
+            const floatL i = convert_floatL(LANE_NUMBERS) + ((float)(v * LANES % CLSDF_BRICK) - BRICK_CENTRE);
+            const floatL j = (float)(row % CLSDF_BRICK) - BRICK_CENTRE;
+            const floatL k = (float)(row / CLSDF_BRICK) - BRICK_CENTRE;
 #ifdef LONG_BRICKS
             lower(&least, v, squared_distance_long_brick(p, frame, i, j, k), p->triangle);
 #else

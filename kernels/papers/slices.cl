@@ -7,6 +7,7 @@
 #include "distance.h"
 #include "frame.h"
 #include "piece.h"
+#include "shares.h"
 #include "slices.h"
 
 // The pieces that cut each slice, by count, scan, fill: no other slice of a piece is ever looked at.
@@ -20,8 +21,8 @@
 __kernel void slices_active(Layout layout, uint count, __global const Piece* pieces, int begin, int end,
                             __global uint* counts, __global uint2* active, uint base, int fill) {
     const uint part = get_global_id(0), parts = get_global_size(0);
-    const uint last = (uint)((ulong)count * (part + 1) / parts);
-    for (uint i = (uint)((ulong)count * part / parts); i < last; ++i) {
+    const uint last = share_of(count, part + 1, parts);
+    for (uint i = share_of(count, part, parts); i < last; ++i) {
         const int slice_end = min(pieces[i].slice_end, end);
         for (int slice = max(pieces[i].slice_begin, begin); slice < slice_end; ++slice) {
             const uint slot = counts[(size_t)(slice - layout.first[2]) * parts + part]++;

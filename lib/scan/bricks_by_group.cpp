@@ -7,7 +7,7 @@ namespace {
 // A launch ends within a fifth of a second on a small GPU, for which ten million pairs of a polyhedron and a coarse
 // brick a second are assumed. 64 groups test each pair.
 constexpr double pairs_per_launch = 2e6;
-constexpr std::size_t groups_per_coarse_brick = 64;
+constexpr std::size_t groups_per_coarse_brick = CLSDF_COARSE_BRICKS;
 // Groups that share a coarse brick's list: a narrow band has few coarse bricks, and a GPU many multiprocessors.
 constexpr std::size_t mask_groups = 8;
 
