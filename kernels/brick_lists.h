@@ -2,6 +2,7 @@
 #ifndef CLSDF_BRICK_LISTS_H
 #define CLSDF_BRICK_LISTS_H
 
+#include "blocks.h"
 #include "lane_polyhedra.h"
 #include "subblocks.h"
 

@@ -10,7 +10,7 @@
 #define CLSDF_BRICK 8
 #define CLSDF_COARSE 32
 #define CLSDF_BRICKS_PER_COARSE 4
-// A set of them has a bit for each.
+// The bricks of a coarse brick. A mask of 64 bits has one bit per brick.
 #define CLSDF_COARSE_BRICKS 64
 
 // The minima of a brick in the vector body: of each sample a squared distance and, if more is asked for than

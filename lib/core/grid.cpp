@@ -85,17 +85,12 @@ Grid Grid::block(const Index3& block_first, const Index3& block_size) const {
     return result;
 }
 
-namespace {
-
-/// Far beyond every block that can be computed, and far below what 64 bits hold.
-constexpr double farthest = 0x1p53;
-
-}  // namespace
-
 Grid Grid::grown(std::int64_t samples) const {
-    if (!(std::abs(static_cast<double>(samples)) <= farthest))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("grid: it cannot be grown by {} samples, which is beyond 2^53", samples));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const std::int64_t number : {first[axis], size[axis], samples})
+            if (std::abs(static_cast<double>(number)) > static_cast<double>(largest_index))
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("grid: grown by {} samples, it would have indices beyond 2^53", samples));
     Grid result = *this;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         result.first[axis] -= samples;
@@ -116,7 +111,7 @@ void check_ratio(const Grid& grid, std::int64_t ratio) {
                     fmt::format("grid: it cannot be refined by a ratio of {}; give 1 or more", ratio));
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const std::int64_t number : {grid.first[axis], grid.size[axis]})
-            if (std::abs(static_cast<double>(number) * static_cast<double>(ratio)) > farthest)
+            if (std::abs(static_cast<double>(number) * static_cast<double>(ratio)) > static_cast<double>(largest_index))
                 throw Error(ErrorCode::invalid_argument,
                             fmt::format("grid: refined by a ratio of {}, it would have indices beyond 2^53", ratio));
 }

@@ -6,7 +6,6 @@
 
 #include <cstddef>
 #include <new>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -33,15 +32,10 @@ void advise_huge_pages(void* memory, std::size_t bytes) noexcept;
 /// little memory" in the message.
 template <typename Work>
 decltype(auto) with_host_memory(const char* what, const Work& work) {
-    const auto error = [&] {
-        return Error(ErrorCode::out_of_memory, fmt::format("the host has too little memory {}", what));
-    };
     try {
         return work();
     } catch (const std::bad_alloc&) {
-        throw error();
-    } catch (const std::length_error&) {  // of a vector that no memory could hold
-        throw error();
+        throw Error(ErrorCode::out_of_memory, fmt::format("the host has too little memory {}", what));
     }
 }
 

@@ -22,8 +22,8 @@ constexpr std::size_t width = CLSDF_TREE_WIDTH;
 
 // Distances to a face are off by less, in units: its frame has roundings of the size of the mesh's box.
 constexpr double frame_error = 1e-6;
-// In units: boxes are cut off there, so that floats hold the squares of distances: infinite ones belong to children
-// that do not exist. Boxes nearer to the mesh do not change.
+// In units. Boxes are clamped to it, so that squared distances are finite in floats: infinity marks a child that does
+// not exist. Boxes nearer to the mesh do not change.
 constexpr double farthest = 1e18;
 
 float rounded_down(double x) {

@@ -190,7 +190,8 @@ HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const c
         [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array) {
             if (!target.is_given()) return;
             resolve_element(row, natural.element, target);
-            const bool is_plain = target.offset == 0 && target.strides == OutputTarget().strides;
+            const bool is_plain =
+                target.offset == 0 && target.component_stride == 0 && target.strides == OutputTarget().strides;
             const bool is_packed = resolve_strides(row, grid, target);
             check_host_memory(row, grid, owner, target, is_plain);
             are_packed_ = are_packed_ && is_packed && !is_widened(row, target);

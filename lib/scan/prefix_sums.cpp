@@ -30,7 +30,7 @@ std::size_t parts_of(std::size_t count, bool by_group) {
 
 Error too_many(const char* what) {
     return {ErrorCode::out_of_memory,
-            fmt::format("lists of {} are more than 2^32; compute a smaller part of the grid at a time", what)};
+            fmt::format("there are more than 2^32 {}; compute a smaller part of the grid at a time", what)};
 }
 
 PrefixSums::PrefixSums(device::Context& context, const Programs& programs,

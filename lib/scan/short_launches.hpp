@@ -20,7 +20,7 @@ constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = com
     return (items + group - 1) / group * group;
 }
 
-/// The cores that estimates of a launch's time count with. A device that is no processor is taken for eight at least.
+/// The cores in estimates of a launch's time: the compute units, but at least eight if the device is no processor.
 inline unsigned cores_of(const device::Context::Capabilities& device) {
     return device.is_processor ? device.compute_units : std::max(8U, device.compute_units);
 }
@@ -64,7 +64,7 @@ public:
                    [&](std::size_t number) { enqueue(number * step, std::min((number + 1) * step, items)); });
     }
 
-    /// A kernel for [0, items), an item a work-item. Argument `begin` and the one behind it get each launch's range.
+    /// Launches a kernel for [0, items), one item per work-item. Arguments `begin`, `begin` + 1 are the range's ends.
     void over_items(cl::Kernel& kernel, cl_uint begin, std::size_t items, double core_seconds) const {
         over(items, core_seconds, [&](std::size_t first, std::size_t end) {
             kernel.setArg(begin, static_cast<cl_uint>(first));
@@ -80,11 +80,10 @@ private:
     double core_seconds_;  ///< of a launch, on all cores together
 };
 
-/// Calls launch(begin, end) for ranges that are [0, items) together, and waits for each. The first range follows from
-/// an estimate, the seconds of a core for an item; the size of each later one follows from the measured time of the
-/// range before. No range but the last has fewer than `least` items: on a busy machine the time is not that of the
-/// items alone. `between`, which may be empty, is called before each launch with the fraction done; what it throws ends
-/// the work.
+/// Calls launch(begin, end) for consecutive ranges of [0, items), and waits for each. `core_seconds`, an estimate for
+/// one item on one core, gives the size of the first range. The measured time of a range gives the size of the next.
+/// All ranges but the last have at least `least` items, because other work on a busy machine makes times longer.
+/// `between`, which may be empty, is called before each launch with the fraction done. What it throws ends the work.
 template <class Launch>
 void measured_launches(const device::Context& context, std::size_t items, double core_seconds, std::size_t least,
                        const std::function<void(double)>& between, Launch&& launch) {

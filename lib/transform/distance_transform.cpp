@@ -86,14 +86,16 @@ KeptMemory DistanceTransform::memory() const {
 
 bool DistanceTransform::compile(const Grid& grid, const Band& band, const Outputs& outputs,
                                 const CallOptions& call) const {
-    State& state = this->state();
-    transform::throw_if_stopped(call);
-    const std::scoped_lock lock(state.mutex);
-    transform::Compiling compiling(call, state.options.log);
-    const bool is_tested = state.compile(grid, band, outputs, call.count, compiling);
-    state.compile_seconds += compiling.seconds;
-    state.first_use |= compiling.first_use;
-    return is_tested;
+    return with_host_memory("to compile", [&] {
+        State& state = this->state();
+        transform::throw_if_stopped(call);
+        const std::scoped_lock lock(state.mutex);
+        transform::Compiling compiling(call, state.options.log);
+        const bool is_tested = state.compile(grid, band, outputs, call.count, compiling);
+        state.compile_seconds += compiling.seconds;
+        state.first_use |= compiling.first_use;
+        return is_tested;
+    });
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,

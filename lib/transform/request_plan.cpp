@@ -157,23 +157,28 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
     try {
         if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last);
         for (Part& part : parts_) {
-            last =
-                part.plan->enqueue(queue, part.in_place && in_place != nullptr ? *in_place : part.buffers, before, {});
+            const cl::Event earlier = part.plan->latest();
+            try {
+                last = part.plan->enqueue(queue, part.in_place && in_place != nullptr ? *in_place : part.buffers,
+                                          before, {});
+            } catch (...) {
+                const cl::Event begun = part.plan->latest();
+                if (begun() != nullptr && begun() != earlier()) last = begun;
+                throw;
+            }
             CommandChain chain(queue, {last});
             try {
                 for (BoxStore& store : part.stores) store.enqueue(chain);
             } catch (...) {
-                runs_.add(chain.last());
+                last = chain.last();
                 throw;
             }
             last = chain.last();
             before.assign(1, last);
         }
     } catch (...) {
-        // Parts that are under way write to memory that all share.
+        // The next run must follow: all parts share memory. `last` follows all other commands of this run.
         if (last() != nullptr) runs_.add(last);
-        for (Part& part : parts_)
-            if (const cl::Event latest = part.plan->latest(); latest() != nullptr) runs_.add(latest);
         throw;
     }
     runs_.add(last);

@@ -14,11 +14,11 @@
 
 namespace clsdf::transform {
 
-/// The plans of the blocks that requests are computed by, one after the other, and the launches that take their samples
-/// to the targets. A block that is one request, in packed memory, is computed in place; others in memory that all
-/// share, from where they are copied. For one thread at a time.
+/// A plan of requests: a plan for each block, and the launches that copy samples to the targets. A block that is one
+/// request with packed memory is computed in place. The other blocks are computed one after another in memory that
+/// they share, and copied to the targets. For one thread at a time.
 struct RequestPlanState {
-    /// pool_in: for the plan's buffers. is_own_pool: nothing else takes buffers there but the plan's next move.
+    /// pool_in: of the plan's buffers. is_own_pool: no other plan or transform takes buffers from it.
     RequestPlanState(Device device_in, std::vector<Request> requests_in, std::shared_ptr<device::BufferPool> pool_in,
                      bool is_own_pool);
     /// Waits for what is under way: the buffers go back to the pool.

@@ -7,8 +7,8 @@
 
 namespace clsdf::transform {
 
-/// The computations of a plan that may still be under way. One that fails ends at once, also before those that it was
-/// to follow: so the latest alone does not tell whether all have ended.
+/// Computations of a plan that may be unfinished. If a computation fails, it ends at once, even before the ones that it
+/// waits for. So the end of the latest does not mean that all have ended.
 class Runs {
 public:
     void add(cl::Event end) {
@@ -16,7 +16,7 @@ public:
         running_.push_back(std::move(end));
     }
 
-    /// What the next one is to wait for: the end of the latest that has not ended; null if all have.
+    /// The event that the next computation must wait for: the latest that has not ended. Null if all have ended.
     cl::Event latest() {
         forget_ended();
         return running_.empty() ? cl::Event() : running_.back();

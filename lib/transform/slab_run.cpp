@@ -7,8 +7,8 @@
 
 namespace clsdf {
 
-/// Computes a grid slab by slab. If the device has too little memory for a slab, the slab is halved; one that cannot be
-/// divided is tried once more without what is kept for later calls.
+/// Computes a grid slab by slab. If the device has too little memory for a slab, the slab is halved. A slab that cannot
+/// be halved is tried once more, after the data kept for later calls are released.
 class DistanceTransform::State::SlabRun {
 public:
     /// What is passed by reference must outlive this.
@@ -40,7 +40,7 @@ public:
                     pipeline_.place_own(slot, slab, arrays);
                 compute(slab, slot);
             } catch (const Error& error) {
-                // How long a slab's lists are is known when they are made.
+                // The length of a slab's lists is known only when they are made.
                 const bool is_divisible = scan::is_divisible(slab);
                 if (error.code() != ErrorCode::out_of_memory || (!is_divisible && has_room_)) throw;
                 if (is_divisible) {
@@ -155,7 +155,7 @@ private:
         if (call_.statistics != nullptr) *call_.statistics = statistics_;
     }
 
-    KeepsBudget keeps_budget_;  // the first: it works when the others are gone
+    KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
     State& state_;
     const Grid& grid_;
     const Band& band_;

@@ -229,7 +229,7 @@ Stages::Lattice& Stages::lattice(const Grid& grid) {
             lattices_.splice(lattices_.begin(), lattices_, it);
             return lattices_.front();
         }
-    // Those without records are not in the budget; a caller may use a lattice for each call.
+    // A lattice without records is not in the budget, and a caller may use a new lattice in each call.
     constexpr std::size_t most_lattices = 64;
     if (lattices_.size() == most_lattices) lattices_.pop_back();
     lattices_.push_front({grid.origin, grid.spacing, nullptr, nullptr, nullptr, 0, 0});

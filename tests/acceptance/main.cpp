@@ -98,7 +98,8 @@ int run_all(const Options& options, std::string command) {
     }
     const Device device = Device::best();
     record.device = fmt::format("{} ({})", device.name(), device.platform());
-    print_line(fmt::format("{} fields on {}; * marks what is checked at every sample\n", cases.size(), record.device));
+    print_line(fmt::format("{} fields on {}; * marks what is checked at every sample\n",
+                           cases.size() * bodies.at(options.body).size(), record.device));
     run_list(device, cases, options.body, record);
     record.seconds = stopwatch.seconds();
 

@@ -60,21 +60,27 @@ void compute_and_check(const Device& device, const Case& example, std::span<cons
     std::vector<Field> fields;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         transforms.emplace_back(device, problem.mesh, TransformOptions{.sign = problem.sign, .body = bodies[i]});
-        const Stopwatch computing;
-        fields.push_back(transforms[i](problem.grid, problem.band, outputs_of(problem.grid)));
-        results[i].compute_seconds = computing.seconds();
+        try {
+            const Stopwatch computing;
+            fields.push_back(transforms[i](problem.grid, problem.band, outputs_of(problem.grid)));
+            results[i].compute_seconds = computing.seconds();
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("{}: {}", name_of(bodies[i]), error.what()));
+        }
     }
     const Stopwatch checking;
     std::vector<reference::CheckReport> reports =
         reference::check(problem.mesh, fields, options_of(example, aim_voxels));
+    const double shared_seconds = checking.seconds() / static_cast<double>(bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         Result& result = results[i];
         result.triangles = problem.mesh.triangles().size();
         result.size = problem.grid.size;
         result.half_width_voxels = problem.band.outside / problem.grid.voxel();
         result.sign = fields[i].sign;
+        const Stopwatch judging;
         judge(problem, example, fields[i], std::move(reports[i]), result);
-        result.check_seconds = checking.seconds();
+        result.check_seconds = shared_seconds + judging.seconds();
         result.wrong_calls = wrong_calls(transforms[i], problem, fields[i]);
     }
 }

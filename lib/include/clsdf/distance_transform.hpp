@@ -124,7 +124,7 @@ enum class BoxPlace : std::uint8_t {
 };
 
 /// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
-/// are there until it returns. What it throws ends the computation.
+/// are there until it returns. What it throws is passed on; std::bad_alloc becomes Error(out_of_memory).
 using SlabSink = std::function<void(const Grid& part, const FieldSlab& values)>;
 
 /// How a field is computed slab by slab.
@@ -227,7 +227,8 @@ struct KeptMemory {
 class CLSDF_EXPORT DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need. Throws
-    /// Error(invalid_mesh), also if the mesh does not meet `sign`; Error(device_failure, unsupported or cancelled).
+    /// Error(invalid_mesh), also if it does not meet `sign`; Error(device_failure, unsupported, out_of_memory,
+    /// cancelled).
     DistanceTransform(Device device, const Mesh& mesh, TransformOptions options = {}, const CallOptions& call = {});
     /// The view's arrays may be memory of the device's context, which is read after the events of `wait_list`.
     DistanceTransform(Device device, const MeshView& mesh, TransformOptions options = {}, const CallOptions& call = {},
@@ -331,8 +332,9 @@ public:
     /// targets undefined.
     ///
     /// Throws Error(invalid_argument) that names the index of a point that is not finite or more than 1e14 voxels from
-    /// the mesh's box, for `within` below 0, NaN or finite beyond a float, for memory missing, too small or of another
-    /// context; Error(unsupported) for a buffer that the host may not read or write; Error(out_of_memory or cancelled).
+    /// the mesh's box; for a `within` that is negative, NaN or finite beyond a float; for memory too small or of
+    /// another context. Error(unsupported) for a buffer that the host may not read or write; Error(out_of_memory or
+    /// cancelled).
     void query(const Triples& points, double within, const OutputTargets& targets, const CallOptions& call = {},
                std::span<const cl_event> wait_list = {}) const;
     /// The same of a temporary container.

@@ -20,7 +20,7 @@ enum class ErrorCode {
     output_failure,    ///< a result could not be written; nothing is left under its final name
 };
 
-/// What calls of the library throw. The message names the thing, the value and the remedy.
+/// The exception of the library. The message names the thing, the value and the remedy.
 class CLSDF_VISIBLE Error : public std::runtime_error {
 public:
     Error(ErrorCode code, const std::string& message, int opencl_code = 0)

@@ -44,7 +44,7 @@ struct CLSDF_EXPORT Band {
 
     double widest() const { return inside > outside ? inside : outside; }
 
-    /// Throws Error(invalid_argument) if one is not set, or negative. Computations refuse a finite one > 1e15 voxels.
+    /// Throws Error(invalid_argument) if a half width is NaN or negative. Computations refuse finite ones > 1e15 voxel.
     void validate() const;
 };
 
@@ -93,11 +93,11 @@ struct CLSDF_EXPORT Grid {
     Grid block(const Index3& block_first, const Index3& block_size) const;
 
     /// The block with so many samples more on every side, e.g. ghost samples; fewer if negative. Throws
-    /// Error(invalid_argument) if none would be left.
+    /// Error(invalid_argument) if none would be left, or for indices beyond 2^53.
     Grid grown(std::int64_t samples) const;
 
     /// A lattice `ratio` times as fine that has all samples of this one, and the block of it from this grid's first
-    /// sample to its last: for samples at nodes. Throws Error(invalid_argument) for a ratio below 1.
+    /// sample to its last: for samples at nodes. Throws Error(invalid_argument) for a ratio < 1 or indices beyond 2^53.
     Grid refined(std::int64_t ratio) const;
 
     /// The same for samples at the centres of cells: each cell becomes ratio^3 cells with a sample at the centre of

@@ -83,7 +83,7 @@ struct OutputTarget {
 
     void* host = nullptr;
     cl_mem device = nullptr;
-    std::size_t bytes = 0;  ///< of host memory: those of the output if packed at offset 0, else all that is addressed
+    std::size_t bytes = 0;  ///< of host memory: exactly the output's, or with offset or strides at least all addressed
     Element element = Element::automatic;
     /// Bytes before the first sample, a multiple of the element's. In memory of the device, an offset that is no
     /// multiple of what buffers are aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8) costs a copy of the field.
