@@ -24,6 +24,7 @@ void check_same(const Field& whole, const Field& part) {
     visit_outputs(
         [](const char* name, const auto& of_whole, const auto& of_part) {
             BOOST_TEST(of_whole.size() == of_part.size());
+            if (of_whole.empty()) return;  // not asked for
             BOOST_TEST(std::memcmp(of_whole.data(), of_part.data(), of_whole.size() * sizeof(of_whole[0])) == 0,
                        name << " differs");
         },
