@@ -83,7 +83,7 @@ private:
 /// Calls launch(begin, end) for consecutive ranges of [0, items), and waits for each. `core_seconds`, an estimate for
 /// one item on one core, gives the size of the first range. The measured time of a range gives the size of the next.
 /// All ranges but the last have at least `least` items, because other work on a busy machine makes times longer.
-/// `between`, which may be empty, is called before each launch with the fraction done. What it throws ends the work.
+/// `between`, which may be empty, is called before each launch with the fraction done. Its exceptions end the work.
 template <class Launch>
 void measured_launches(const device::Context& context, std::size_t items, double core_seconds, std::size_t least,
                        const std::function<void(double)>& between, Launch&& launch) {

@@ -124,7 +124,7 @@ enum class BoxPlace : std::uint8_t {
 };
 
 /// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
-/// are there until it returns. What it throws is passed on; std::bad_alloc becomes Error(out_of_memory).
+/// are there until it returns. Its exceptions are passed on; std::bad_alloc becomes Error(out_of_memory).
 using SlabSink = std::function<void(const Grid& part, const FieldSlab& values)>;
 
 /// How a field is computed slab by slab.
