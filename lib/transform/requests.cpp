@@ -106,7 +106,7 @@ auto kind_of(const Request& request, const HostArrays& arrays) {
                       request.targets.distance.element == OutputTarget::Element::float64);
 }
 
-/// make(request) for each of them, with its index in the message of what it throws.
+/// make(request) for each of them; if there are several, its index stands in the message of what it throws.
 template <class Made, class Make>
 std::vector<Made> made_of(std::span<const Request> requests, const std::function<void(const Request&)>& check,
                           const Make& make) {
@@ -119,6 +119,7 @@ std::vector<Made> made_of(std::span<const Request> requests, const std::function
             if (check) check(requests[n]);
             all.push_back(make(requests[n]));
         } catch (const Error& error) {
+            if (requests.size() == 1) throw;  // a call for one grid has no numbers
             throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()),
                         error.opencl_code());
         }

@@ -20,8 +20,8 @@ struct Batch {
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
 
-/// The targets of each request. Throws what a call for the request alone would throw, or what `check` throws, with its
-/// index in the message.
+/// The targets of each request. Throws what a call for the request alone would throw, or what `check` throws; if there
+/// are several, with its index in the message.
 std::vector<HostTargets> targets_of(std::span<const Request> requests,
                                     const std::function<void(const Request&)>& check = {});
 std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,

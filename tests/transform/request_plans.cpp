@@ -414,7 +414,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
     check_throws(ErrorCode::invalid_argument, {"1 requests", "2 grids"}, [&] { plan.move(transform, two); });
     // A move to grids that are refused changes nothing.
     const std::vector<Grid> larger(1, grid.grown(1));
-    check_throws(ErrorCode::invalid_argument, {"request 0 of 1"}, [&] { plan.move(transform, larger); });
+    check_throws(ErrorCode::invalid_argument, {"output distance"}, [&] { plan.move(transform, larger); });
     BOOST_TEST((plan.requests().front().grid == grid));
     run(plan, nullptr);
     BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
@@ -446,8 +446,7 @@ BOOST_AUTO_TEST_CASE(memory_that_values_would_share_or_kernels_may_not_write_is_
     check("along z");
     const cl::Buffer read_only(context().context(), CL_MEM_READ_ONLY, host.size() * sizeof(float));
     const std::vector<Request> requests{{grid, band, {.distance = OutputTarget(read_only())}}};
-    check_throws(ErrorCode::invalid_argument, {"request 0 of 1", "CL_MEM_READ_ONLY"},
-                 [&] { transform.plan(requests); });
+    check_throws(ErrorCode::invalid_argument, {"CL_MEM_READ_ONLY"}, [&] { transform.plan(requests); });
 }
 
 BOOST_AUTO_TEST_CASE(a_plan_without_requests_waits_for_the_callers_events) {
