@@ -28,6 +28,16 @@ HostArrays arrays_for(const Outputs& outputs) {
     return arrays;
 }
 
+std::size_t widest_of(const HostArrays& arrays) {
+    std::size_t widest = 0;
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& array) {
+            if (array.is_wanted) widest = std::max(widest, row.sample_bytes(array.in_double));
+        },
+        arrays);
+    return widest;
+}
+
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
     FieldSlab slab;
     for_each_output(

@@ -33,6 +33,8 @@ using HostArrays = PerOutput<detail::HostArrayOf>;
 
 /// Without memory yet, with the elements of PerOutput.
 HostArrays arrays_for(const Outputs& outputs);
+/// Bytes that one sample has in the largest of the wanted arrays.
+std::size_t widest_of(const HostArrays& arrays);
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
 
 /// Device memory for a host array: the array itself on a processor, whose memory it is.

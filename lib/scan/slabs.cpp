@@ -21,8 +21,8 @@ std::size_t largest_of(const device::Context::Capabilities& device) {
     return std::min(device.largest_allocation, device.memory / 8);
 }
 
-std::size_t slice_bytes(const Grid& grid) {
-    return static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) * sizeof(float);
+std::size_t samples_of_slice(const Grid& grid) {
+    return static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
 }
 
 Grid slices_of(const Grid& grid, std::int64_t begin, std::int64_t end) {
@@ -30,16 +30,17 @@ Grid slices_of(const Grid& grid, std::int64_t begin, std::int64_t end) {
 }
 
 /// The most slices of a slab.
-std::int64_t most_slices(const Grid& grid, const SlabLimits& limits) {
-    const std::size_t slice = slice_bytes(grid);
+std::int64_t most_slices(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
+    const std::size_t slice = samples_of_slice(grid) * sizeof(float);
     const std::size_t coarse = CLSDF_COARSE * slice;
     const std::size_t wished = coarse <= limits.tolerated ? std::max(limits.preferred, coarse) : limits.tolerated;
     const std::size_t brick = CLSDF_BRICK * slice;
-    const std::size_t bytes = std::min(std::max(wished, brick), limits.largest);
+    const std::size_t slices =
+        std::min(std::max(wished, brick) / slice, limits.largest / (samples_of_slice(grid) * widest));
     // Sign bits and their counts take whole bricks; of a grid that is thin along x they outweigh the field.
     constexpr std::size_t sign_limit = 96 * mebibyte;
     return static_cast<std::int64_t>(
-        std::min(bytes / slice, std::max<std::size_t>(sign_limit / sign_bytes_of_slice(grid), CLSDF_BRICK)));
+        std::min(slices, std::max<std::size_t>(sign_limit / sign_bytes_of_slice(grid), CLSDF_BRICK)));
 }
 
 }  // namespace
@@ -53,8 +54,8 @@ SlabLimits stream_limits_of(const device::Context::Capabilities& device) {
     return {64 * mebibyte, 256 * mebibyte, largest_of(device)};
 }
 
-std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits) {
-    const std::int64_t most = most_slices(grid, limits);
+std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest) {
+    const std::int64_t most = most_slices(grid, limits, widest);
     if (most >= grid.size[2]) return {grid};
     std::vector<Grid> slabs;
     for (std::int64_t begin = 0; begin < grid.size[2];) {

@@ -13,9 +13,9 @@ namespace clsdf::scan {
 /// How a grid is divided along z. Whole coarse bricks are best, because their lists are made for each slab; a slab of
 /// whole bricks repeats no sample's work; and what is less still has the same bytes.
 struct SlabLimits {
-    std::size_t preferred;  ///< bytes of one output: slabs of whole coarse bricks up to it, one of them at least,
+    std::size_t preferred;  ///< bytes of distances: slabs of whole coarse bricks up to it, one of them at least,
     std::size_t tolerated;  ///< as long as that takes no more than this; whole bricks else
-    std::size_t largest;    ///< never more bytes of one output, but a slice
+    std::size_t largest;    ///< never more bytes of any output, but a slice
 };
 
 /// For fields in host memory: on a processor as few slabs as possible; on other devices enough that one is read while
@@ -25,8 +25,9 @@ SlabLimits limits_of(const device::Context::Capabilities& device);
 /// For fields that are handed on slab by slab: 64 MiB of samples, or 32 slices if they take at most 256 MiB.
 SlabLimits stream_limits_of(const device::Context::Capabilities& device);
 
-/// Parts of the grid in the order of z, which together are the grid.
-std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits);
+/// Parts of the grid in the order of z, which together are the grid. widest: bytes that one sample has in the largest
+/// of the outputs.
+std::vector<Grid> slabs_of(const Grid& grid, const SlabLimits& limits, std::size_t widest = sizeof(float));
 
 /// Whether a slab has brick boundaries within.
 bool is_divisible(const Grid& slab);

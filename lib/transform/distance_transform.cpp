@@ -177,8 +177,10 @@ void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const 
             sink(part, scan::slab_of(values, part.sample_count()));
         };
         scan::SlabPipeline pipeline(context, state.pool, hand_on, options.overlap);
-        state.compute(grid, band, outputs, scan::arrays_for(outputs), false,
-                      scan::slabs_of(grid, scan::stream_limits_of(context.capabilities())), {}, pipeline, call);
+        const scan::HostArrays arrays = scan::arrays_for(outputs);
+        state.compute(grid, band, outputs, arrays, false,
+                      scan::slabs_of(grid, scan::stream_limits_of(context.capabilities()), scan::widest_of(arrays)), {},
+                      pipeline, call);
     });
 }
 

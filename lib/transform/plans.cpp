@@ -37,10 +37,11 @@ std::vector<RequestPlanState::Block> blocks_of(std::span<const Batch> batches,
     const std::size_t largest = context.capabilities().largest_allocation;
     std::vector<RequestPlanState::Block> blocks;
     for (const Batch& batch : batches) {
-        const bool in_place = batch.requests.size() == 1 && targets[batch.requests.front()].in_place().has_value();
+        const scan::DeviceTargets& any = targets[batch.requests.front()];
+        const bool in_place = batch.requests.size() == 1 && any.in_place().has_value();
         const auto limits =
             in_place ? scan::SlabLimits{largest, largest, largest} : scan::stream_limits_of(context.capabilities());
-        const std::vector<Grid> slabs = scan::slabs_of(batch.block, limits);
+        const std::vector<Grid> slabs = scan::slabs_of(batch.block, limits, scan::widest_of(any.arrays()));
         for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
     }
     return blocks;

@@ -186,7 +186,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
     const auto store = [&](const Grid& part, const scan::HostArrays& values) { targets.store(part, values); };
     const scan::SlabLimits limits =
         in_place ? scan::limits_of(context.capabilities()) : scan::stream_limits_of(context.capabilities());
-    std::vector<Grid> slabs = scan::slabs_of(grid, limits);
+    std::vector<Grid> slabs = scan::slabs_of(grid, limits, scan::widest_of(targets.arrays()));
     scan::SlabPipeline pipeline(context, pool, in_place ? scan::ArraySink() : scan::ArraySink(store), slabs.size() > 1);
     compute(grid, band, outputs, targets.arrays(), in_place, std::move(slabs), {}, pipeline, call);
 }
@@ -204,8 +204,10 @@ void DistanceTransform::State::compute(const transform::Batch& batch, std::span<
     const device::Context& context = device::context_of(device);
     std::vector<Grid> wanted;
     for (const std::size_t n : batch.requests) wanted.push_back(requests[n].grid);
-    compute(batch.block, request.band, outputs, targets[any].arrays(), false,
-            scan::slabs_of(batch.block, scan::stream_limits_of(context.capabilities())), wanted, pipeline, call);
+    const scan::HostArrays& arrays = targets[any].arrays();
+    compute(batch.block, request.band, outputs, arrays, false,
+            scan::slabs_of(batch.block, scan::stream_limits_of(context.capabilities()), scan::widest_of(arrays)),
+            wanted, pipeline, call);
 }
 
 }  // namespace clsdf

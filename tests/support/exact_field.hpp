@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <span>
 #include <string>
@@ -117,16 +118,44 @@ inline std::vector<std::uint32_t> bits_of(std::span<const float> values) {
     return bits;
 }
 
-/// Compares the outputs that both fields have.
+/// Whether the fields have the same outputs, with the same bytes.
 inline bool same_bytes(const Field& one, const Field& other) {
     bool is_same = true;
     visit_outputs(
         [&](const char*, const auto& values, const auto& others) {
-            if (values.empty() || others.empty()) return;
             is_same = is_same && std::ranges::equal(std::as_bytes(std::span(values)), std::as_bytes(std::span(others)));
         },
         one, other);
     return is_same;
+}
+
+/// What the field holds of a part of its grid.
+inline Field part_of(const Field& whole, const Grid& part) {
+    Field result;
+    static_cast<FieldDescription&>(result) = whole;
+    result.grid = part;
+    const std::size_t samples = whole.grid.sample_count();
+    const Index3 offset{part.first[0] - whole.grid.first[0], part.first[1] - whole.grid.first[1],
+                        part.first[2] - whole.grid.first[2]};
+    visit_outputs(
+        [&](const char*, const auto& values, auto& of_part) {
+            const std::size_t width = values.size() / samples;
+            for (std::int64_t k = 0; k < part.size[2]; ++k)
+                for (std::int64_t j = 0; j < part.size[1]; ++j) {
+                    const std::size_t from = whole.grid.offset(offset[0], offset[1] + j, offset[2] + k);
+                    of_part.append({values.data() + width * from, width * static_cast<std::size_t>(part.size[0])});
+                }
+        },
+        whole, result);
+    return result;
+}
+
+/// The tests' device as if it allocated no more at once.
+inline Device with_largest_allocation(std::size_t bytes) {
+    setenv("CLSDF_MAX_ALLOCATION", std::to_string(bytes).c_str(), 1);
+    Device device = Device::best();
+    unsetenv("CLSDF_MAX_ALLOCATION");
+    return device;
 }
 
 /// Results of points, all outputs, in the arrays of a field.

@@ -136,16 +136,18 @@ BOOST_AUTO_TEST_CASE(an_output_is_the_same_whatever_else_is_asked_for) {
     for (const KernelBody body : both_bodies) {
         DistanceTransform transform(test_device(), mesh, {.body = body});
         const Field all = transform(grid, band, all_outputs());
-        BOOST_TEST(same_bytes(all, transform(grid, band)));
+        BOOST_TEST((bits_of(transform(grid, band).distance) == bits_of(all.distance)));
         visit_extras(
             [&](const char* name, bool) {
                 Outputs one;
                 visit_extras([&](const char* other, bool& wanted) { wanted = std::strcmp(name, other) == 0; }, one);
-                const Field field = transform(grid, band, one);
-                BOOST_TEST(same_bytes(all, field), name);
-                visit_extras([&](const char* other,
-                                 const auto& values) { BOOST_TEST(values.empty() == (std::strcmp(name, other) != 0)); },
-                             field);
+                Field expected = all;
+                visit_extras(
+                    [](const char*, bool wanted, auto& values) {
+                        if (!wanted) values = {};
+                    },
+                    one, expected);
+                BOOST_TEST(same_bytes(expected, transform(grid, band, one)), name);
             },
             Outputs());
     }

@@ -17,15 +17,6 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The tests' device with a largest allocation of this many bytes.
-Device with_largest_allocation(std::size_t bytes) {
-    setenv("CLSDF_MAX_ALLOCATION", std::to_string(bytes).c_str(), 1);
-    Device device = Device::best();
-    unsetenv("CLSDF_MAX_ALLOCATION");
-    BOOST_REQUIRE(device::context_of(device).capabilities().largest_allocation == bytes);
-    return device;
-}
-
 const Mesh& mesh() {
     static const Mesh shape = [] {
         Random random(5);
@@ -41,8 +32,11 @@ Grid around_mesh(std::int64_t first_z) {
     return grid;
 }
 
-std::size_t slice_bytes(const Grid& grid) {
-    return static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sizeof(float);
+/// A closest point has more bytes than anything else that a sample has.
+constexpr std::size_t widest = 3 * sizeof(double);
+
+std::size_t slice_bytes(const Grid& grid, std::size_t sample_bytes) {
+    return static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sample_bytes;
 }
 
 }  // namespace
@@ -53,9 +47,9 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
         const Grid grid = around_mesh(first);
         for (const Band& band : {Band::symmetric(4 * grid.voxel()), Band{infinite, 2 * grid.voxel()}}) {
             const Field whole = compute(mesh(), grid, band);
-            for (const std::size_t slices : {40U, 33U, 21U, 11U}) BOOST_TEST_CONTEXT(slices << " slices at most") {
-                    DistanceTransform transform(with_largest_allocation(slices * slice_bytes(grid)), mesh());
-                    BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
+            for (const std::size_t slices : {40U, 33U, 21U, 11U, 5U}) BOOST_TEST_CONTEXT(slices << " slices at most") {
+                    DistanceTransform transform(with_largest_allocation(slices * slice_bytes(grid, widest)), mesh());
+                    BOOST_TEST(same_bytes(whole, transform(grid, band, all_outputs())));
                 }
         }
     }
@@ -66,9 +60,10 @@ BOOST_AUTO_TEST_CASE(slabs_computed_by_groups_have_the_bytes_of_the_whole) {
     const Band band = Band::symmetric(3 * grid.voxel());
     const Field whole = compute(mesh(), grid, band, KernelBody::by_group);
     std::size_t calls = 0;
-    DistanceTransform transform(with_largest_allocation(320000), mesh(), {.body = KernelBody::by_group});
+    DistanceTransform transform(with_largest_allocation(21 * slice_bytes(grid, widest)), mesh(),
+                                {.body = KernelBody::by_group});
     const CallOptions counted{.progress = [&](double) { ++calls; }};
-    BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true}, counted)));
+    BOOST_TEST(same_bytes(whole, transform(grid, band, all_outputs(), counted)));
     BOOST_TEST(calls > 3U, "the grid was not divided");
 }
 
@@ -78,7 +73,7 @@ BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
     TransformStatistics at_once, by_slabs;
     DistanceTransform(test_device(), mesh())(grid, band, {}, {.count = true, .statistics = &at_once});
     std::vector<double> seen;
-    DistanceTransform(with_largest_allocation(33 * slice_bytes(grid)), mesh())(
+    DistanceTransform(with_largest_allocation(33 * slice_bytes(grid, sizeof(float))), mesh())(
         grid, band, {},
         {.progress = [&](double fraction) { seen.push_back(fraction); }, .count = true, .statistics = &by_slabs});
     BOOST_TEST(seen.size() >= 3U);
@@ -96,7 +91,7 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     const Band band = Band::symmetric(16 * grid.voxel());
     const Field whole = compute(fine, grid, band);
     TransformStatistics unlimited;
-    DistanceTransform(test_device(), fine)(grid, band, {.triangle = true}, {.statistics = &unlimited});
+    DistanceTransform(test_device(), fine)(grid, band, all_outputs(), {.statistics = &unlimited});
     BOOST_REQUIRE(unlimited.slabs == 1U);
     // The polyhedra fit, but with less and less other memory the whole field does not.
     const std::size_t polyhedra = fine.triangles().size() * sizeof(Polyhedron);
@@ -106,7 +101,7 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
         const std::size_t memory = polyhedra + (unlimited.device_bytes - polyhedra) * percent / 100;
         DistanceTransform transform(test_device().limited({.memory = memory}), fine);
         TransformStatistics statistics;
-        BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true}, {.statistics = &statistics})));
+        BOOST_TEST(same_bytes(whole, transform(grid, band, all_outputs(), {.statistics = &statistics})));
         BOOST_TEST(statistics.device_bytes <= memory);
         slabs = statistics.slabs;
     }

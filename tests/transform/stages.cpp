@@ -21,27 +21,6 @@ namespace {
 
 constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 
-/// The samples of a part of a field.
-Field part_of(const Field& whole, const Grid& part) {
-    Field result;
-    static_cast<FieldDescription&>(result) = whole;
-    result.grid = part;
-    result.distance.resize(part.sample_count());
-    if (!whole.triangle.empty()) result.triangle.resize(part.sample_count());
-    std::size_t to = 0;
-    for (std::int64_t k = 0; k < part.size[2]; ++k)
-        for (std::int64_t j = 0; j < part.size[1]; ++j)
-            for (std::int64_t i = 0; i < part.size[0]; ++i, ++to) {
-                const Index3 at{part.first[0] - whole.grid.first[0] + i, part.first[1] - whole.grid.first[1] + j,
-                                part.first[2] - whole.grid.first[2] + k};
-                const auto from =
-                    static_cast<std::size_t>((at[2] * whole.grid.size[1] + at[1]) * whole.grid.size[0] + at[0]);
-                result.distance[to] = whole.distance[from];
-                if (!result.triangle.empty()) result.triangle[to] = whole.triangle[from];
-            }
-    return result;
-}
-
 /// Small boxes anywhere in a grid, some of one sample.
 std::vector<Grid> small_parts(const Grid& grid, Random& random, int count) {
     std::vector<Grid> parts;
@@ -84,9 +63,9 @@ BOOST_AUTO_TEST_CASE(small_boxes_have_the_bytes_of_the_whole) {
                     for (const Grid& part : small_parts(grid, random, 12)) {
                         const Field expected = part_of(whole, part);
                         BOOST_TEST(same_bytes(compute(mesh, part, band, body), expected));
-                        BOOST_TEST(same_bytes(kept(part, band, {.triangle = true}), expected));
+                        BOOST_TEST(same_bytes(kept(part, band, all_outputs()), expected));
                     }
-                    BOOST_TEST(same_bytes(kept(grid, band, {.triangle = true}), whole));
+                    BOOST_TEST(same_bytes(kept(grid, band, all_outputs()), whole));
                 }
             }
     }
@@ -101,9 +80,9 @@ BOOST_AUTO_TEST_CASE(what_is_kept_changes_no_byte) {
     for (const std::size_t budget : {std::size_t{0}, std::size_t{1} << 20, std::size_t{1} << 30}) {
         DistanceTransform transform(test_device(), mesh, {.kept_bytes = budget});
         for (int round = 0; round < 3; ++round) {
-            BOOST_TEST(same_bytes(transform(grid, band, {.triangle = true}), first));
-            BOOST_TEST(same_bytes(transform(finer, band, {.triangle = true}), second));
-            BOOST_TEST(same_bytes(transform(grid, wide, {.triangle = true}), third));
+            BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), first));
+            BOOST_TEST(same_bytes(transform(finer, band, all_outputs()), second));
+            BOOST_TEST(same_bytes(transform(grid, wide, all_outputs()), third));
             BOOST_TEST((transform(grid, band).distance == first.distance));
         }
     }
@@ -190,19 +169,19 @@ BOOST_AUTO_TEST_CASE(moved_vertices_have_an_exact_field) {
     const Band band = Band::symmetric(3 * grid.voxel());
     for (const KernelBody body : both_bodies) {
         DistanceTransform transform(test_device(), first, {.body = body});
-        const Field before = transform(grid, band, {.triangle = true});
+        const Field before = transform(grid, band, all_outputs());
         for (const double angle : {0.2, -0.4}) {
             const Mesh moved(twisted(first, angle), first.triangles(), first.name());
             transform.move(moved.vertices());
-            const Field field = transform(grid, band, {.triangle = true});
+            const Field field = transform(grid, band, all_outputs());
             BOOST_TEST(!same_bytes(field, before));
             BOOST_TEST(check_exact(moved, field).band_samples > 0U);
             // A box of the moved part, without the rest.
             const Grid part = grid.part({20, 20, 20}, {9, 9, 9});
-            BOOST_TEST(same_bytes(transform(part, band, {.triangle = true}), part_of(field, part)));
+            BOOST_TEST(same_bytes(transform(part, band, all_outputs()), part_of(field, part)));
         }
         transform.move(first.vertices());
-        BOOST_TEST(same_bytes(transform(grid, band, {.triangle = true}), before));
+        BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), before));
     }
 }
 
@@ -218,7 +197,7 @@ BOOST_AUTO_TEST_CASE(bytes_after_a_move_depend_on_the_first_and_the_last_positio
     by_way(grid.part({3, 4, 5}, {7, 7, 7}), band);
     by_way.move(twisted(first, 0.1));
     by_way.move(last);
-    BOOST_TEST(same_bytes(at_once(grid, band, {.triangle = true}), by_way(grid, band, {.triangle = true})));
+    BOOST_TEST(same_bytes(at_once(grid, band, all_outputs()), by_way(grid, band, all_outputs())));
 }
 
 /// About the axis (1, 2, 2) / 3.
@@ -241,7 +220,7 @@ BOOST_AUTO_TEST_CASE(rigid_motions_do_not_drift) {
         const Grid grid = grid_around(first, 40, 10);
         const Band band = Band::symmetric(3 * grid.voxel());
         DistanceTransform transform(test_device(), first);
-        const Field before = transform(grid, band, {.triangle = true});
+        const Field before = transform(grid, band, all_outputs());
         for (int step = 1; step < 1000; ++step) transform.move(rotation_by(0.01 * step), {0.001 * step, 0, 0});
         const std::array<Vec3, 3> rotation = rotation_by(0.3);
         const Vec3 translation{0.01, -0.02, 0.03};
@@ -253,13 +232,13 @@ BOOST_AUTO_TEST_CASE(rigid_motions_do_not_drift) {
                 x[a] = std::fma(rotation[a][0], from[0],
                                 std::fma(rotation[a][1], from[1], std::fma(rotation[a][2], from[2], translation[a])));
         }
-        const Field field = transform(grid, band, {.triangle = true});
+        const Field field = transform(grid, band, all_outputs());
         BOOST_TEST(check_exact(Mesh(expected, first.triangles(), first.name()), field).band_samples > 0U);
         DistanceTransform other(test_device(), first);
         other.move(expected);
-        BOOST_TEST(same_bytes(other(grid, band, {.triangle = true}), field));
+        BOOST_TEST(same_bytes(other(grid, band, all_outputs()), field));
         transform.move(rotation_by(0), {0, 0, 0});
-        BOOST_TEST(same_bytes(transform(grid, band, {.triangle = true}), before));
+        BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), before));
     }
 }
 
@@ -279,7 +258,7 @@ BOOST_AUTO_TEST_CASE(what_is_no_rotation_is_refused) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     check_throws(ErrorCode::invalid_mesh, {"inf"}, [&] { transform.move(rotation_by(0.1), {infinite, 0, 0}); });
     const Grid grid = grid_around(mesh, 20, 3);
-    check_exact(mesh, transform(grid, Band::symmetric(0.2), {.triangle = true}));  // where it was
+    check_exact(mesh, transform(grid, Band::symmetric(0.2), all_outputs()));  // where it was
 }
 
 BOOST_AUTO_TEST_CASE(faces_lose_their_area_and_regain_it) {
@@ -287,15 +266,15 @@ BOOST_AUTO_TEST_CASE(faces_lose_their_area_and_regain_it) {
     const Grid grid = grid_around(mesh, 40, 6);
     const Band band = Band::symmetric(3 * grid.voxel());
     DistanceTransform transform(test_device(), mesh);
-    const Field before = transform(grid, band);
+    const Field before = transform(grid, band, all_outputs());
     std::vector<Vec3> flat = mesh.vertices();
     for (Vec3& position : flat) position[2] = 0;
     transform.move(flat);
-    check_exact(Mesh(flat, mesh.triangles(), "flat"), transform(grid, band, {.triangle = true}));
+    check_exact(Mesh(flat, mesh.triangles(), "flat"), transform(grid, band, all_outputs()));
     transform.move(std::vector<Vec3>(flat.size(), Vec3{0.01, 0.02, 0.03}));
     BOOST_TEST(std::isfinite(transform(grid, band).distance[0]));
     transform.move(mesh.vertices());
-    BOOST_TEST(same_bytes(transform(grid, band), before));
+    BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), before));
 }
 
 BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
@@ -309,7 +288,7 @@ BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
     apart[5] = {0, 1, 0.5};
     check_throws(ErrorCode::invalid_argument, {"vertices 2 and 5 of hinge", "(0, 1, 0.5)"},
                  [&] { transform.move(apart); });
-    check_exact(mesh, transform(grid, band, {.triangle = true}));  // at the first positions
+    check_exact(mesh, transform(grid, band, all_outputs()));  // at the first positions
     apart[2] = apart[5] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
     check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.move(apart); });
     apart[2] = {0, 1, 0};
@@ -320,7 +299,7 @@ BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
     together[6] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};  // which no triangle uses
     transform.move(together);
     together[6] = {9, 9, 9};
-    check_exact(Mesh(together, mesh.triangles(), "moved hinge"), transform(grid, band, {.triangle = true}));
+    check_exact(Mesh(together, mesh.triangles(), "moved hinge"), transform(grid, band, all_outputs()));
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
@@ -355,10 +334,10 @@ BOOST_AUTO_TEST_CASE(several_threads_compute_at_once) {
                 TransformStatistics statistics;
                 double done = 0;
                 const Field field =
-                    transform(part, band, {.triangle = true},
+                    transform(part, band, all_outputs(),
                               {.progress = [&](double fraction) { done = fraction; }, .statistics = &statistics});
                 wrong[n] += same_bytes(field, part_of(expected, part)) && done == 1 && statistics.slabs == 1 ? 0U : 1U;
-                wrong[n] += same_bytes(transform(grid, band, {.triangle = true}), expected) ? 0U : 1U;
+                wrong[n] += same_bytes(transform(grid, band, all_outputs()), expected) ? 0U : 1U;
             }
         });
     for (std::thread& thread : threads) thread.join();

@@ -38,13 +38,12 @@ Band band_on(const Grid& grid) {
     return Band::symmetric(3 * grid.voxel());
 }
 
-/// The tests' device as if it allocated at most 40 of the grid's slices at once.
-Device small_device(const Grid& grid) {
-    setenv("CLSDF_MAX_ALLOCATION", std::to_string(40 * grid.size[0] * grid.size[1] * 4).c_str(), 1);
-    Device device = Device::best();
-    unsetenv("CLSDF_MAX_ALLOCATION");
-    return device;
+/// The tests' device as if it allocated at most 40 of the grid's slices at once: distances, or closest points, which
+/// have more bytes than anything else.
+Device small_device(const Grid& grid, std::size_t sample_bytes = sizeof(float)) {
+    return with_largest_allocation(40 * static_cast<std::size_t>(grid.size[0] * grid.size[1]) * sample_bytes);
 }
+constexpr std::size_t widest = 3 * sizeof(double);
 
 /// A field that is put together from its slabs, which must be in order.
 struct Collected {
@@ -56,8 +55,7 @@ struct Collected {
         const std::int64_t slices = static_cast<std::int64_t>(field.distance.size()) / (whole.size[0] * whole.size[1]);
         BOOST_REQUIRE((part == whole.part({0, 0, slices}, {whole.size[0], whole.size[1], part.size[2]})));
         BOOST_REQUIRE(values.distance.size() == part.sample_count());
-        field.distance.append(values.distance);
-        field.triangle.append(values.triangle);
+        visit_outputs([](const char*, auto& all, const auto& of_part) { all.append(of_part); }, field, values);
         ++slabs;
     }
 };
@@ -81,8 +79,8 @@ BOOST_AUTO_TEST_CASE(has_the_bytes_of_the_whole) {
             for (const bool overlap : {true, false}) {
                 const Grid grid = long_grid(first);
                 const Field whole = compute(mesh(), grid, band_on(grid), body);
-                DistanceTransform transform(small_device(grid), mesh(), {.body = body});
-                const Collected collected = collect(transform, grid, {.triangle = true}, {.overlap = overlap});
+                DistanceTransform transform(small_device(grid, widest), mesh(), {.body = body});
+                const Collected collected = collect(transform, grid, all_outputs(), {.overlap = overlap});
                 BOOST_TEST(same_bytes(whole, collected.field));
                 BOOST_TEST(collected.slabs >= 4U);
                 BOOST_TEST(collected.statistics.slabs == collected.slabs);
@@ -93,17 +91,17 @@ BOOST_AUTO_TEST_CASE(has_the_bytes_of_the_whole) {
 BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
     const Grid grid = long_grid(-13);
     const Field whole = compute(mesh(), grid, band_on(grid), KernelBody::by_group);
-    const Device device = small_device(grid);
+    const Device device = small_device(grid, widest);
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-const-cast): no other device is at hand
     const_cast<device::Context::Capabilities&>(device::context_of(device).capabilities()).is_processor = false;
     DistanceTransform transform(device, mesh());
     TransformStatistics statistics;
-    BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), {.triangle = true}, {.statistics = &statistics})));
+    BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), all_outputs(), {.statistics = &statistics})));
     BOOST_TEST(statistics.slabs >= 4U);
-    const Collected collected = collect(transform, grid, {.triangle = true});
+    const Collected collected = collect(transform, grid, all_outputs());
     BOOST_TEST(same_bytes(whole, collected.field));
     BOOST_TEST(collected.slabs >= 4U);
-    // Two slabs of two outputs are on the device.
+    // Two slabs of all outputs are on the device.
     BOOST_TEST(collected.statistics.device_bytes > collected.statistics.host_bytes);
 }
 
@@ -177,8 +175,8 @@ BOOST_AUTO_TEST_CASE(ends_with_what_the_sink_throws) {
             BOOST_CHECK_THROW(transform.compute_slabs(grid, band_on(grid), {}, refuse, {.overlap = overlap}), Refusal);
             BOOST_TEST(calls == refused);
             // The transform is as good as new.
-            BOOST_TEST(
-                same_bytes(collect(transform, grid, {.triangle = true}).field, compute(mesh(), grid, band_on(grid))));
+            BOOST_TEST(same_bytes(collect(transform, grid, {.triangle = true}).field,
+                                  DistanceTransform(test_device(), mesh())(grid, band_on(grid), {.triangle = true})));
         }
     // Memory that the sink lacks is no reason to compute smaller slabs.
     DistanceTransform transform(small_device(grid), mesh());
