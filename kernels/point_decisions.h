@@ -96,6 +96,11 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
     const FaceDistance d = take_face(mesh, record, vector, part, brick);
     const doubleL squared = load_lanes(0, brick->squared + OF_VECTOR(part));
     lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
+    // In a face that is flatter than that, every point may lie on all three edges.
+    if (mesh.frames[record].altitude <= (double)reach) {
+        for (uint k = 0; k < 3 && lanes; ++k) take_vertex(mesh, neighbours->vertex[k], vector, part, lanes, brick);
+        return;
+    }
     const uint left = BITS_OF(d.left) & lanes, right = lanes & ~left;
     const double near = -(double)reach;
     const uint slanted = BITS_OF(d.outward >= near) & lanes;

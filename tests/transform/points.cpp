@@ -233,12 +233,35 @@ std::vector<Mesh> meshes_with_near_sides() {
     return meshes;
 }
 
+/// A box whose top has vertices along one edge, where the wall below has none. Faces without area close the gaps.
+Mesh box_with_fillers() {
+    const Mesh box = cube(1);
+    std::vector<Vec3> vertices = box.vertices();
+    std::vector<Triangle> triangles;
+    const Triangle& cut = box.triangles().front();
+    for (std::size_t n = 1; n < box.triangles().size(); ++n) triangles.push_back(box.triangles()[n]);
+    constexpr std::uint32_t parts = 8;
+    const Vec3 from = vertices[cut[0]], to = vertices[cut[1]];
+    std::vector<std::uint32_t> rim{cut[0]};
+    for (std::uint32_t i = 1; i < parts; ++i) {
+        Vec3 p;
+        for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = from[axis] + (to[axis] - from[axis]) * i / parts;
+        rim.push_back(static_cast<std::uint32_t>(vertices.size()));
+        vertices.push_back(p);
+    }
+    rim.push_back(cut[1]);
+    for (std::uint32_t i = 0; i < parts; ++i) triangles.push_back({rim[i], rim[i + 1], cut[2]});
+    for (std::uint32_t i = 1; i < parts; ++i) triangles.push_back({rim[0], rim[i + 1], rim[i]});
+    return Mesh(vertices, triangles, "box with fillers");
+}
+
 // Many points are scanned in groups, few are looked up one by one; many have signs by the sides of faces, few by
 // crossings. On a grid around a symmetric mesh many triangles are equally near.
 BOOST_AUTO_TEST_CASE(many_points_give_the_bytes_of_few) {
     std::vector<Mesh> all = meshes();
     for (const char* shape : {"sphere4", "torus"}) all.push_back(make_shape(shape));
     for (Mesh& mesh : meshes_with_near_sides()) all.push_back(std::move(mesh));
+    all.push_back(box_with_fillers());
     for (const Mesh& mesh : all)
         for (const double within : {no_limit, 0.05 * mesh.box().longest_side()}) {
             std::vector<Vec3> points = samples_of(grid_around(mesh, 24, 2));
