@@ -29,6 +29,46 @@ auto find(Buffers& buffers, const cl::Buffer& memory) {
 
 }  // namespace
 
+void require_buffer(const Context& context, const cl::Memory& memory, const std::string& owner) {
+    if (memory.getInfo<CL_MEM_TYPE>() != CL_MEM_OBJECT_BUFFER)
+        throw Error(ErrorCode::invalid_argument, fmt::format("{} is an image or a pipe; give it a buffer", owner));
+    if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} belongs to another OpenCL context than the device of the transform; make it in the "
+                                "context that the device was made with",
+                                owner));
+}
+
+cl::CommandQueue queue_of(const Context& context, cl_command_queue queue) {
+    if (queue == nullptr) return context.callers_queue();
+    cl::CommandQueue callers(queue, true);
+    if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context.context()() ||
+        callers.getInfo<CL_QUEUE_DEVICE>()() != context.device()())
+        throw Error(ErrorCode::invalid_argument,
+                    "the queue belongs to another OpenCL context or device than the transform; give one of the "
+                    "transform's device, or none");
+    return callers;
+}
+
+std::vector<cl::Event> events_of(const Context& context, std::span<const cl_event> wait_list) {
+    std::vector<cl::Event> events;
+    for (std::size_t n = 0; n < wait_list.size(); ++n) {
+        const auto refuse = [&](const char* reason) {
+            return Error(ErrorCode::invalid_argument,
+                         fmt::format("event {} of the wait list's {} {}", n, wait_list.size(), reason));
+        };
+        if (wait_list[n] == nullptr) throw refuse("is null");
+        events.emplace_back(wait_list[n], true);
+        if (events.back().getInfo<CL_EVENT_CONTEXT>()() != context.context()())
+            throw refuse("belongs to another OpenCL context than the transform's device");
+    }
+    return events;
+}
+
+void wait_for(const Context& context, std::span<const cl_event> wait_list) {
+    if (!wait_list.empty()) guarded([&] { cl::Event::waitForEvents(events_of(context, wait_list)); });
+}
+
 MappedMemory::~MappedMemory() {
     try {
         unmap();
@@ -49,11 +89,7 @@ MappedMemory::Place MappedMemory::place_of(cl_mem memory, std::size_t byte) {
 void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std::string& what) {
     guarded([&] {
         const cl::Buffer callers(memory, true);
-        if (callers.getInfo<CL_MEM_CONTEXT>()() != context_.context()())
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("the buffer of the {} belongs to another OpenCL context than the transform's device",
-                            what));
+        require_buffer(context_, callers, fmt::format("the memory of the {}", what));
         const std::size_t bytes = callers.getInfo<CL_MEM_SIZE>();
         if (range.end > bytes)
             throw Error(ErrorCode::invalid_argument,
@@ -86,10 +122,8 @@ void MappedMemory::add(const Triples& triples, const std::string& what) {
 }
 
 void MappedMemory::map(std::span<const cl_event> wait_list) {
+    wait_for(context_, wait_list);
     guarded([&] {
-        std::vector<cl::Event> events;
-        for (cl_event event : wait_list) events.emplace_back(event, true);
-        if (!events.empty()) cl::Event::waitForEvents(events);
         for (Buffer& buffer : buffers_)
             buffer.mapped = static_cast<std::byte*>(context_.queue().enqueueMapBuffer(
                 buffer.memory, CL_TRUE, buffer.flags, buffer.range.begin, buffer.range.end - buffer.range.begin));

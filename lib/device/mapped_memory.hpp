@@ -10,6 +10,14 @@
 
 namespace clsdf::device {
 
+/// The caller's memory, queue and events. All throw Error(invalid_argument) for what belongs to another context.
+/// owner: begins the message. Memory that is no buffer is refused, too.
+void require_buffer(const Context& context, const cl::Memory& memory, const std::string& owner);
+/// Without a queue: that of the device.
+cl::CommandQueue queue_of(const Context& context, cl_command_queue queue);
+std::vector<cl::Event> events_of(const Context& context, std::span<const cl_event> wait_list);
+void wait_for(const Context& context, std::span<const cl_event> wait_list);
+
 /// Buffers of the caller's in the host's address space for the time of a call. A buffer is mapped once, whatever lies
 /// in it; a sub-buffer counts as a part of its buffer. First add() what is used, then map().
 class MappedMemory {

@@ -336,16 +336,14 @@ cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t
     return parent.createSubBuffer(0, CL_BUFFER_CREATE_TYPE_REGION, &region);
 }
 
-/// Memory of another context, or that kernels may not write, would fail later and less clearly.
+/// Memory that kernels cannot or may not write would fail later and less clearly.
 void check_memory(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
+    device::require_buffer(context, memory, fmt::format("the target of the output {}", row.name));
     if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
         throw misuse(
             fmt::format("the target of the output {} is a buffer made with CL_MEM_READ_ONLY; kernels write to "
                         "it, so make it with CL_MEM_READ_WRITE",
                         row.name));
-    if (memory.getInfo<CL_MEM_CONTEXT>()() != context.context()())
-        throw misuse(fmt::format("the target of the output {} belongs to another OpenCL context than the plan's device",
-                                 row.name));
 }
 
 }  // namespace

@@ -99,25 +99,28 @@ bool DistanceTransform::compile(const Grid& grid, const Band& band, const Output
 }
 
 void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
-                                const CallOptions& call) const {
+                                const CallOptions& call, std::span<const cl_event> wait_list) const {
     with_host_memory("for the computation; compute less at once", [&] {
         grid.validate();
         if (targets.distance.device != nullptr) {
             const Request request{grid, band, targets};
-            compute_on_device({&request, 1}, call);
+            compute_on_device({&request, 1}, call, wait_list);
             return;
         }
+        device::wait_for(device::context_of(state().device), wait_list);
         state().compute(grid, band, scan::outputs_of(targets), scan::HostTargets(targets, grid), call);
     });
 }
 
-void DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
+void DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call,
+                                std::span<const cl_event> wait_list) const {
     with_host_memory("for the requests; give fewer at once", [&] {
         State& state = this->state();
         if (!requests.empty() && requests.front().targets.distance.device != nullptr) {
-            compute_on_device(requests, call);
+            compute_on_device(requests, call, wait_list);
             return;
         }
+        device::wait_for(device::context_of(state.device), wait_list);
         const std::vector<scan::HostTargets> targets = transform::targets_of(
             requests, [&](const Request& request) { state.stages->check(request.grid, request.band, state.sign); });
         std::vector<scan::HostArrays> arrays;
@@ -151,12 +154,13 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
     });
 }
 
-void DistanceTransform::compute_on_device(std::span<const Request> requests, const CallOptions& call) const {
+void DistanceTransform::compute_on_device(std::span<const Request> requests, const CallOptions& call,
+                                          std::span<const cl_event> wait_list) const {
     const device::Context& context = device::context_of(state().device);
     RequestPlan plan = this->plan(requests, call);
     device::guarded([&] {
         const Stopwatch watch;
-        const cl::Event end(plan.enqueue(context.callers_queue()()));
+        const cl::Event end(plan.enqueue(context.callers_queue()(), wait_list));
         end.wait();
         if (call.statistics != nullptr) call.statistics->field_seconds = watch.seconds();
     });

@@ -1,7 +1,7 @@
 #include "core/large_memory.hpp"
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
-#include "device/opencl.hpp"
+#include "device/mapped_memory.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/slabs.hpp"
 #include "transform/stored_boxes.hpp"
@@ -21,11 +21,9 @@ namespace {
 /// For the caller, who releases the event.
 cl_event enqueue_run(RequestPlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list,
                      const OutputBuffers* in_place) {
-    const cl::CommandQueue target =
-        queue != nullptr ? cl::CommandQueue(queue, true) : device::context_of(state.device).callers_queue();
-    std::vector<cl::Event> events;
-    for (cl_event event : wait_list) events.emplace_back(event, true);
-    const cl::Event last = state.enqueue(target, std::move(events), in_place);
+    const device::Context& context = device::context_of(state.device);
+    const cl::Event last =
+        state.enqueue(device::queue_of(context, queue), device::events_of(context, wait_list), in_place);
     clRetainEvent(last());
     return last();
 }
@@ -211,6 +209,12 @@ void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid>
         std::vector<Request> requests = state.requests;
         for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
         transform.state().plan(state, std::move(requests), call);
+    });
+}
+
+void RequestPlan::move(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call) {
+    with_host_memory("for the plan; give fewer requests", [&] {
+        transform.state().plan(state(), {requests.begin(), requests.end()}, call);
     });
 }
 

@@ -122,6 +122,41 @@ BOOST_AUTO_TEST_CASE(a_queue_of_another_context_is_refused) {
                  [&] { Device::from_handles(context.context()(), context.device()(), queue()); });
 }
 
+BOOST_AUTO_TEST_CASE(queues_events_and_memory_that_are_of_no_use_are_refused) {
+    const Mesh mesh = make_shape("cube");
+    const DistanceTransform transform(test_device(), mesh);
+    const device::Context& context = device::context_of(test_device());
+    const Grid grid = grid_around(mesh, 8, 1);
+    const Band band = Band::symmetric(grid.voxel());
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
+    const OutputTargets targets{.distance = OutputTarget(memory())};
+    Plan plan = transform.plan(grid, band);
+    RequestPlan of_requests = transform.plan(std::vector<Request>{{grid, band, targets}});
+    const auto refused = [&](cl_command_queue queue, const std::vector<cl_event>& events,
+                             const std::vector<std::string>& words) {
+        check_throws(ErrorCode::invalid_argument, words, [&] { plan.enqueue(queue, targets, events); });
+        check_throws(ErrorCode::invalid_argument, words, [&] { of_requests.enqueue(queue, events); });
+    };
+    const cl::Context other(context.device());
+    const cl::CommandQueue queue_of_other(other, context.device());
+    refused(queue_of_other(), {}, {"queue", "another OpenCL context"});
+    const cl::UserEvent ours(context.context()), event_of_other(other);
+    refused(nullptr, {ours(), event_of_other()}, {"event 1 of the wait list's 2", "another OpenCL context"});
+    refused(nullptr, {nullptr}, {"event 0", "null"});
+    check_throws(ErrorCode::invalid_argument, {"event 0", "null"},
+                 [&] { transform.compute(grid, band, targets, {}, std::vector<cl_event>{nullptr}); });
+    if (!context.device().getInfo<CL_DEVICE_IMAGE_SUPPORT>()) return;
+    const cl::Image2D image(context.context(), CL_MEM_READ_WRITE, cl::ImageFormat(CL_R, CL_FLOAT), 64, 64);
+    const OutputTargets on_image{.distance = OutputTarget(image())};
+    const std::vector<std::string> words{"output distance", "image", "give it a buffer"};
+    check_throws(ErrorCode::invalid_argument, words, [&] { plan.enqueue(nullptr, on_image); });
+    const std::vector<Vec3> points(5);
+    check_throws(ErrorCode::invalid_argument, words, [&] { transform.query(points, 1, on_image); });
+    // The plans are as good as new.
+    cl::Event(plan.enqueue(nullptr, targets)).wait();
+    cl::Event(of_requests.enqueue(nullptr)).wait();
+}
+
 BOOST_AUTO_TEST_CASE(spacings_beyond_floats_are_refused) {
     for (const double scale : {1e-45, 1e-309, 1e41}) {
         const Mesh mesh = enlarged(make_shape("cube"), scale);

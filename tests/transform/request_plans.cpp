@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <optional>
@@ -353,6 +354,62 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_with_the_vertices_and_to_other_places
     run(plan, nullptr);
     boxes.check();
     BOOST_TEST((plan.requests().front().grid == places.front()));
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_any_number_of_other_boxes) {
+    Random random(14);
+    const Mesh mesh = make_shape("knot");
+    const DistanceTransform transform(test_device(), mesh);
+    Boxes few = boxes_of_three_levels(mesh, random), many = boxes_of_three_levels(mesh, random);
+    few.boxes.resize(5);
+    for (Boxes* boxes : {&few, &many}) boxes->expect(transform);
+    RequestPlan plan = transform.plan(few.requests());
+    for (const Boxes* boxes : {&many, &few, &many}) {
+        plan.move(transform, boxes->requests());
+        BOOST_TEST(plan.requests().size() == boxes->boxes.size());
+        boxes->clear();
+        run(plan, nullptr);
+        boxes->check();
+    }
+    plan.move(transform, std::span<const Request>());
+    BOOST_TEST(plan.requests().empty());
+    few.clear();
+    run(plan, nullptr);
+}
+
+BOOST_AUTO_TEST_CASE(a_call_for_device_memory_begins_after_the_callers_events) {
+    Random random(15);
+    const Mesh mesh = make_shape("knot");
+    const DistanceTransform transform(test_device(), mesh);
+    Boxes boxes = boxes_of_three_levels(mesh, random);
+    boxes.expect(transform);
+    boxes.clear();
+    const std::vector<Request> requests = boxes.requests();
+    for (const bool one_by_one : {false, true}) {
+        const cl::UserEvent gate(context().context());
+        const std::array wait_list{gate()};
+        std::atomic<bool> is_open = false;
+        std::thread opener([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            is_open = true;
+            cl::UserEvent(gate).setStatus(CL_COMPLETE);
+        });
+        if (one_by_one)
+            transform.compute(requests[0].grid, requests[0].band, requests[0].targets, {}, wait_list);
+        else
+            transform.compute(requests, {}, wait_list);
+        BOOST_TEST(is_open.load());
+        opener.join();
+        boxes.check();
+    }
+    // So does one for the host.
+    const cl::UserEvent failed(context().context());
+    cl::UserEvent(failed).setStatus(-5);
+    const std::array wait_list{failed()};
+    std::vector<float> distance(requests[0].grid.sample_count());
+    check_throws(ErrorCode::device_failure, {}, [&] {
+        transform.compute(requests[0].grid, requests[0].band, {distance, {}}, {}, wait_list);
+    });
 }
 
 BOOST_AUTO_TEST_CASE(the_memory_of_a_plan_of_boxes_is_known_before) {

@@ -161,7 +161,8 @@ public:
     /// The targets may change from call to call; the outputs are those of the plan. Targets must be packed and aligned
     /// (OutputTarget::offset), unless plan() got a request with a target that is not. Then targets may have any offset
     /// and strides, with elements as in the request. Throws Error(invalid_argument) for memory that is missing,
-    /// read-only, too small or of another context, Error(unsupported) for other targets, and Error(device_failure).
+    /// read-only, too small or no buffer, and for memory, a queue or an event of another context; Error(unsupported)
+    /// for other targets, and Error(device_failure).
     cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
 
     const TransformStatistics& statistics() const;
@@ -187,7 +188,8 @@ public:
     /// Enqueues the computation of all requests into their targets on the caller's queue (null: the device's own),
     /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
     /// which the caller releases. May be called again at once, on any queue of the device's context, in order or not:
-    /// runs of a plan follow one another. Throws Error(device_failure), Error(invalid_argument) after a failed move().
+    /// runs of a plan follow one another. Throws Error(device_failure), Error(invalid_argument) after a failed move()
+    /// and for a queue or an event of another context.
     cl_event enqueue(cl_command_queue queue, std::span<const cl_event> wait_list = {});
 
     /// Prepares the next runs for the present positions of `transform`, which made the plan or has its Device. If
@@ -196,6 +198,9 @@ public:
     /// of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled). If a grid is refused, the plan stays
     /// as it was. After any other error it must be moved again before enqueue().
     void move(const DistanceTransform& transform, std::span<const Grid> grids = {}, const CallOptions& call = {});
+    /// The same with other requests, any number of them: the boxes of a mesh that was refined anew. The plan uses its
+    /// buffers again where they are large enough.
+    void move(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call = {});
 
     /// device_bytes: what the plan has on the device, beside the polyhedra that it shares with the transform.
     const TransformStatistics& statistics() const;
@@ -248,7 +253,8 @@ public:
     ///
     /// Positions in memory of the device are read after the events of `wait_list`. All of them come to the host, whose
     /// exact decisions and tables need every position: mapped, 12 or 24 bytes each. They may change when move()
-    /// returns.
+    /// returns. move() waits for earlier commands of the device's queue: an event of the caller's that one of them
+    /// waits for must be set by another thread.
     ///
     /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
     /// another context, or if vertices that had equal coordinates, and count as one, move apart; Error(invalid_mesh) if
@@ -292,9 +298,11 @@ public:
 
     /// Writes the outputs that have a target; the distance must have one. Targets are all on the host or all on the
     /// device. Device memory is written by a plan(), which cannot be cancelled while samples are computed. An error
-    /// leaves the targets undefined. Throws Error(invalid_argument) for a grid, a band or a target's memory out of
-    /// range; Error(unsupported) for other elements; Error(out_of_memory, device_failure or cancelled).
-    void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {}) const;
+    /// leaves the targets undefined. The targets are written after the events of `wait_list`, and before the call
+    /// returns. Throws Error(invalid_argument) for a grid, a band or a target's memory out of range; Error(unsupported)
+    /// for other elements; Error(out_of_memory, device_failure or cancelled).
+    void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {},
+                 std::span<const cl_event> wait_list = {}) const;
 
     /// Many boxes in one call, in any order, of any lattices, bands and outputs: the patches of a refined mesh, with
     /// their ghost samples. Each gets the bytes of a call of its own. Boxes of one lattice, one band and the same
@@ -302,7 +310,8 @@ public:
     /// slabs are as large as those of compute_slabs(). No two targets may overlap. If a request is refused, nothing is
     /// computed, and the message names its index. Throws what a call for each request would throw.
     /// CallOptions::progress covers all requests. The statistics are sums; their figures of memory are maxima.
-    void compute(std::span<const Request> requests, const CallOptions& call = {}) const;
+    void compute(std::span<const Request> requests, const CallOptions& call = {},
+                 std::span<const cl_event> wait_list = {}) const;
 
     /// The same for fields of any size: hands whole slices to the sink in the order of z, about 16 million samples (64
     /// MiB of distances, 384 MiB of closest points) or 32 slices at a time. All outputs of two slabs are in memory: one
@@ -376,7 +385,8 @@ private:
     friend class RequestPlan;
     DistanceTransform() = default;
     /// Into memory of the device, by way of a plan.
-    void compute_on_device(std::span<const Request> requests, const CallOptions& call) const;
+    void compute_on_device(std::span<const Request> requests, const CallOptions& call,
+                           std::span<const cl_event> wait_list) const;
     struct State;
     State& state() const;
     std::unique_ptr<State> state_;
