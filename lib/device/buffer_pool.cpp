@@ -75,13 +75,16 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
     return lease;
 }
 
+// Kept data has been released before.
+static constexpr const char* remedy =
+    "compute a smaller part of the grid or fewer points at a time, or a narrower band, and release plans";
+
 void BufferPool::check_size(std::size_t bytes, const char* purpose) const {
     const std::size_t largest = context_->capabilities().largest_allocation;
     if (bytes > largest)
         throw Error(ErrorCode::out_of_memory, fmt::format("the {} need {} bytes of device memory in one piece, and the "
-                                                          "device allocates at most {}; compute a smaller "
-                                                          "part of the grid at a time, or a narrower band",
-                                                          purpose, bytes, largest));
+                                                          "device allocates at most {}; {}",
+                                                          purpose, bytes, largest, remedy));
 }
 
 BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
@@ -98,9 +101,8 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     };
     if (!reserve() && (release_free() == 0 || !reserve()))
         throw Error(ErrorCode::out_of_memory,
-                    fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; compute "
-                                "a smaller part of the grid at a time, or a narrower band",
-                                purpose, wanted, all_bytes_->load(), device.memory));
+                    fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; {}", purpose,
+                                wanted, all_bytes_->load(), device.memory, remedy));
     try {
         Lease lease(shared_from_this(), guarded([&] { return make_buffer(*context_, wanted); }), wanted);
         leased_bytes_ += wanted;

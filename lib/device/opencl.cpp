@@ -107,7 +107,8 @@ void throw_device_error(const cl::Error& error) {
         case CL_OUT_OF_HOST_MEMORY:
         case CL_INVALID_BUFFER_SIZE:
             throw Error(ErrorCode::out_of_memory,
-                        message + "; compute a smaller part of the grid at a time, or a narrower band", error.err());
+                        message + "; compute a smaller part of the grid or fewer points at a time, or a narrower band",
+                        error.err());
         default:
             throw Error(ErrorCode::device_failure, message, error.err());
     }

@@ -27,7 +27,7 @@ public:
         cl::Event event;
         enqueue_command(queue_, previous_.empty() ? nullptr : &previous_, &event);
         previous_.assign(1, event);
-        has_begun_ = true;
+        events_.push_back(std::move(event));
     }
 
     void then_fill(const cl::Buffer& buffer, std::size_t bytes) {
@@ -43,14 +43,16 @@ public:
     }
 
     /// Whether there is a command, so that there is a last one.
-    bool has_begun() const { return has_begun_; }
+    bool has_begun() const { return !events_.empty(); }
     const cl::Event& last() const { return previous_.front(); }
+    /// Of all commands so far.
+    const std::vector<cl::Event>& events() const { return events_; }
     const cl::CommandQueue& queue() const { return queue_; }
 
 private:
     cl::CommandQueue queue_;
     std::vector<cl::Event> previous_;
-    bool has_begun_ = false;
+    std::vector<cl::Event> events_;
 };
 
 /// On a processor, holds back commands until open() starts them together. PoCL's threads would start with the first

@@ -90,11 +90,11 @@ cl::Event PlanState::enqueue(const cl::CommandQueue& queue, const OutputBuffers&
         after_launches_ = chain.last();
         scan_->enqueue_end(chain);
     } catch (...) {
-        if (chain.has_begun()) runs_.add(chain.last());
+        if (chain.has_begun()) runs_.add(chain.last(), chain.events());
         throw;
     }
     last_ = chain.last();
-    runs_.add(last_);
+    runs_.add(last_, chain.events());
     queue.flush();
     return last_;
 }

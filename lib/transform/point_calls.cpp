@@ -25,14 +25,16 @@ std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
 }
 
 points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs, std::size_t count) {
-    return make_room_for([&] {
+    return make_room_for_points([&] {
         points::PointInputs inputs;
         inputs.mesh = stages->points();
-        const bool are_many = points::is_scan_worthwhile(programs, count, mesh().triangles().size());
+        const bool has_room = !points_are_short_of_memory;
+        const bool are_many = has_room && points::is_scan_worthwhile(programs, count, mesh().triangles().size());
         if (are_many) inputs.scanned = stages->scanned_mesh(programs.point_scan(device::context_of(device)));
         if (sign != SignRule::none)
             inputs.sides =
-                stages->face_sides(sign, points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
+                stages->face_sides(
+                    sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
         inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient || inputs.sides != nullptr);
         inputs.sign = sign;
         inputs.is_inside_out =
@@ -75,8 +77,10 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         points::check_points(*inputs.mesh, all);
     }
     scan::OwnArrays own;
-    for (std::size_t begin = 0; begin < all.size(); begin += points::most_points) {
-        const std::span<const Vec3> part = all.subspan(begin, std::min(points::most_points, all.size() - begin));
+    std::size_t most = points::most_points, count = 0;
+    for (std::size_t begin = 0; begin < all.size(); begin += count) {
+        count = std::min(most, all.size() - begin);
+        const std::span<const Vec3> part = all.subspan(begin, count);
         scan::HostArrays arrays;
         if (targets.are_packed())
             for_each_output([&](const OutputRow& row, const scan::HostArray& array,
@@ -90,8 +94,17 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
             if (call.progress) call.progress(done / static_cast<double>(all.size()));
         };
         const std::scoped_lock lock(mutex);
-        const points::PointTimes times =
-            make_room_for([&] { return query(part, all.size(), within, outputs, arrays, between); });
+        points::PointTimes times;
+        try {
+            times = make_room_for_points([&] { return query(part, all.size(), within, outputs, arrays, between); });
+        } catch (const Error& error) {
+            // Fewer points at once need less.
+            constexpr std::size_t fewest = 256;
+            if (error.code() != ErrorCode::out_of_memory || count <= fewest) throw;
+            most = count / 2;
+            count = 0;
+            continue;
+        }
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
         if (!targets.are_packed()) targets.store_row(begin, part.size(), arrays);

@@ -154,6 +154,7 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
                                     const OutputBuffers* in_place) {
     if (const cl::Event latest = runs_.latest(); latest() != nullptr) before.push_back(latest);
     cl::Event last;
+    std::vector<cl::Event> stores;
     try {
         if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last);
         for (Part& part : parts_) {
@@ -174,14 +175,15 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
                 throw;
             }
             last = chain.last();
+            stores.insert(stores.end(), chain.events().begin(), chain.events().end());
             before.assign(1, last);
         }
     } catch (...) {
         // The next run must follow: all parts share memory. `last` follows all other commands of this run.
-        if (last() != nullptr) runs_.add(last);
+        if (last() != nullptr) runs_.add(last, std::move(stores));
         throw;
     }
-    runs_.add(last);
+    runs_.add(last, std::move(stores));
     queue.flush();
     return last;
 }

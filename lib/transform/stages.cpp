@@ -85,6 +85,10 @@ bool is_bounded(const Layout& layout) {
 
 }  // namespace
 
+bool Stages::Lattice::is_in_use() const {
+    return records.use_count() > 1 || sweep_mesh.use_count() > 1 || points.use_count() > 1;
+}
+
 std::size_t Stages::Lattice::bytes() const {
     return (records ? records->device_bytes() : 0) + (sweep_mesh ? sweep_mesh->device_bytes() : 0) +
            (points ? points->size() * sizeof(SurfacePoint) : 0);
@@ -439,7 +443,7 @@ void Stages::keep_within(std::size_t budget) {
     if (points_ && !is_kept(points_->device_bytes())) points_.reset();
     if (scanned_mesh_ && !is_kept(scanned_mesh_->device_bytes())) scanned_mesh_.reset();
     if (face_sides_ && !is_kept(face_sides_->sides.bytes())) face_sides_.reset();
-    std::erase_if(lattices_, [&](const Lattice& lattice) { return !is_kept(lattice.bytes()); });
+    std::erase_if(lattices_, [&](const Lattice& lattice) { return !is_kept(lattice.bytes()) && !lattice.is_in_use(); });
 }
 
 std::size_t Stages::bytes_beside(const Inputs& inputs) const {

@@ -158,6 +158,8 @@ private:
         std::optional<bool> may_meet_samples{};        ///< see may_meet_samples()
 
         std::size_t bytes() const;
+        /// Plans hold its parts, too: to forget them frees nothing.
+        bool is_in_use() const;
     };
 
     const polyhedra::ClusterIndex& index();

@@ -25,8 +25,8 @@ enum StoreArgument : cl_uint {
     store_to
 };
 
-// Rows of a work-group. On a GPU 32 work-items store a row together.
-constexpr std::size_t group_rows = 8, pieces_of_gpu = 32;
+// On a GPU so many work-items store a row together.
+constexpr std::size_t pieces_of_gpu = 32;
 
 }  // namespace
 
@@ -53,6 +53,9 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
                    const StoredElements& elements, const cl::Buffer& samples, cl_mem memory,
                    const std::vector<StoredBox>& boxes)
     : kernel_(program, "store_boxes"), boxes_(device::copied(context, boxes)), box_count_(boxes.size()) {
+    const device::Context::Capabilities& device = context.capabilities();
+    pieces_ = device.is_processor ? 1 : pieces_of_gpu;
+    group_rows_ = std::clamp<std::size_t>(device.largest_group / pieces_, 1, 8);
     kernel_.setArg(store_boxes, boxes_);
     kernel_.setArg(store_row, static_cast<cl_int>(block.size[0]));
     kernel_.setArg(store_slice, static_cast<cl_long>(block.size[0] * block.size[1]));
@@ -63,8 +66,7 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
     if (memory != nullptr) kernel_.setArg(store_to, cl::Buffer(memory, true));
     for (const StoredBox& box : boxes)
         rows_ = std::max(rows_, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
-    rows_ = in_whole_groups(rows_, group_rows);
-    pieces_ = context.capabilities().is_processor ? 1 : pieces_of_gpu;
+    rows_ = in_whole_groups(rows_, group_rows_);
 }
 
 void BoxStore::move(cl_mem memory, const StoredBox& box) {
@@ -79,12 +81,13 @@ void BoxStore::enqueue(CommandChain& chain) {
         });
     moved_.reset();
     // NVIDIA's GPUs have 65,535 groups along y and z at most.
-    constexpr std::size_t most = 32768, most_rows = most * group_rows;
+    constexpr std::size_t most = 32768;
+    const std::size_t most_rows = most * group_rows_;
     for (std::size_t box = 0; box < box_count_; box += most)
         for (std::size_t row = 0; row < rows_; row += most_rows)
             chain.then([&](auto& queue, auto* wait, auto* event) {
                 const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), std::min(most, box_count_ - box));
-                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, row, box), all, cl::NDRange(pieces_, group_rows, 1),
+                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, row, box), all, cl::NDRange(pieces_, group_rows_, 1),
                                            wait, event);
             });
 }

@@ -51,6 +51,7 @@ private:
     cl::Buffer boxes_;
     std::size_t box_count_;
     std::size_t pieces_ = 1, rows_ = 0;  ///< of the launch: pieces of a row, rows of the largest box
+    std::size_t group_rows_ = 1;         ///< rows of a work-group
     std::optional<StoredBox> moved_;
 };
 

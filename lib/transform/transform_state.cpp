@@ -123,6 +123,7 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     if (first_positions.empty()) before = mesh().vertices();
     stages->move(std::move(positions));
     points_asked = 0;
+    points_are_short_of_memory = false;
     if (first_positions.empty()) first_positions = std::move(before);
     plans.clear();
 }
@@ -233,10 +234,10 @@ void DistanceTransform::State::keep_within_budget() {
 }
 
 bool DistanceTransform::State::forget() {
-    const bool is_kept = !plans.empty() || stages->device_bytes() > 0;
+    const std::size_t plans_before = plans.size(), bytes_before = stages->device_bytes();
     plans.clear();
     stages->keep_within(0);
-    return pool->release() > 0 || is_kept;
+    return pool->release() > 0 || plans_before > 0 || stages->device_bytes() < bytes_before;
 }
 
 void DistanceTransform::State::report(const transform::Compiling& compiling, TransformStatistics& statistics) {

@@ -87,6 +87,17 @@ struct DistanceTransform::State {
         return make();
     }
 
+    /// The same for points: if that is not enough, once more without what only makes queries of many points faster.
+    template <typename Make>
+    auto make_room_for_points(const Make& make) {
+        try {
+            return make_room_for(make);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::out_of_memory || std::exchange(points_are_short_of_memory, true)) throw;
+        }
+        return make_room_for(make);
+    }
+
     class SlabRun;  // slab_run.cpp, with compute()
 
     /// Adds what was spent on programs and no computation has reported yet.
@@ -135,6 +146,8 @@ struct DistanceTransform::State {
     std::list<KeptPlan> plans;          // that was used last first
     std::vector<Vec3> first_positions;  // of the transform's mesh, from the first move on
     std::size_t points_asked = 0;       // by query(), since the last move
+    /// Since the last move, the device's memory did not suffice for what makes queries of many points faster.
+    bool points_are_short_of_memory = false;
 
 private:
     /// With the mesh of other stages.

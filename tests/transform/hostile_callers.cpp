@@ -283,6 +283,38 @@ BOOST_AUTO_TEST_CASE(a_run_that_fails_hides_no_run_that_is_under_way) {
     BOOST_TEST(runs.wait() == CL_SUCCESS);
 }
 
+// All commands of a run wait for the event, one after the other.
+BOOST_AUTO_TEST_CASE(an_event_of_the_caller_that_fails_ends_the_run_and_nothing_else) {
+    const Mesh mesh = make_shape("sphere3");
+    const DistanceTransform transform(test_device(), mesh);
+    const device::Context& context = device::context_of(test_device());
+    const Grid grid = grid_around(mesh, 40, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const Field expected = transform(grid, band);
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, 2 * grid.sample_count() * sizeof(float));
+    OutputTarget spread(memory());
+    spread.strides = {2 * sizeof(float), 0, 0};
+    spread.strides[1] = spread.strides[0] * grid.size[0];
+    spread.strides[2] = spread.strides[1] * grid.size[1];
+    for (const OutputTarget& target : {OutputTarget(memory()), spread}) {
+        RequestPlan plan = transform.plan(std::vector<Request>{{grid, band, {.distance = target}}});
+        cl::UserEvent gate(context.context());
+        const std::array wait_list{gate()};
+        const cl::Event failed(plan.enqueue(nullptr, wait_list)), after(plan.enqueue(nullptr));
+        gate.setStatus(-5);
+        for (const cl::Event& event : {failed, after}) {
+            const cl_event handle = event();
+            BOOST_TEST(clWaitForEvents(1, &handle) == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST);
+        }
+        cl::Event(plan.enqueue(nullptr)).wait();
+        const std::size_t step = target.strides[0] == 0 ? 1 : 2;
+        std::vector<float> values(step * grid.sample_count()), distance;
+        context.callers_queue().enqueueReadBuffer(memory, CL_TRUE, 0, values.size() * sizeof(float), values.data());
+        for (std::size_t i = 0; i < values.size(); i += step) distance.push_back(values[i]);
+        BOOST_TEST((bits_of(distance) == bits_of(expected.distance)));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_part_of_a_soup_does_not_move) {
     const Mesh soup = as_soup(make_shape("sphere2"));
     const DistanceTransform whole(test_device(), soup);

@@ -317,6 +317,32 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
     BOOST_TEST(same_bytes(transform(grid, band), before));
 }
 
+// To forget what a plan holds, too, would free nothing, and the next call would need it a second time.
+BOOST_AUTO_TEST_CASE(a_call_that_was_short_of_memory_can_be_repeated_beside_a_plan) {
+    const Mesh mesh = make_shape("sphere4");
+    const Grid grid = grid_around(mesh, 64, 4);
+    const Band band = Band::symmetric(4 * grid.voxel());
+    const Field expected = compute(mesh, grid, band);
+    const std::size_t records = mesh.triangles().size() * sizeof(Polyhedron);
+    std::size_t divided = 0;
+    for (std::size_t memory = 9 * records; memory > 2 * records && divided < 4; memory -= records / 4) {
+        const DistanceTransform transform(test_device().limited({.memory = memory}), mesh);
+        std::optional<Plan> plan;
+        TransformStatistics statistics;
+        try {
+            plan = transform.plan(grid, band);
+            BOOST_TEST(same_bytes(transform(grid, band, all_outputs(), {.statistics = &statistics}), expected));
+        } catch (const Error& error) {
+            BOOST_TEST((error.code() == ErrorCode::out_of_memory));
+            continue;
+        }
+        BOOST_TEST_CONTEXT(memory << " bytes, " << statistics.slabs << " slabs")
+        for (int call = 0; call < 2; ++call) BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), expected));
+        divided += statistics.slabs > 1 ? 1 : 0;
+    }
+    BOOST_TEST(divided > 0U);
+}
+
 // On one transform, each with a lattice of its own and boxes of it.
 BOOST_AUTO_TEST_CASE(several_threads_compute_at_once) {
     const Mesh mesh = tilted(make_shape("knot"));
