@@ -101,8 +101,8 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
     };
     if (!reserve() && (release_free() == 0 || !reserve()))
         throw Error(ErrorCode::out_of_memory,
-                    fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; {}", purpose,
-                                wanted, all_bytes_->load(), device.memory, remedy));
+                    fmt::format("the {} need {} bytes of device memory, and {} of the device's {} are in use; {}",
+                                purpose, wanted, all_bytes_->load(), device.memory, remedy));
     try {
         Lease lease(shared_from_this(), guarded([&] { return make_buffer(*context_, wanted); }), wanted);
         leased_bytes_ += wanted;

@@ -32,9 +32,8 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
         const bool are_many = has_room && points::is_scan_worthwhile(programs, count, mesh().triangles().size());
         if (are_many) inputs.scanned = stages->scanned_mesh(programs.point_scan(device::context_of(device)));
         if (sign != SignRule::none)
-            inputs.sides =
-                stages->face_sides(
-                    sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
+            inputs.sides = stages->face_sides(
+                sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
         inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient || inputs.sides != nullptr);
         inputs.sign = sign;
         inputs.is_inside_out =

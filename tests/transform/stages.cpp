@@ -4,11 +4,14 @@
 #include "support/test_meshes.hpp"
 #include "support/throws.hpp"
 
+#include "polyhedron.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <thread>
 #include <vector>
 
