@@ -80,8 +80,8 @@ INLINE Centres centres_of(__global const Polyhedron* p, FramePosition position, 
     return c;
 }
 
-// Bit b: block b, where its lateral planes lie base[b], right[b] and left[b] outward of the edges. `extent` includes
-// the slack of the greatest bound.
+// Returns bit b for block b. base[b], right[b] and left[b]: how far outward of the edges the block's lateral planes
+// lie. `extent` includes the slack of the greatest bound.
 //
 // Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet overlap both. The
 // polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of

@@ -167,7 +167,8 @@ INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float*
 }
 
 // The entries of a list that masks choose; returns how many. There is room for a vector beyond them.
-INLINE uint choose(uint count, __global const uint* entries, __global const LaneMask* masks, __global uint* chosen) {
+INLINE uint choose_masked(uint count, __global const uint* entries, __global const LaneMask* masks,
+                          __global uint* chosen) {
     uint length = 0;
     for (uint e = 0; e < count; e += LANES) {
         const uint bits = masks[e / LANES];

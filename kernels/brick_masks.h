@@ -38,8 +38,7 @@ static inline float least_square_of_feet(Layout layout, int3 coarse, uint list_b
 }
 
 // The bricks of a coarse brick that a polyhedron overlaps, 64 bits.
-static inline ulong overlapped_bricks(__global const Polyhedron* p, int3 coarse, __local const float* bounds,
-                                      float slack) {
+static inline ulong brick_mask_of(__global const Polyhedron* p, int3 coarse, __local const float* bounds, float slack) {
     const int3 first = coarse * CLSDF_COARSE;
     const FramePosition position = frame_position_at(p, first.x, first.y, first.z, COARSE_CENTRE);
     const Extent extent = widened(extent_of_cube(p, BRICK_CENTRE), slack);
@@ -53,8 +52,8 @@ static inline ulong overlapped_bricks(__global const Polyhedron* p, int3 coarse,
     return overlapped;
 }
 
-// Global size: a group for each coarse brick order[begin, ...) of the launch. brick_bounds: CLSDF_COARSE_BRICKS for
-// each of `order`.
+// Global size: a group for each coarse brick order[begin, ...) of the launch. bounds: CLSDF_COARSE_BRICKS for each
+// of `order`.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_bounds(
     Layout layout, uint begin, __global const uint* restrict order, __global const uint* restrict starts, uint parts,
     __global const uint* restrict entries, __global const float* restrict coarse_bounds,
@@ -82,16 +81,16 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void brick_masks(
     __global const uint* restrict entries, __global const float* restrict coarse_bounds,
     __global const Polyhedron* restrict polyhedra, __global const float* restrict bounds, uint groups,
     __global ulong* restrict masks) {
-    __local float brick_bounds[CLSDF_COARSE_BRICKS];
+    __local float own_bounds[CLSDF_COARSE_BRICKS];
     const uint item = get_local_id(0), slot = begin + get_group_id(0) / groups, number = order[slot];
-    if (item < CLSDF_COARSE_BRICKS) brick_bounds[item] = bounds[slot * CLSDF_COARSE_BRICKS + item];
+    if (item < CLSDF_COARSE_BRICKS) own_bounds[item] = bounds[slot * CLSDF_COARSE_BRICKS + item];
     barrier(CLK_LOCAL_MEM_FENCE);
     const int3 coarse = coarse_brick_at(layout, number);
     const float slack = coarse_bounds[coarse_bound_index(layout, coarse.x, coarse.y, coarse.z)] * layout.slack_rate +
                         layout.brick_slack;
     const uint list_end = starts[(number + 1) * parts];
     for (uint e = starts[number * parts] + get_group_id(0) % groups * GROUP + item; e < list_end; e += groups * GROUP)
-        masks[e] = overlapped_bricks(polyhedra + entries[e], coarse, brick_bounds, slack);
+        masks[e] = brick_mask_of(polyhedra + entries[e], coarse, own_bounds, slack);
 }
 
 #endif

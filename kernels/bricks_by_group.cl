@@ -110,8 +110,8 @@ typedef struct Brick {
 
 // Chooses those of entries [begin, end), a window at most, that overlap brick b; returns how many are chosen now. A
 // window that follows may begin at once.
-static inline uint choose(uint begin, uint end, uint b, __global const ulong* masks, __global const uint* entries,
-                          uint count, __local Work* work) {
+static inline uint choose_window(uint begin, uint end, uint b, __global const ulong* masks,
+                                 __global const uint* entries, uint count, __local Work* work) {
     const uint item = get_local_id(0);
     if (item < WINDOW_WORDS) work->words[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -218,12 +218,12 @@ static inline void find_subblocks(Brick brick, __local const uint* chosen, uint 
 }
 
 // A work-item's samples.
-typedef struct Minimum {
+typedef struct ItemMinimum {
     float squared[SAMPLES_PER_ITEM];
 #ifdef NEAREST
     uint polyhedron[SAMPLES_PER_ITEM];
 #endif
-} Minimum;
+} ItemMinimum;
 
 #ifdef NEAREST
 // Whether a polyhedron's triangle is the nearer one. If two are equally near, the first in the caller's order is taken.
@@ -236,7 +236,7 @@ static inline bool is_nearer(float squared, uint polyhedron, float least, uint n
 
 // The distances from the work-item's samples to a batch's polyhedra, in the sub-blocks that they overlap.
 static inline void evaluate(Brick brick, __local const uint* chosen, __local const Work* work,
-                            __global const Polyhedron* polyhedra, __private Minimum* minimum
+                            __global const Polyhedron* polyhedra, __private ItemMinimum* minimum
 #ifdef COUNT
                             ,
                             float half_width, float slack, __private uint* counters
@@ -287,7 +287,7 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
 }
 
 // Lowers the sub-blocks' bounds to the distances that were found.
-static inline void lower_bounds_by_minima(__private const Minimum* minimum, __local Work* work) {
+static inline void lower_bounds_by_minima(__private const ItemMinimum* minimum, __local Work* work) {
     const uint item = get_local_id(0);
     __local uint* greatest = work->overlapped;  // which has been evaluated
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -305,7 +305,7 @@ static inline void lower_bounds_by_minima(__private const Minimum* minimum, __lo
 
 // Takes all chosen polyhedra into the minima.
 static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
-                                   __local Work* work, __private Minimum* minimum
+                                   __local Work* work, __private ItemMinimum* minimum
 #ifdef COUNT
                                    ,
                                    __private uint* counters
@@ -328,7 +328,7 @@ static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __glo
 }
 
 #ifdef NEAREST
-static inline void keep_found(__private const Minimum* minimum, __local Found* found) {
+static inline void keep_found(__private const ItemMinimum* minimum, __local Found* found) {
     barrier(CLK_LOCAL_MEM_FENCE);  // the batch that was there has been evaluated
 #pragma unroll
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
@@ -340,7 +340,7 @@ static inline void keep_found(__private const Minimum* minimum, __local Found* f
 
 // Writes the work-item's samples. relative_brick: the brick's position in the part.
 static inline void write_samples(Layout layout, Brick brick, int3 relative_brick, __global const uint* sign_bits,
-                                 __private const Minimum* minimum, __global float* distance
+                                 __private const ItemMinimum* minimum, __global float* distance
 #ifdef NEAREST
                                  ,
                                  __local const Found* found, __private const Finishing* finishing
@@ -411,7 +411,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     brick.slack = brick.bound * layout.slack_rate + layout.brick_slack;
     brick.radius = 0.5f * sqrt(dot(brick.spacing, brick.spacing)) * (1.0f + 1.0e-5f) + layout.brick_slack;
     if (item < SUBBLOCKS) work.bounds[item] = as_uint(brick.bound);
-    Minimum minimum;
+    ItemMinimum minimum;
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         minimum.squared[s] = INFINITY;
 #ifdef NEAREST
@@ -425,7 +425,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 #endif
     uint count = 0;
     for (uint e = starts[number * parts]; e < list_end; e += WINDOW) {
-        count = choose(e, list_end, b, masks, entries, count, &work);
+        count = choose_window(e, list_end, b, masks, entries, count, &work);
         if (count == 0 || (count + WINDOW <= ROOM && e + WINDOW < list_end)) continue;
 #ifdef COUNT
         counters[CLSDF_COUNT_BRICK_PAIRS] += item == 0 ? count : 0;

@@ -94,6 +94,7 @@ static inline void evaluate_queue(Layout layout, int3 first, __private Queue* qu
 #endif
     }
     queue->count -= count;
+    if (queue->count == 0) return;  // the second half may have no values
     store_lanes(load_lanes(0, queue->numbers + LANES), 0, queue->numbers);
     store_lanes(load_lanes(0, queue->masks + LANES), 0, queue->masks);
 }
@@ -226,7 +227,8 @@ static inline void evaluate_bricks(Layout layout, int3 coarse, ulong in_part, ui
     ulong rest = in_part & list_bricks(layout, coarse, count, entries, bounds->bound, slack, polyhedra, scratch->masks);
     for (; rest; rest &= rest - 1) {
         const uint b = lowest_bit_of_long(rest);
-        const uint chosen = choose(count, entries, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
+        const uint chosen =
+            choose_masked(count, entries, scratch->masks + b * (CLSDF_LIST_PART / LANES), scratch->list);
         evaluate_list(layout, brick_of_coarse(coarse, b), chosen, scratch->list, bounds->bound[b],
                       polyhedra + bounds->nearest[b], polyhedra, minima + b, counters);
     }

@@ -23,7 +23,7 @@ typedef struct Cluster {
 #endif
 } Cluster;
 
-// (Through a pointer: oclgrind's compiler leaves in the code of a returned struct what the simulator does not know.)
+// (By a pointer: for a returned struct oclgrind's compiler writes code that its simulator does not know.)
 INLINE void find_cluster(Layout layout, __global const Polyhedron* polyhedra, uint first, uint count,
                          __private Cluster* cluster) {
     cluster->first = first;

@@ -16,12 +16,12 @@
 #include "lanes.h"
 #include "layout.h"
 
-// The formula above, from r, `before` = -t and `past` = t minus the length, of which the greater counts. (Of the base,
-// which goes on, `before` may be anything that is not above `past`.)
+// The formula above, from r, `before` = -t and `past` = t minus the length. Only the greater of the two is used. (The
+// base goes on before its end: there `before` may be anything that is not above `past`.)
 INLINE floatL squared_from_edge(floatL r, floatL before, floatL past, floatL z) {
     const floatL farther = GREATER(past, before);
     const floatL along = GREATER(farther, 0.0f), outward = GREATER(r, 0.0f);
-    return along * along + (outward * outward + z * z);  // what is known last is added last
+    return along * along + (outward * outward + z * z);  // what takes longest to find is added last
 }
 
 // The numbers of a polyhedron that the distance takes beside the offsets.
@@ -44,7 +44,7 @@ INLINE Steps steps_of(__global const Polyhedron* p) {
 }
 
 // Squared distance from the samples displaced by (dx, dy, dz) along X, Y, Z from the point of the offsets, in squared
-// units. dz contains what the offset of z lacks. Of `s`, the normals.
+// units. dz contains what the offset of z lacks. Only the normals of `s` are read.
 INLINE floatL squared_distance_displaced(Steps s, Offsets o, floatL dx, floatL dy, floatL dz) {
     const floatL y = o.y + dy;
     const floatL z = o.z + dz;  // the one rounding at z's own size: a chain of fma from o.z would round thrice

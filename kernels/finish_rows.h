@@ -17,7 +17,7 @@ DEFINE_FRAME_WEIGHTS(weights_of_rows, doubleL, longL)
 // A vector of samples of a slice of a brick, a lane each: one or two rows.
 typedef struct Rows {
     int3 first;       // sample, of the lattice
-    uint found;       // a bit a lane: it has a polyhedron, and is in the band; of other lanes nothing matters
+    uint found;       // a bit a lane: the sample has a polyhedron and is in the band; other lanes' results are not used
     uint inside;      // a bit a lane
     doubleL x, y, z;  // from the closest points, along the mesh's axes, in units
     doubleL squared;
@@ -28,7 +28,7 @@ typedef struct Rows {
 
 #define ALONG_ROW (double8)(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
 
-// A vector of what each row has eight lanes of.
+// Joins the eight lanes of each row into one vector.
 #if ROWS_PER_VECTOR == 1
 #define OF_ROWS(row_of) row_of(0)
 #else
@@ -187,7 +187,7 @@ typedef char AllOutputsAreFinished[CLSDF_OUTPUT_COUNT == 5 ? 1 : -1];
 
 // A slice of rows of up to four bricks, in memory of its own: each row begins CLSDF_COARSE samples after the one before
 // it. All rows are found before any is finished: each is a chain of dependent steps, and several rows hide its latency.
-// They are stored while the next slice's rows are found, because stores past the caches go on beside arithmetic.
+// The rows of a slice are stored while the next slice's are found: stores past the caches go on beside arithmetic.
 typedef struct Slice {
     Rows rows[CLSDF_BRICK / ROWS_PER_VECTOR][CLSDF_BRICKS_PER_COARSE];
     Finishing finishing;  // into the slice

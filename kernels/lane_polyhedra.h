@@ -6,7 +6,7 @@
 // broadcast all numbers of the polyhedron for one or a few vectors of blocks, more than twice the work.)
 //
 // The test is that of blocks.h, but for the ends of the base, where the upper bound limits the polyhedron: they are
-// bounded by the planes of the corners, which hardly concern slivers.
+// bounded by the planes of the corners. For slivers that is hardly looser.
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 
@@ -171,8 +171,8 @@ INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL extent, floatL* s
         slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : p->greater[edge];
 }
 
-// Whether a block is overlapped: the sign bit of each lane; its other bits have no meaning. (Comparisons take as long
-// as additions, of which a processor does half as many at a time as of logical operations.) at: at its centre, without
+// Whether a block is overlapped: the sign bit of each lane; its other bits have no meaning. (A processor does
+// twice as many logical operations at a time as comparisons.) at: at its centre, without
 // extent; slopes: of the lateral planes there.
 //
 // Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet overlap both. The

@@ -345,8 +345,8 @@ static void scan_brick(ScanMesh mesh, __global const PointGroup* group, __global
 }
 
 // Appends the records of a list, or all if it is null, whose mark has a bit. Returns how many.
-static uint choose(uint count, __global const uint* list, __global const ushort* marks, uint bit,
-                   __global uint* chosen) {
+static uint choose_marked(uint count, __global const uint* list, __global const ushort* marks, uint bit,
+                          __global uint* chosen) {
     uint length = 0, i = 0;
     for (; i + 16 <= count; i += 16) {
         const ulong4 some = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
@@ -384,8 +384,8 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* next_block,
     for (;;) {
         const uint block = begin + atomic_inc(next_block);
         if (block >= end) break;
-        const uint count = choose(all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
-                                  block % CLSDF_GROUP_WIDTH, list);
+        const uint count = choose_marked(all, 0, marks_of_blocks + (size_t)(block / CLSDF_GROUP_WIDTH) * all,
+                                         block % CLSDF_GROUP_WIDTH, list);
         Children children;
         NearestFeet feet;
         find_bounds(blocks + block, records, count, list, limit_of(most), &children, &feet);
@@ -396,7 +396,7 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* next_block,
         }
         for (uint b = 0; b < blocks[block].children; ++b) {
             const uint first = block * CLSDF_POINTS_OF_BLOCK + b * CLSDF_POINTS_OF_BRICK;
-            const uint chosen = choose(count, list, marks, b, brick_list);
+            const uint chosen = choose_marked(count, list, marks, b, brick_list);
             scan_brick(mesh, bricks + block * CLSDF_GROUP_WIDTH + b, points, first, point_count, chosen, brick_list,
                        most, brick);
             for (uint i = 0; i < CLSDF_POINTS_OF_BRICK && first + i < point_count; ++i) {

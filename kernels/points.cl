@@ -97,7 +97,7 @@ INLINE void visit_leaf(__global const PointLeaf* leaves, __global const FaceFram
     }
 }
 
-// Squared distances of a node's boxes, LANES from number `first` on: never more than the true ones, but for `shrink`.
+// Squared distances of a node's boxes, LANES from number `first` on: never more than the true ones, but for SHRINK.
 INLINE floatL squared_to_boxes(__global const PointNode* node, PointBox p, int first) {
     const floatL zero = (floatL)0.0f;
     floatL sum = zero;

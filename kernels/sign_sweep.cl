@@ -193,7 +193,8 @@ INLINE void find_crossings_in_lanes(Layout layout, LaneVertices a, LaneVertices 
     const int first_y = layout.brick_first[1] * CLSDF_BRICK, first_z = layout.brick_first[2] * CLSDF_BRICK,
               rows_y = layout.bricks[1] * CLSDF_BRICK;
     const intL last_in_row = TO_INTS(last);
-    intL row = (TO_INTS(rows.begin_z) - first_z) * rows_y + (TO_INTS(rows.begin_y) - first_y), in_row = 0;
+    uintL row = AS_UINTS(TO_INTS(rows.begin_z) - first_z) * (uint)rows_y + AS_UINTS(TO_INTS(rows.begin_y) - first_y);
+    intL in_row = 0;
     for (int n = 0;; ++n) {
         const intL is_left = left > n;
         if (lanes_to_bits(is_left) == 0) return;
@@ -208,7 +209,7 @@ INLINE void find_crossings_in_lanes(Layout layout, LaneVertices a, LaneVertices 
             const intL sample = TO_INTS(limited > truncated ? truncated + 1.0 : truncated) - first_x;
             uint keys[LANES], numbers[LANES];
             store_lanes(AS_UINTS(2 * sample - TO_INTS(faces_back)), 0, keys);
-            store_lanes(AS_UINTS(row), 0, numbers);
+            store_lanes(row, 0, numbers);
             for (; crossed != 0; crossed &= crossed - 1) {
                 const uint lane = lowest_bit(crossed);
                 write_crossing(writer, numbers[lane], keys[lane]);
@@ -219,7 +220,7 @@ INLINE void find_crossings_in_lanes(Layout layout, LaneVertices a, LaneVertices 
         of_a.value += ends_row ? of_a.to_next_row : of_a.along_y;
         of_b.value += ends_row ? of_b.to_next_row : of_b.along_y;
         of_c.value += ends_row ? of_c.to_next_row : of_c.along_y;
-        row += ends ? rows_y - last_in_row : (intL)1;
+        row += AS_UINTS(ends ? rows_y - last_in_row : (intL)1);
         in_row = ends ? (intL)0 : in_row + 1;
     }
 }

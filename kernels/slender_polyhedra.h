@@ -4,9 +4,9 @@
 // with small sections is cut with layers of samples, and the samples within are listed one by one (slender_scan.h). The
 // layers lie across the axis of the lattice along which the height over the face changes most.
 //
-// Each side of the face, as far as it reaches within the coarse brick, is the frustum between two sections. In the
-// plane of the layers' axis and of another one, what bounds their six corners on one side is a line: it gives each
-// layer's first or last sample along the other axis. In these boxes the lateral planes decide. All is computed for
+// Each side of the face, as far as it reaches within the coarse brick, is the frustum between two sections. Their six
+// corners are projected along one of the other two axes. A line bounds the projections on each side, and gives each
+// layer's first or last sample along the remaining axis. In these boxes the lateral planes decide. All is computed for
 // LANES polyhedra at once, in samples from the coarse brick's first.
 #ifndef CLSDF_SLENDER_POLYHEDRA_H
 #define CLSDF_SLENDER_POLYHEDRA_H
@@ -51,8 +51,8 @@ typedef struct Frustum {
     floatL first, last;  // layers; none where the last comes before the first
     intL columns_log;    // of all layers
     Line low_u, high_u, low_v, high_v;
-    // The lateral planes by edge, beyond which the samples within are not; and one half way between the ends, from
-    // which they are not farther than half the height.
+    // The lateral planes by edge, beyond which the samples within are not. The fourth plane lies half way between the
+    // ends; the samples within are at most half the height from it.
     Plane planes[4];
 } Frustum;
 

@@ -13,8 +13,8 @@
 #include "blocks.h"
 #endif
 
-// Samples of a coarse brick: x + 32 y + 1024 z. With MOST_SAMPLES of them they are evaluated, before the next row;
-// beyond those there is room for what a row of LANES layers adds, and for a vector.
+// Samples of a coarse brick: x + 32 y + 1024 z. When a row begins with MOST_SAMPLES of them, they are evaluated.
+// There is room for what one more row of LANES layers adds, and for a vector.
 #ifndef MOST_SAMPLES
 #define MOST_SAMPLES 1024
 #endif
@@ -215,7 +215,7 @@ __constant float column_of_lane[3 * LANES] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1
 #endif
 
 // Lists the samples of one lane's polyhedron in some layers. In each layer's box, all layers step along u and v at
-// once. (Which sides there are is a constant in each call: where one is absent, OF_SIDE chooses nothing.)
+// once. (Which sides there are is a constant in each call: without one, OF_SIDE becomes the other.)
 INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
                         LayerRange range, __private Samples* list, __private ulong* counters) {
     __private const Frustum* above = slender->sides;

@@ -16,7 +16,7 @@ namespace clsdf {
 #define CLSDF_NO_ROW 0xFFFFFFFFu
 
 typedef struct SweepVertex {
-    clsdf_int64 y, z;  // in samples of the lattice, snapped to multiples of 2^-bits_y and 2^-bits_z
+    clsdf_int64 y, z;  // in units of 2^-bits_y and 2^-bits_z samples of the lattice
     double x;          // in samples of the lattice
 } SweepVertex;
 

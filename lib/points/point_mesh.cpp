@@ -24,7 +24,7 @@ constexpr std::size_t width = CLSDF_TREE_WIDTH;
 constexpr double frame_error = 1e-6;
 // In units. Boxes are clamped to it, so that squared distances are finite in floats: infinity marks a child that does
 // not exist. Boxes nearer to the mesh do not change.
-constexpr double farthest = 1e18;
+constexpr double box_limit = 1e18;
 
 float rounded_down(double x) {
     return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
@@ -191,7 +191,7 @@ UnitBox::UnitBox(const Vec3& p) {
 UnitBox::UnitBox(const Box& box, const polyhedra::LatticeView& lattice) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto in_units = [&](double x) {
-            return std::clamp((x - lattice.origin[axis]) / lattice.unit, -farthest, farthest);
+            return std::clamp((x - lattice.origin[axis]) / lattice.unit, -box_limit, box_limit);
         };
         lower[axis] = rounded_down(in_units(box.lower[axis]));
         upper[axis] = rounded_up(in_units(box.upper[axis]));

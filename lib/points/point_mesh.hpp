@@ -40,7 +40,7 @@ struct PointMesh {
     std::shared_ptr<const polyhedra::MeshTopology> topology;  ///< whose faces the tree's faces are
     UninitializedVector<Vec3> positions;                      ///< of the vertices, numbered as in MeshTopology::faces
     PointTree tree{};
-    std::vector<PointNode> nodes;  ///< level by level; the children of the first ones are faces; the root is the last
+    std::vector<PointNode> nodes;  ///< by levels; the children of the first level are faces; the root is the last
 
     device::BufferPool::Lease device_nodes;  ///< the same, from the second level on
     device::BufferPool::Lease leaves;        ///< PointLeaf, in place of the first level

@@ -24,7 +24,7 @@ constexpr std::size_t fewest_sorted = 128;
 // Points of a work-item on a processor, which share their way through the tree.
 constexpr std::size_t most_run = 64;
 // First estimate for a search on a core; later launches use the measured time.
-constexpr double seconds_per_point = 2e-5;
+constexpr double seconds_per_search = 2e-5;
 
 enum NearestArgument : cl_uint {
     nearest_tree,
@@ -118,7 +118,7 @@ public:
         kernel.setArg(nearest_faces, *device_faces_);
         kernel.setArg(nearest_squared, *device_squared_);
         // How long a search takes depends on the mesh and the point.
-        scan::measured_launches(context_, count(), seconds_per_point,
+        scan::measured_launches(context_, count(), seconds_per_search,
                                 most_run * scan::cores_of(context_.capabilities()), between,
                                 [&](std::size_t begin, std::size_t end) {
                                     kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));

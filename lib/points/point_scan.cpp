@@ -24,7 +24,7 @@ constexpr double farthest_origin = 1 << 22;
 // Polyhedra that one work-item marks, and of how many one bounds the distances of superblocks.
 constexpr std::size_t marked_together = 4096, bound_stride = 16;
 // First estimates for a core; later launches use the measured time.
-constexpr double seconds_per_mark = 5e-8, seconds_per_point = 1e-6;
+constexpr double seconds_per_mark = 5e-8, seconds_per_scanned_point = 1e-6;
 
 enum BoundArgument : cl_uint {
     bound_superblocks,
@@ -301,8 +301,8 @@ public:
         kernel.setArg(scan_brick_memory, *memory);
         kernel.setArg(scan_faces, faces);
         kernel.setArg(scan_squared, squared);
-        scan::measured_launches(job_.context, block_count_, seconds_per_point * CLSDF_POINTS_OF_BLOCK, items, between,
-                                [&](std::size_t begin, std::size_t end) {
+        scan::measured_launches(job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items,
+                                between, [&](std::size_t begin, std::size_t end) {
                                     queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
                                     kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
                                     kernel.setArg(scan_end, static_cast<cl_uint>(end));

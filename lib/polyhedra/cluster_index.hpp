@@ -42,7 +42,6 @@ public:
     /// Clusters whose boxes overlap the given one.
     NearRecords near(const Box& box) const;
 
-    std::size_t face_count() const { return face_count_; }
     std::size_t bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
 
 private:

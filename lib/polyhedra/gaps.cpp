@@ -77,8 +77,8 @@ private:
         return product < 0 && product * product > (1 - 2e-12) * first_.squared * last_.squared;
     }
 
-    /// Both ends are inside, so everything is, unless the arc is half a turn that turns its back on the condition: then
-    /// it hangs on rounding whether its ends are left.
+    /// Both ends meet the condition, so all of the arc does. An arc of half a turn on the other side is the exception:
+    /// rounding decides whether its ends are left.
     Answer leaves_middle(const Vector2& condition) const {
         return is_half_turn() && condition.dot(middle()) < 0 ? Answer::undecided : Answer::not_empty;
     }

@@ -18,8 +18,8 @@ namespace clsdf::scan {
 namespace {
 
 // Upper estimates for one core; they limit the work of a launch.
-constexpr double seconds_per_point = 2e-8;    // for a vector of columns of four bricks
-constexpr double seconds_per_cluster = 2e-6;  // and group of coarse bricks
+constexpr double seconds_per_surface_point = 2e-8;  // for a vector of columns of four bricks
+constexpr double seconds_per_cluster = 2e-6;        // and group of coarse bricks
 
 std::size_t coarse_group_count(const Layout& layout) {
     std::size_t count = 1;
@@ -60,7 +60,7 @@ device::BufferPool::Lease find_bounds(const ListJob& job, const SurfacePoints* s
     kernel.setArg(bounds_count, static_cast<cl_uint>(count));
     kernel.setArg(bounds_points, *points);
     kernel.setArg(bounds_bounds, *bounds);
-    const double seconds = seconds_per_point * static_cast<double>(count);
+    const double seconds = seconds_per_surface_point * static_cast<double>(count);
     // PoCL compiles a kernel anew for each size of a group: one size for all grids.
     const cl::NDRange alone = job.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
     job.launches.over(groups * CLSDF_COARSE_COLUMNS / job.programs.lanes, seconds,
@@ -188,10 +188,8 @@ private:
                 gate.open();
             }
             cl::Event::waitForEvents(read);
-            if (std::equal(pairs_found_.begin(), pairs_found_.end(), room.begin(), std::less_equal<>())) {
-                sums.total();  // throws where the starts do not hold it
-                break;
-            }
+            sums.total();  // throws where the starts do not hold it
+            if (std::equal(pairs_found_.begin(), pairs_found_.end(), room.begin(), std::less_equal<>())) break;
             make_room(room = pairs_found_);
         }
         room_starts_.clear();

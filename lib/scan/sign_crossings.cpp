@@ -27,7 +27,7 @@ constexpr const char* listed = "crossings of the surface by rows of samples";
 constexpr double seconds_per_row = 2e-8;       // that is tested against a triangle
 constexpr double seconds_per_triangle = 5e-7;  // of the first launch: with CLSDF_LARGE_ROWS rows
 // A large triangle is divided among work-items, each of which takes a strip of its slices.
-constexpr std::size_t rows_per_item = std::size_t{1} << 14;
+constexpr std::size_t rows_of_a_strip = std::size_t{1} << 14;
 constexpr std::size_t most_strips = 64;
 
 }  // namespace
@@ -128,7 +128,7 @@ private:
     };
 
     void find_large(const SweepTotals& totals) {
-        const std::size_t strips = std::min(totals.largest_rows / rows_per_item + 1, most_strips);
+        const std::size_t strips = std::min(totals.largest_rows / rows_of_a_strip + 1, most_strips);
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         launches_.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {

@@ -5,7 +5,7 @@
 namespace clsdf::disguise {
 
 // As NVIDIA's GPUs have.
-constexpr std::size_t largest_group = 128;  ///< work-items
+constexpr std::size_t largest_group = 128;   ///< work-items
 constexpr cl_ulong local_memory = 48 << 10;  ///< bytes of a group
 
 /// Whether processors answer as GPUs.
