@@ -53,7 +53,7 @@ clsdf_disguised(callers_memory test_transform_callers_memory)
 
 # and, with -C nightly (scripts/on-disguise), all that use a device.
 get_property(names GLOBAL PROPERTY CLSDF_TESTS)
-list(FILTER names INCLUDE REGEX "^(device|transform_.*|slices_.*|picture|benchmarks|command)$")
+list(FILTER names INCLUDE REGEX "^(device|transform_.*|slices_.*|brute_force|prepare|picture|benchmarks|command)$")
 foreach(name IN LISTS names)
   add_test(NAME as_gpu_${name} COMMAND test_${name} --color_output=no CONFIGURATIONS nightly)
   clsdf_between(as_gpu_${name})

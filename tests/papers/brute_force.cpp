@@ -71,7 +71,7 @@ BOOST_AUTO_TEST_CASE(many_launches_find_one_minimum) {
     const Band band = Band::symmetric(3 * grid.voxel());
     std::size_t launches = 0;
     const Field field = transform_of(mesh)(grid, band, {.triangle = true}, {.progress = [&](double) { ++launches; }});
-    BOOST_TEST(launches > 10U);
+    BOOST_TEST(launches > 2U);
     check_exact(mesh, field);
 }
 

@@ -4,8 +4,12 @@
 #include "support/hostile_meshes.hpp"
 
 #include "device/context.hpp"
+#include "transform/self_test.hpp"
+
+#include <clsdf/papers.hpp>
 
 #include <array>
+#include <cstdlib>
 #include <vector>
 
 using namespace clsdf;
@@ -84,4 +88,32 @@ BOOST_AUTO_TEST_CASE(boxes_of_a_plan_with_strides) {
                         BOOST_TEST(values[at] == field.distance[of_field]);
                     }
     }
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_that_moves_and_another_lattice) {
+    const Mesh mesh = cube(1);
+    std::vector<Vec3> moved = mesh.vertices();
+    for (Vec3& p : moved) p[0] *= 1.25;
+    for (const KernelBody body : bodies) {
+        DistanceTransform transform(test_device(), mesh, {.body = body});
+        transform(around_cube(4, 0.6), Band::symmetric(0.5));
+        transform.move(moved);
+        const Field field = transform(around_cube(6, 0.55), Band::symmetric(0.5));
+        BOOST_TEST(check_exact(Mesh(moved, mesh.triangles(), "moved"), field, guaranteed).band_samples > 0U);
+    }
+}
+
+// The library's own test of its kernels for many points, which compares the results. (The simulator cannot run the
+// search for few points: its compiler leaves a declaration in the code that the simulator does not know.)
+BOOST_AUTO_TEST_CASE(many_points) {
+    unsetenv("CLSDF_SELF_TEST");
+    const scan::Programs programs(device::context_of(test_device()), KernelBody::by_vector);
+    BOOST_TEST(transform::ensure_points_tested(test_device(), programs, true));
+    setenv("CLSDF_SELF_TEST", "0", 1);
+}
+
+BOOST_AUTO_TEST_CASE(methods_of_the_papers) {
+    const Grid grid = around_cube(8, 0.4);
+    for (const Scan scan : {Scan::slices, Scan::brute_force})
+        check_on_simulator(cube(1), grid, Band::symmetric(0.5), {.method = papers_method({.scan = scan})});
 }
