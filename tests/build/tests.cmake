@@ -33,3 +33,5 @@ add_test(NAME users_build COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR}
                                   -P ${CMAKE_CURRENT_LIST_DIR}/users_build.cmake)
 add_test(NAME setup COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/setup -P
                             ${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
+add_test(NAME scripts COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/scripts -P
+                              ${CMAKE_CURRENT_LIST_DIR}/scripts.cmake)

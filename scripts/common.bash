@@ -1,0 +1,37 @@
+# Sourced by every script of this folder before it does anything. If the script's first argument is -h or --help, the
+# script prints its head comment and ends.
+
+head_comment=$(sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0")
+case ${1-} in
+    -h | --help)
+        printf '%s\n' "$head_comment"
+        exit 0
+        ;;
+esac
+
+# Ends a script that was called with wrong arguments.
+usage() {
+    printf '%s\n' "$head_comment" >&2
+    exit 2
+}
+
+# existing_file FILE prints its absolute path. Without such a file the script ends before any work.
+existing_file() {
+    if [ ! -f "$1" ]; then
+        echo "${0##*/}: no such file: $1" >&2
+        exit 3
+    fi
+    realpath -- "$1"
+}
+
+# clang_14 PROGRAM prints the name of version 14 of clang-format or clang-tidy: results of other versions differ.
+clang_14() {
+    local version
+    if command -v "$1-14"; then return; fi
+    version=$("$1" --version 2>/dev/null | sed -n 's/.*version \([0-9]*\)\..*/\1/p' | head -n 1)
+    if [ "$version" != 14 ]; then
+        echo "${0##*/}: needs $1 14${version:+, and this is $version}; on Debian 12: apt-get install $1-14" >&2
+        exit 2
+    fi
+    echo "$1"
+}
