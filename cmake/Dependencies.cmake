@@ -43,7 +43,8 @@ if(CLSDF_BUILD_IO)
   if(NOT CLSDF_HDF5_INCLUDE OR NOT CLSDF_HDF5_LIBRARY)
     message(FATAL_ERROR "clsdf needs HDF5 (hdf5.h and its library), which CMake did not find.\n"
                         "On Debian and its kin: apt-get install libhdf5-dev "
-                        "(scripts/setup installs everything; -DCLSDF_BUILD_IO=OFF does without files).")
+                        "(scripts/setup installs everything; -DCLSDF_BUILD_IO=OFF -DCLSDF_BUILD_APPS=OFF "
+                        "-DCLSDF_BUILD_TESTS=OFF builds the other libraries).")
   endif()
   add_library(clsdf_hdf5 INTERFACE)
   target_include_directories(clsdf_hdf5 SYSTEM INTERFACE ${CLSDF_HDF5_INCLUDE})
@@ -75,6 +76,7 @@ if(CLSDF_BUILD_PICTURE)
   if(NOT cairo_FOUND)
     message(FATAL_ERROR "clsdf's pictures need cairo, which CMake did not find.\n"
                         "On Debian and its kin: apt-get install libcairo2-dev "
-                        "(scripts/setup installs everything; -DCLSDF_BUILD_PICTURE=OFF does without).")
+                        "(scripts/setup installs everything; -DCLSDF_BUILD_PICTURE=OFF -DCLSDF_BUILD_APPS=OFF "
+                        "builds the other libraries).")
   endif()
 endif()
