@@ -9,6 +9,7 @@
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
 
+#include <sys/wait.h>
 #include <algorithm>
 #include <cstdlib>
 
@@ -41,8 +42,15 @@ Field plain_field(const Vec3& spacing, const clsdf::Band& band = {0.2, 0.25}) {
 const Vec3 unequal{0.1, 0.07, 1.0 / 7};
 const Vec3 equal{0.1, 0.1, 0.1};
 
-// Writes the field and what is expected of it, and has the other program look at it.
-void check_with_reader(const TemporaryFolder& folder, const std::string& kind, const std::string& ending,
+// A word of a shell's command line.
+std::string quoted(std::string word) {
+    for (std::size_t at = 0; (at = word.find('\'', at)) != std::string::npos; at += 4) word.replace(at, 1, R"('\'')");
+    return '\'' + word + '\'';
+}
+
+// Writes the field and what is expected of it, and has the other program look at it. False if that program is not
+// installed (scripts/setup --tests installs it): the check is skipped.
+bool check_with_reader(const TemporaryFolder& folder, const std::string& kind, const std::string& ending,
                        const Field& field) {
     Field written = field;
     if (ending == "sdf") written.triangle.clear();
@@ -59,9 +67,14 @@ void check_with_reader(const TemporaryFolder& folder, const std::string& kind, c
     folder.file("expected.f32", bytes_of(field.distance, std::endian::native));
     folder.file("expected.u32", bytes_of(field.triangle, std::endian::native));
     const std::string answer = folder.file("answer.txt");
-    const int status = std::system(
-        fmt::format("{} {} {} {} {} >{} 2>&1", CLSDF_TEST_PYTHON, CLSDF_READERS, kind, path, expected, answer).c_str());
-    BOOST_CHECK_MESSAGE(status == 0, kind << ": status " << status << ": " << content_of(answer));
+    const std::string line = fmt::format("{} {} {} {} {} >{} 2>&1", quoted(CLSDF_TEST_PYTHON), quoted(CLSDF_READERS),
+                                         kind, quoted(path), quoted(expected), quoted(answer));
+    const int ended = std::system(line.c_str());
+    const int status = WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
+    const bool is_missing = status == 3 || status == 127;  // readers.py's, and the shell's without a Python
+    if (is_missing) fmt::print(stderr, "skipped: {}: {}", kind, content_of(answer));
+    BOOST_CHECK_MESSAGE(status == 0 || is_missing, kind << ": status " << status << ": " << content_of(answer));
+    return !is_missing;
 }
 
 }  // namespace
@@ -91,7 +104,7 @@ BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_in_the_text_of_sdfgen) {
 BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
     const TemporaryFolder folder;
     const Field field = plain_field(unequal);
-    check_with_reader(folder, "vti_rewritten", "vti", field);
+    if (!check_with_reader(folder, "vti_rewritten", "vti", field)) return;
     for (const std::string header : {"32", "64"}) {
         for (const std::string way : {"appended", "base64"}) {
             BOOST_TEST_CONTEXT(way << " with headers of " << header << " bits") {
@@ -124,7 +137,7 @@ BOOST_AUTO_TEST_CASE(has_its_values_and_its_place_and_its_band_in_openvdb) {
 BOOST_AUTO_TEST_CASE(is_read_back_from_openvdb_as_its_active_voxels_with_the_background_as_band) {
     const TemporaryFolder folder;
     const Field field = plain_field(equal, clsdf::Band::symmetric(0.25));
-    check_with_reader(folder, "vdb_rewritten", "vdb", field);
+    if (!check_with_reader(folder, "vdb_rewritten", "vdb", field)) return;
     const Field read = read_field(folder.file("field_rewritten.vdb"));
     BOOST_TEST(read.grid.size == (clsdf::Index3{21, 13, 8}), boost::test_tools::per_element());
     BOOST_CHECK(read.sign == clsdf::SignRule::automatic);
