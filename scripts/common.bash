@@ -24,6 +24,11 @@ existing_file() {
     realpath -- "$1"
 }
 
+# is_installed PACKAGE: dpkg also knows packages that were removed.
+is_installed() {
+    dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
+}
+
 # clang_14 PROGRAM prints the name of version 14 of clang-format or clang-tidy: results of other versions differ.
 clang_14() {
     local version
