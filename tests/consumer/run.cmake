@@ -107,6 +107,19 @@ elseif(WAY STREQUAL "components")
       message(FATAL_ERROR "find_package(clsdf COMPONENTS ${missing}) does not name what is missing: ${log}")
     endif()
   endforeach()
+  # Another minor version has another interface: a project that asks for one is refused.
+  foreach(version 0.0 1)
+    execute_process(
+      COMMAND ${CMAKE_COMMAND} -S ${source} -B ${SCRATCH}/refused -G ${GENERATOR} -DWAY=find_package -DVERSION=${version}
+              -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${prefix}
+      RESULT_VARIABLE status
+      OUTPUT_VARIABLE log
+      ERROR_VARIABLE log)
+    string(REGEX REPLACE "[ \n]+" " " log "${log}")
+    if(status EQUAL 0 OR NOT log MATCHES "compatible with requested version \"${version}\"")
+      message(FATAL_ERROR "find_package(clsdf ${version}) is not refused: ${log}")
+    endif()
+  endforeach()
   install_package(io papers)
   configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,papers)
   build_and_run()
