@@ -19,8 +19,8 @@ function(clsdf_test_defaults)
                "CLSDF_CACHE_DIR=${PROJECT_BINARY_DIR}/program-cache"
                # LLVM, in PoCL's threads, has an alternate stack for signals too.
                "ASAN_OPTIONS=use_sigaltstack=0"
-               "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt:print_suppressions=0"
+               "LSAN_OPTIONS=suppressions='${PROJECT_SOURCE_DIR}/cmake/leak_suppressions.txt':print_suppressions=0"
                "UBSAN_OPTIONS=print_stacktrace=1"
-               "TSAN_OPTIONS=ignore_noninstrumented_modules=1:die_after_fork=0:suppressions=${PROJECT_SOURCE_DIR}/cmake/thread_suppressions.txt")
+               "TSAN_OPTIONS=ignore_noninstrumented_modules=1:die_after_fork=0:suppressions='${PROJECT_SOURCE_DIR}/cmake/thread_suppressions.txt'")
   endforeach()
 endfunction()

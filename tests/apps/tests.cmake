@@ -31,10 +31,10 @@ if(TARGET clsdf_command_documents)
   find_program(CLSDF_FISH fish)
   mark_as_advanced(CLSDF_MANDOC CLSDF_MAN CLSDF_ZSH CLSDF_FISH)
   if(CLSDF_MANDOC)
-    add_test(NAME manual_mandoc COMMAND sh -c "${CLSDF_MANDOC} -Tlint ${made}/manual/*.1")
+    add_test(NAME manual_mandoc COMMAND sh -c "'${CLSDF_MANDOC}' -Tlint '${made}/manual/'*.1")
   endif()
   if(CLSDF_MAN)
-    add_test(NAME manual_man COMMAND sh -c "${CLSDF_MAN} --warnings -Tutf8 -l ${made}/manual/*.1 2>&1 >/dev/null | grep . && exit 1; exit 0")
+    add_test(NAME manual_man COMMAND sh -c "'${CLSDF_MAN}' --warnings -Tutf8 -l '${made}/manual/'*.1 2>&1 >/dev/null | grep . && exit 1; exit 0")
   endif()
   if(CLSDF_ZSH)
     add_test(NAME completion_zsh COMMAND ${CLSDF_ZSH} -n ${made}/completions/_clsdf)
@@ -43,7 +43,7 @@ if(TARGET clsdf_command_documents)
     add_test(
       NAME completion_fish
       COMMAND ${CLSDF_FISH} --no-config -c
-              "source ${made}/completions/clsdf.fish; and complete -C 'clsdf comp' | string match -q 'compute*'
+              "source '${made}/completions/clsdf.fish'; and complete -C 'clsdf comp' | string match -q 'compute*'
                and complete -C 'clsdf compute --sign nonz' | string match -q 'nonzero*'
                and complete -C 'clsdf slice --axis ' | count | string match -q 3
                and complete -C 'clsdf shape kn' | string match -q 'knot*'")

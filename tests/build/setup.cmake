@@ -12,7 +12,7 @@ endfunction()
 
 # Root, nothing is installed at first, one package is unknown and another one has dependencies that cannot be had.
 program(id "echo 0")
-program(dpkg-query "for p; do :; done; grep -qx $p ${SCRATCH}/installed && echo installed")
+program(dpkg-query "for p; do :; done; grep -qx $p '${SCRATCH}/installed' && echo installed")
 program(apt-cache "for p; do :; done; [ $p != oclgrind ]")
 program(
   apt-get
@@ -20,9 +20,9 @@ program(
     update | install) verb=$p ;;
     -* | *=*) ;;
     oclgrind | teem-apps | \"$BROKEN\") exit 100 ;;
-    *) echo $p >>${SCRATCH}/try ;;
+    *) echo $p >>'${SCRATCH}/try' ;;
   esac; done
-  [ $verb = update ] || cat ${SCRATCH}/try >>${SCRATCH}/installed; rm -f ${SCRATCH}/try; echo \"$*\" >>${SCRATCH}/calls")
+  [ $verb = update ] || cat '${SCRATCH}/try' >>'${SCRATCH}/installed'; rm -f '${SCRATCH}/try'; echo \"$*\" >>'${SCRATCH}/calls'")
 function(setup status log)
   file(REMOVE ${SCRATCH}/calls)
   execute_process(

@@ -131,11 +131,12 @@ elseif(WAY STREQUAL "pkg_config")
   flags_of(flags --cflags --libs clsdf)
   set(program ${build}/consumer)
 
-  # The line of the README, as a reader would paste it; c++ is the compiler that the library was built with.
+  # The line of the README, as a reader would paste it; c++ is the compiler that the library was built with. pkg-config
+  # escapes blanks in the names of folders, for eval.
   file(STRINGS ${CLSDF}/README.md line REGEX "^c\\+\\+ .*pkg-config" LIMIT_COUNT 1)
-  string(REGEX REPLACE "^c\\+\\+" "${COMPILER}" line "${line}")
+  string(REGEX REPLACE "^c\\+\\+" "'${COMPILER}'" line "${line}")
   write_readme_program(${build}/simulation.cpp)
-  run(sh -c "${line}")
+  run(sh -c "eval \"${line}\"")
   file(RENAME ${build}/simulation ${build}/consumer_files)
   check_readme_program()
 
