@@ -5,10 +5,13 @@ add_library(clsdf_disguise SHARED ${CMAKE_CURRENT_LIST_DIR}/record.cpp ${CMAKE_C
 target_include_directories(clsdf_disguise PUBLIC ${PROJECT_SOURCE_DIR}/tests)
 target_link_libraries(clsdf_disguise PRIVATE clsdf_warnings nlohmann_json::nlohmann_json ${CMAKE_DL_LIBS})
 
-# clsdf_between(<test>...): the library lies between these tests' programs and the loader.
+# clsdf_between(<test>...): the library lies between these tests' programs and the loader. LD_PRELOAD is split at blanks,
+# LD_LIBRARY_PATH is not.
 function(clsdf_between)
-  set_tests_properties(${ARGN} PROPERTIES ENVIRONMENT LD_PRELOAD=$<TARGET_FILE:clsdf_disguise>
-                                          ENVIRONMENT_MODIFICATION "ASAN_OPTIONS=string_append::verify_asan_link_order=0")
+  set(modification LD_LIBRARY_PATH=path_list_prepend:$<TARGET_FILE_DIR:clsdf_disguise>
+                   ASAN_OPTIONS=string_append::verify_asan_link_order=0)
+  set_tests_properties(${ARGN} PROPERTIES ENVIRONMENT LD_PRELOAD=$<TARGET_FILE_NAME:clsdf_disguise>
+                                          ENVIRONMENT_MODIFICATION "${modification}")
 endfunction()
 
 clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
