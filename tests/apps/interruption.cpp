@@ -24,8 +24,7 @@ void check_interrupted_by(int signal) {
             const std::string mesh = folder.file("mesh.off");
             BOOST_REQUIRE(run_command({"shape", "sphere6", "-o", mesh}).status == 0);
             Process process({"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "700", "--band", "full"});
-            while (process.error_so_far().find("sign") == std::string::npos)
-                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            process.wait_until([&] { return process.error_so_far().find("sign") != std::string::npos; });
             std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
             const auto interrupted = std::chrono::steady_clock::now();
             process.send(signal);
@@ -38,10 +37,8 @@ void check_interrupted_by(int signal) {
     }
 }
 
-void wait_for_files(const TemporaryFolder& folder, std::size_t count) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
-    while (folder.file_count() < count && std::chrono::steady_clock::now() < give_up)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+void wait_for_files(const Process& process, const TemporaryFolder& folder, std::size_t count) {
+    process.wait_until([&] { return folder.file_count() >= count; });
     BOOST_REQUIRE(folder.file_count() == count);
 }
 
@@ -69,7 +66,7 @@ BOOST_AUTO_TEST_CASE(goes_on_when_its_terminal_hangs_up_if_it_was_told_to_by_noh
     BOOST_REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
     Process process({"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle"}, {},
                     {}, [] { ::signal(SIGHUP, SIG_IGN); });
-    wait_for_files(folder, 4);
+    wait_for_files(process, folder, 4);
     process.send(SIGHUP);
     BOOST_TEST(content_of(pipe).size() > 16U * 4);
     BOOST_TEST(process.wait().status == 0);
@@ -81,7 +78,7 @@ BOOST_AUTO_TEST_CASE(leaves_what_it_was_writing_to_the_next_one_if_it_is_killed)
     const std::string mesh = folder.file("mesh.off", tetrahedron);
     BOOST_REQUIRE(::mkfifo(folder.file("field_triangle.npy").c_str(), 0600) == 0);
     Process process({"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle"});
-    wait_for_files(folder, 4);
+    wait_for_files(process, folder, 4);
     const auto compute_another = [&](const std::string& name) {
         BOOST_REQUIRE(run_command({"compute", mesh, "-o", folder.file(name), "--resolution", "16"}).status == 0);
     };
@@ -101,7 +98,7 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_was_writing) {
     BOOST_REQUIRE(::mkfifo(folder.file("field_triangle.npy").c_str(), 0600) == 0);
     Process process(
         {"compute", mesh, "-o", folder.file("field.npy"), "--resolution", "16", "--with", "triangle", "--json"});
-    wait_for_files(folder, 4);
+    wait_for_files(process, folder, 4);
     process.send(SIGINT);
     const Outcome outcome = process.wait();
     BOOST_TEST(outcome.status == 6);
@@ -118,9 +115,7 @@ BOOST_AUTO_TEST_CASE(ends_at_once_where_nothing_has_to_be_put_in_order) {
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", field, "--resolution", "160"}).status == 0);
     Process process({"check", mesh, field, "--complete"});  // for minutes
     // The check is running then: reading both files takes a tenth of this time.
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
-    while (process.cpu_seconds_so_far() < 1 && std::chrono::steady_clock::now() < give_up)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.wait_until([&] { return process.cpu_seconds_so_far() >= 1; });
     process.send(SIGINT);
     check_refused(process.wait(), 6, {"cancelled"});
 }

@@ -111,7 +111,7 @@ BOOST_AUTO_TEST_CASE(whose_compilation_ends_the_process_are_tried_twice) {
             return std::any_of(markers.begin(), markers.end(),
                                [&](const fs::path& path) { return has(content_of(path.string()), attempt); });
         };
-        while (!has_begun()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        process.wait_until(has_begun);
         process.send(SIGKILL);
         BOOST_TEST(process.wait().status == -SIGKILL);
     }

@@ -14,9 +14,13 @@
 #include <csignal>
 #include <cstdlib>
 #include <functional>
+#include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace clsdf::test {
@@ -49,6 +53,14 @@ public:
         BOOST_REQUIRE(id_ >= 0);
         if (id_ == 0) execute(arguments, environment, prepare);
     }
+    /// A process that nothing waited for, because its test failed, is killed.
+    ~Process() {
+        if (has_been_waited_for_) return;
+        send(SIGKILL);
+        reap();
+    }
+    Process(const Process&) = delete;
+    Process& operator=(const Process&) = delete;
 
     void send(int signal) const { ::kill(id_, signal); }
 
@@ -66,11 +78,19 @@ public:
         return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
     }
 
-    Outcome wait() {
-        int status = 0;
-        struct rusage usage {};
-        while (::wait4(id_, &status, 0, &usage) < 0 && errno == EINTR) {
+    /// Waits until `predicate` returns true. The test ends if the process ends before, or after so many seconds.
+    void wait_until(const std::function<bool()>& predicate, int seconds = 300) const {
+        const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+        for (;; std::this_thread::sleep_for(std::chrono::milliseconds(2))) {
+            const bool had_ended = has_ended(), is_late = std::chrono::steady_clock::now() > give_up;
+            if (predicate()) return;
+            BOOST_REQUIRE_MESSAGE(!had_ended, "the command ended too early and said: " << error_so_far());
+            BOOST_REQUIRE_MESSAGE(!is_late, "waited " << seconds << " s; the command said: " << error_so_far());
         }
+    }
+
+    Outcome wait() {
+        const auto [status, usage] = reap();
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
         const bool exited = WIFEXITED(status);
         const bool own_output = out_ == folder_.file("out");
@@ -83,6 +103,20 @@ public:
     }
 
 private:
+    std::pair<int, struct rusage> reap() {
+        std::pair<int, struct rusage> result{};
+        while (::wait4(id_, &result.first, 0, &result.second) < 0 && errno == EINTR) {
+        }
+        has_been_waited_for_ = true;
+        return result;
+    }
+
+    /// Leaves its status to be waited for.
+    bool has_ended() const {
+        siginfo_t info{};
+        return ::waitid(P_PID, static_cast<id_t>(id_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid != 0;
+    }
+
     static double seconds_of(const struct timeval& time) {
         return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
     }
@@ -108,6 +142,7 @@ private:
     std::string error_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     pid_t id_ = -1;
+    bool has_been_waited_for_ = false;
 };
 
 inline Outcome run_command(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {},
@@ -124,6 +159,30 @@ inline void check_refused(const Outcome& outcome, int status, const std::vector<
             BOOST_CHECK_MESSAGE(outcome.error.find(fragment) != std::string::npos, "no '" << fragment << "'");
     }
 }
+
+/// What matches the first group of a regular expression.
+inline std::set<std::string> matches(const std::string& text, const std::string& pattern) {
+    const std::regex expression(pattern);
+    std::set<std::string> result;
+    for (std::sregex_iterator match(text.begin(), text.end(), expression), end; match != end; ++match)
+        result.insert((*match)[1]);
+    return result;
+}
+
+/// The subcommands that the help page lists.
+inline std::set<std::string> subcommands() {
+    const std::string help = run_command({"--help"}).out;
+    const std::size_t begin = help.find("Subcommands:\n");
+    BOOST_REQUIRE(begin != std::string::npos);
+    std::set<std::string> names = matches(help.substr(begin, help.find("\n\n", begin) - begin), "\n  ([a-z]+)");
+    BOOST_REQUIRE(names.size() >= 11U);
+    return names;
+}
+
+/// The exit status of the command for each code of an error.
+inline const std::map<std::string, int> exit_statuses{
+    {"invalid_argument", 2}, {"unsupported", 2},    {"unreadable_input", 3}, {"invalid_mesh", 3}, {"no_device", 4},
+    {"out_of_memory", 4},    {"device_failure", 4}, {"output_failure", 5},   {"cancelled", 6}};
 
 inline const std::string tetrahedron = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 

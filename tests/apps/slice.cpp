@@ -64,7 +64,7 @@ BOOST_AUTO_TEST_CASE(leaves_whole_pictures_only_where_it_is_interrupted) {
     const std::string field = folder.file("balls.nrrd");
     write(two_balls(), field);
     Process process({"slice", field, "-o", folder.file("b.png"), "--all", "--axis", "x", "--pixels", "2000"});
-    while (folder.file_count() < 3) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    process.wait_until([&] { return folder.file_count() >= 3; });
     process.send(SIGINT);
     const Outcome outcome = process.wait();
     check_refused(outcome, 6, {"cancelled", "of 51 pictures"});
