@@ -21,6 +21,7 @@ namespace {
 void check_error(std::vector<std::string> arguments, int status, const std::string& code,
                  const std::vector<std::string>& environment = {}) {
     BOOST_TEST_CONTEXT("clsdf " << arguments.front() << " should end with " << code) {
+        BOOST_TEST(clsdf::test::exit_statuses.at(code) == status);
         const Outcome plain = run_command(arguments, environment);
         BOOST_TEST(plain.status == status);
         BOOST_TEST(plain.out.empty());
@@ -134,8 +135,7 @@ BOOST_AUTO_TEST_CASE(is_5_where_the_output_cannot_be_written) {
 
 BOOST_AUTO_TEST_CASE(is_6_where_it_was_interrupted) {
     Process process({"compute", mesh, "-o", field, "--resolution", "700", "--band", "full", "--json"});
-    while (process.error_so_far().find("sign") == std::string::npos)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.wait_until([&] { return process.error_so_far().find("sign") != std::string::npos; });
     process.send(SIGINT);
     const Outcome outcome = process.wait();
     BOOST_TEST(outcome.status == 6);
