@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <set>
 #include <thread>
 
@@ -113,6 +114,10 @@ BOOST_AUTO_TEST_CASE(processor_time_counts_all_threads_and_no_sleep) {
 }
 
 BOOST_AUTO_TEST_CASE(memory_that_was_given_back_is_in_the_peak) {
+    if (!(std::ofstream("/proc/self/clear_refs") << "5" << std::flush)) {
+        BOOST_TEST_MESSAGE("skipped: the system does not reset the peak");
+        return;
+    }
     constexpr std::size_t bytes = std::size_t{64} << 20;
     const PeakMemory memory;
     {
@@ -120,7 +125,7 @@ BOOST_AUTO_TEST_CASE(memory_that_was_given_back_is_in_the_peak) {
         std::memset(used.data(), 1, bytes);
     }
     const auto growth = memory.growth();
-    if (!growth) return;  // the system does not tell
+    BOOST_TEST_REQUIRE(growth.has_value());
     BOOST_TEST(*growth >= bytes * 9 / 10);
     BOOST_TEST(*growth < bytes * 2);
 }

@@ -72,8 +72,10 @@ BOOST_AUTO_TEST_CASE(takes_no_processor_where_a_gpu_is_usable) {
     const bool gpu = std::any_of(infos.begin(), infos.end(),
                                  [](const DeviceInfo& info) { return info.usable() && info.kind == DeviceKind::gpu; });
     const cl_device_id best = Device::best().id();
-    for (const DeviceInfo& info : infos)
-        if (info.id == best) BOOST_TEST((info.kind == DeviceKind::gpu) == gpu);
+    const auto taken =
+        std::find_if(infos.begin(), infos.end(), [&](const DeviceInfo& info) { return info.id == best; });
+    BOOST_TEST_REQUIRE((taken != infos.end()));
+    BOOST_TEST((taken->kind == DeviceKind::gpu) == gpu);
 }
 
 BOOST_AUTO_TEST_CASE(knows_a_device_by_a_part_of_its_name_or_its_platforms_in_any_case) {
