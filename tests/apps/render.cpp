@@ -119,7 +119,7 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_is_interrupted) {
     const std::string field = folder.file("balls.nrrd");
     write(two_balls(), field);
     Process process({"render", field, "-o", folder.file("b.png"), "--size", "6000", "--rays", "8"});
-    std::this_thread::sleep_for(std::chrono::seconds(2));
+    process.wait_until([&] { return process.cpu_seconds_so_far() >= 1; });
     process.send(SIGINT);
     check_refused(process.wait(), 6, {"cancelled"});
     BOOST_TEST(folder.file_count() == 1U);

@@ -250,10 +250,11 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
         const CallOptions call{.statistics = &statistics};
         transform(grid, band, {}, call);
         BOOST_TEST(statistics.first_use == first);
-        BOOST_TEST(statistics.compile_seconds > 0);
+        const double compile_seconds = statistics.compile_seconds;
+        BOOST_TEST(compile_seconds > 0);
         transform(grid, band, {}, call);
         BOOST_TEST(!statistics.first_use);
-        BOOST_TEST(statistics.compile_seconds < 1e-3);
+        BOOST_TEST(statistics.compile_seconds < compile_seconds);
     }
     // Without files once in every process, and for each device that is opened.
     for (int i = 0; i < 2; ++i) {
