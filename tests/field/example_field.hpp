@@ -103,6 +103,13 @@ inline std::map<std::string, std::string> all_contents(const TemporaryFolder& fo
     return contents;
 }
 
+/// The text with the first `from` replaced.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t position = text.find(from);
+    BOOST_REQUIRE_MESSAGE(position != std::string::npos, "no '" << from << "'");
+    return text.replace(position, from.size(), to);
+}
+
 /// The bytes of the values in the order asked for.
 template <std::ranges::contiguous_range Array>
 std::string bytes_of(const Array& values, std::endian order) {

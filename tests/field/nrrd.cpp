@@ -30,12 +30,6 @@ const std::string place =
     "space directions: (0.5,0,0) (0,1,0) (0,0,2)\n"
     "space origin: (-1, 2, 3e2)\n";
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t position = text.find(from);
-    BOOST_REQUIRE(position != std::string::npos);
-    return text.replace(position, from.size(), to);
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(an_nrrd_file_of_another_program)

@@ -18,12 +18,6 @@ namespace {
 
 const std::vector<float> six_values{0, 1, -2, 3.5F, -0.25F, 1e-30F};
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const std::size_t position = text.find(from);
-    BOOST_REQUIRE_MESSAGE(position != std::string::npos, "no '" << from << "'");
-    return text.replace(position, from.size(), to);
-}
-
 const std::string vti_text =
     "<VTKFile type=\"ImageData\" byte_order=\"BigEndian\">\n"
     "<ImageData WholeExtent=\"2 4 -1 0 0 0\" Origin=\"1 2 3\" Spacing=\"0.5 1 2\" Direction=\"1 0 0 0 1 0 0 0 1\">\n"

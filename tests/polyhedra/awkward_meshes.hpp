@@ -1,5 +1,6 @@
 #pragma once
 
+#include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
@@ -14,13 +15,6 @@
 
 /// Random meshes of some ten voxels, of every kind that is known to be hard for bounding polyhedra.
 namespace clsdf::test {
-
-inline Mesh scaled(const Mesh& mesh, double factor) {
-    std::vector<Vec3> vertices = mesh.vertices();
-    for (Vec3& vertex : vertices)
-        for (double& coordinate : vertex) coordinate *= factor;
-    return {std::move(vertices), mesh.triangles(), mesh.name()};
-}
 
 /// A polygon in x and z, counter-clockwise, drawn out along y; its ends are closed by fans from the first vertex, which
 /// is a triangulation only where the polygon is star-shaped from there, and a self-intersecting closed surface else.
@@ -63,7 +57,7 @@ inline Mesh random_stairs(Random& random) {
 }
 
 /// The counterexample a3 (docs/method.md) with a flap of random size and lean.
-inline Mesh random_flap(Random& random) {
+inline Mesh random_leaning_flap(Random& random) {
     const double height = std::pow(10, random.uniform(-3, 1));
     const double lean = random.uniform(-2, 2);
     return extruded("flap", {{0, -5}, {20, -5}, {20, 0}, {10.01, 0}, {10 + lean, height}, {10, 0}, {0, 0}},
@@ -246,7 +240,7 @@ inline Mesh awkward_mesh(Random& random) {
             case 1:
                 return random_stairs(random);
             case 2:
-                return random_flap(random);
+                return random_leaning_flap(random);
             case 3:
                 return random_sphere(random);
             case 4:

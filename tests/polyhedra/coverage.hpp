@@ -1,9 +1,9 @@
-#include <fmt/format.h>
 #pragma once
 
 #include "plain_distance.hpp"
 #include "pointwise.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "device/context.hpp"
 #include "device/opencl.hpp"
 
 #include <cstdint>
@@ -7,6 +8,14 @@
 
 /// Memory of a device, as a caller has it.
 namespace clsdf::test {
+
+/// The first `count` values of a buffer.
+template <class Value>
+std::vector<Value> read(const device::Context& context, const cl::Buffer& buffer, std::size_t count) {
+    std::vector<Value> values(count);
+    if (count > 0) context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
+    return values;
+}
 
 /// Values that nothing computes.
 inline constexpr std::uint32_t untouched = 0xABABABABU;

@@ -108,6 +108,23 @@ inline Mesh plate(double thickness) {
     return box({-1, -1, -0.5 * thickness}, {1, 1, 0.5 * thickness}, "plate of thickness " + std::to_string(thickness));
 }
 
+inline Mesh overlapping_cubes() {
+    return together({cube(1), shifted(cube(1), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {0.35, 0.3, 0.25}))},
+                    "overlapping cubes");
+}
+
+/// Four faces whose heights are a hundred-thousandth of their sides and less.
+inline Mesh sliver() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {5, 1e-6, 0}, {10, 0, 0}, {5, 3, 1}, {5, 1, -2}},
+                std::vector<Triangle>{{0, 1, 3}, {1, 2, 3}, {0, 4, 1}, {1, 4, 2}, {0, 3, 4}, {2, 4, 3}}, "sliver");
+}
+
+/// Fins at one edge, one of them twice, a face without area and one with a repeated vertex.
+inline Mesh fins() {
+    return Mesh(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}, {1, 0, 0.3}, {-0.5, 0.8, 0.4}, {-0.5, -0.9, 0.6}, {0, 0, 0.5}},
+                std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 5, 1}, {0, 0, 2}, {0, 1, 2}}, "fins");
+}
+
 /// A profile in (x, z), counter-clockwise seen from -y, drawn along y from 0 to `width`; `caps` triangulates it.
 inline Mesh extruded(const std::vector<std::array<double, 2>>& profile, const std::vector<Triangle>& caps, double width,
                      std::string name) {

@@ -90,11 +90,6 @@ Seen check_places(const Mesh& mesh, SignRule rule, std::span<const Box> boxes, d
     return seen;
 }
 
-Mesh overlapping_cubes() {
-    return together({cube(1), shifted(cube(1), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {0.35, 0.3, 0.25}))},
-                    "overlapping cubes");
-}
-
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(boxes_that_are_not_near_lie_on_one_side) {

@@ -3,6 +3,7 @@
 #include "coarse.h"
 #include "scan/layout_of.hpp"
 #include "scan/programs.hpp"
+#include "support/device_memory.hpp"
 #include "support/float_width.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
@@ -38,13 +39,6 @@ struct Coarse {
     std::size_t passes = 0;
     std::size_t peak = 0;  ///< bytes on the device
 };
-
-template <class Value>
-std::vector<Value> read(const device::Context& context, const cl::Buffer& buffer, std::size_t count) {
-    std::vector<Value> values(count);
-    if (count > 0) context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, count * sizeof(Value), values.data());
-    return values;
-}
 
 std::size_t place_of_cap(const Layout& layout, const Index3& brick) {
     std::array<std::int64_t, 3> group{};

@@ -18,21 +18,9 @@ namespace {
 
 constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 
-/// Four faces whose heights are a hundred-thousandth of their sides and less.
-Mesh sliver() {
-    return Mesh(std::vector<Vec3>{{0, 0, 0}, {5, 1e-6, 0}, {10, 0, 0}, {5, 3, 1}, {5, 1, -2}},
-                std::vector<Triangle>{{0, 1, 3}, {1, 2, 3}, {0, 4, 1}, {1, 4, 2}, {0, 3, 4}, {2, 4, 3}}, "sliver");
-}
-
 Mesh needle() {
     return Mesh(std::vector<Vec3>{{0, 0, 0}, {10, 0.01, 0}, {10, 0, 0.013}, {10.02, -0.011, -0.009}},
                 std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}, "needle");
-}
-
-/// Fins at one edge, one of them twice, a face without area and one with a repeated vertex.
-Mesh fins() {
-    return Mesh(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}, {1, 0, 0.3}, {-0.5, 0.8, 0.4}, {-0.5, -0.9, 0.6}, {0, 0, 0.5}},
-                std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 5, 1}, {0, 0, 2}, {0, 1, 2}}, "fins");
 }
 
 std::vector<Mesh> meshes() {

@@ -78,22 +78,6 @@ std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count, std::uint64
     return points;
 }
 
-Mesh sliver() {
-    return Mesh(std::vector<Vec3>{{0, 0, 0}, {5, 1e-6, 0}, {10, 0, 0}, {5, 3, 1}, {5, 1, -2}},
-                std::vector<Triangle>{{0, 1, 3}, {1, 2, 3}, {0, 4, 1}, {1, 4, 2}, {0, 3, 4}, {2, 4, 3}}, "sliver");
-}
-
-/// A face twice, a face without area and one with a repeated vertex, at an edge of three faces.
-Mesh fins() {
-    return Mesh(std::vector<Vec3>{{0, 0, 0}, {0, 0, 1}, {1, 0, 0.3}, {-0.5, 0.8, 0.4}, {-0.5, -0.9, 0.6}, {0, 0, 0.5}},
-                std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}, {0, 1, 4}, {0, 5, 1}, {0, 0, 2}, {0, 1, 2}}, "fins");
-}
-
-Mesh overlapping_cubes() {
-    return together({cube(1), shifted(cube(1), {0.7, 0.6, 0.5}), reversed(shifted(cube(0.3), {0.35, 0.3, 0.25}))},
-                    "overlapping cubes");
-}
-
 std::vector<Mesh> meshes() {
     Random random(5);
     return {cube(1),
