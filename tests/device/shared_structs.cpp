@@ -1,141 +1,78 @@
-#include <clsdf/device.hpp>
+#include "support/shared_structs.hpp"
 
 #include "coarse.h"
-#include "device/context.hpp"
+#include "face_sources.h"
 #include "layout.h"
+#include "outputs.h"
+#include "point_tree.h"
 #include "render.h"
+#include "stored_box.h"
 #include "sweep.h"
 
 #include <boost/test/unit_test.hpp>
 
+#include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
 using namespace clsdf;
+using namespace clsdf::test;
 
 namespace {
 
-/// A number that the host's and the device's compiler must agree on; `expression` is OpenCL C.
-struct Agreement {
-    std::string name;
-    std::size_t on_host;
-    std::string expression;
-};
-
-#define CLSDF_SIZE(type)                                       \
-    Agreement {                                                \
-        "sizeof(" #type ")", sizeof(type), "sizeof(" #type ")" \
-    }
-#define CLSDF_OFFSET(type, member)                                                                \
-    Agreement {                                                                                   \
-#type "::" #member, offsetof(type, member), "(size_t)&((__global " #type "*)0)->" #member \
-    }
-
-const std::vector<Agreement> agreements{
-    CLSDF_SIZE(Polyhedron),
-    CLSDF_OFFSET(Polyhedron, gradient_x),
-    CLSDF_OFFSET(Polyhedron, gradient_y),
-    CLSDF_OFFSET(Polyhedron, gradient_z),
-    CLSDF_OFFSET(Polyhedron, constant_at_origin),
-    CLSDF_OFFSET(Polyhedron, base),
-    CLSDF_OFFSET(Polyhedron, normal_along),
-    CLSDF_OFFSET(Polyhedron, normal_across),
-    CLSDF_OFFSET(Polyhedron, flags),
-    CLSDF_OFFSET(Polyhedron, triangle),
-    CLSDF_OFFSET(Polyhedron, origin_x),
-    CLSDF_OFFSET(Polyhedron, origin_y),
-    CLSDF_OFFSET(Polyhedron, origin_z),
-    CLSDF_OFFSET(Polyhedron, slope_above),
-    CLSDF_OFFSET(Polyhedron, slope_below),
-    CLSDF_OFFSET(Polyhedron, foot),
-    CLSDF_OFFSET(Polyhedron, exact_gradient_x),
-    CLSDF_OFFSET(Polyhedron, exact_gradient_y),
-    CLSDF_OFFSET(Polyhedron, exact_gradient_z),
-    CLSDF_OFFSET(Polyhedron, exact_constant_at_origin),
-    CLSDF_OFFSET(Polyhedron, exact_base),
-    CLSDF_OFFSET(Polyhedron, exact_normal_along),
-    CLSDF_OFFSET(Polyhedron, exact_normal_across),
-    CLSDF_OFFSET(Polyhedron, exact_altitude),
-    CLSDF_SIZE(Layout),
-    CLSDF_OFFSET(Layout, first),
-    CLSDF_OFFSET(Layout, size),
-    CLSDF_OFFSET(Layout, brick_first),
-    CLSDF_OFFSET(Layout, bricks),
-    CLSDF_OFFSET(Layout, coarse_first),
-    CLSDF_OFFSET(Layout, coarse_bricks),
-    CLSDF_OFFSET(Layout, sign_words),
-    CLSDF_OFFSET(Layout, half_width),
-    CLSDF_OFFSET(Layout, inside_squared),
-    CLSDF_OFFSET(Layout, outside_squared),
-    CLSDF_OFFSET(Layout, slack_rate),
-    CLSDF_OFFSET(Layout, brick_slack),
-    CLSDF_OFFSET(Layout, coarse_slack),
-    CLSDF_OFFSET(Layout, brick_radius),
-    CLSDF_OFFSET(Layout, coarse_radius),
-    CLSDF_OFFSET(Layout, spacing),
-    CLSDF_OFFSET(Layout, unit),
-    CLSDF_OFFSET(Layout, inside_fill),
-    CLSDF_OFFSET(Layout, outside_fill),
-    CLSDF_SIZE(SurfacePoint),
-    CLSDF_OFFSET(SurfacePoint, foot),
-    CLSDF_SIZE(ClusterPair),
-    CLSDF_OFFSET(ClusterPair, brick),
-    CLSDF_OFFSET(ClusterPair, lanes),
-    CLSDF_SIZE(SweepVertex),
-    CLSDF_OFFSET(SweepVertex, y),
-    CLSDF_OFFSET(SweepVertex, z),
-    CLSDF_OFFSET(SweepVertex, x),
-    CLSDF_SIZE(SweepRecord),
-    CLSDF_OFFSET(SweepRecord, key),
-    CLSDF_OFFSET(SweepRecord, index),
-    CLSDF_SIZE(SweepTotals),
-    CLSDF_OFFSET(SweepTotals, large),
-    CLSDF_OFFSET(SweepTotals, large_blocks),
-    CLSDF_OFFSET(SweepTotals, largest_rows),
-    CLSDF_SIZE(RenderView),
-    CLSDF_OFFSET(RenderView, direction),
-    CLSDF_OFFSET(RenderView, direction_down),
-    CLSDF_OFFSET(RenderView, cut),
-    CLSDF_OFFSET(RenderView, light),
-    CLSDF_OFFSET(RenderView, spacing),
-    CLSDF_OFFSET(RenderView, slope),
-    CLSDF_OFFSET(RenderView, reach),
-    CLSDF_OFFSET(RenderView, cut_side),
-    CLSDF_OFFSET(RenderView, size),
-    CLSDF_OFFSET(RenderView, per_side),
-    CLSDF_SIZE(RenderHit),
-    CLSDF_OFFSET(RenderHit, gradient),
-    CLSDF_OFFSET(RenderHit, light),
-};
-
-#undef CLSDF_SIZE
-#undef CLSDF_OFFSET
+std::vector<Agreement> agreements() {
+    std::vector<Agreement> all;
+    CLSDF_SHARED(all, Polyhedron, gradient_x, gradient_y, gradient_z, constant_at_origin, base, normal_along,
+                 normal_across, slope_above, slope_below, foot, origin_x, origin_y, origin_z, flags, triangle,
+                 exact_gradient_x, exact_gradient_y, exact_gradient_z, exact_constant_at_origin, exact_base,
+                 exact_normal_along, exact_normal_across, exact_altitude);
+    CLSDF_SHARED(all, Layout, first, size, brick_first, bricks, coarse_first, coarse_bricks, sign_words, half_width,
+                 inside_squared, outside_squared, slack_rate, brick_slack, coarse_slack, brick_radius, coarse_radius,
+                 spacing, unit, inside_fill, outside_fill);
+    CLSDF_SHARED(all, SurfacePoint, origin, foot);
+    CLSDF_SHARED(all, ClusterPair, cluster, brick, lanes);
+    CLSDF_SHARED(all, CoarsePair, brick, polyhedron, index);
+    CLSDF_SHARED(all, SweepVertex, y, z, x);
+    CLSDF_SHARED(all, SweepRecord, row, key, index);
+    CLSDF_SHARED(all, SweepTotals, records, large, large_blocks, largest_rows);
+    CLSDF_SHARED(all, RenderView, origin, origin_right, origin_down, direction, direction_right, direction_down, cut,
+                 light, light_spread, spacing, level, slope, highest, gradient_step, reach, cut_side, size, columns,
+                 rows, per_side, padding);
+    CLSDF_SHARED(all, RenderHit, position, kind, gradient, value, light, ambient, padding);
+    CLSDF_SHARED(all, TriangleSites, triangle, site);
+    CLSDF_SHARED(all, Finish, origin, spacing, per_spacing, unit, wanted, in_double, outward, renumbered);
+    CLSDF_SHARED(all, StoredBox, from, to, strides, component_stride, size, padding);
+    CLSDF_SHARED(all, FaceLattice, origin, spacing, sample, per_unit);
+    CLSDF_SHARED(all, FanItem, offset, count, faces);
+    CLSDF_SHARED(all, PointTree, faces, levels, first, count);
+    CLSDF_SHARED(all, PointNode, lower, upper);
+    CLSDF_SHARED(all, FaceFrame, gradient, offset, base, normal_along, normal_across, altitude, triangle, padding);
+    CLSDF_SHARED(all, PointLeaf, gradient, offset, base, normal_along, normal_across, altitude, origin, extent,
+                 padding);
+    CLSDF_SHARED(all, PointGroup, origin, children, centre, half_side);
+    CLSDF_SHARED(all, FaceNeighbours, vertex, across);
+    CLSDF_SHARED(all, ScanRecord, gradient_x, gradient_y, gradient_z, constant_at_origin, base, normal_along,
+                 normal_across, slope_above, slope_below, foot, origin_x, origin_y, origin_z, flags, altitude);
+    CLSDF_SHARED(all, ScanCounts, faces, records, longest);
+    CLSDF_SHARED(all, PointBrick, at, squared, from_origin, bound, triangle, face, vertex, candidate, record, vector);
+    return all;
+}
 
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
-    std::string text = device::kernel_text("layout.h") + device::kernel_text("coarse.h") +
-                       device::kernel_text("sweep.h") + device::kernel_text("render.h");
-    text += "__kernel void measure(__global uint* found) {\n";
-    for (std::size_t i = 0; i < agreements.size(); ++i)
-        text += "    found[" + std::to_string(i) + "] = (uint)(" + agreements[i].expression + ");\n";
-    text += "}\n";
-
-    const Device device = Device::best();
-    std::vector<cl_uint> found(agreements.size());
-    device::guarded([&] {
-        const device::Context& context = device::context_of(device);
-        cl::Program program(context.context(), text);
-        program.build(context.device(), "-cl-std=CL1.2");
-        const std::size_t bytes = found.size() * sizeof(cl_uint);
-        const cl::Buffer buffer(context.context(), CL_MEM_WRITE_ONLY, bytes);
-        cl::Kernel kernel(program, "measure");
-        kernel.setArg(0, buffer);
-        context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(1));
-        context.queue().enqueueReadBuffer(buffer, CL_TRUE, 0, bytes, found.data());
-    });
-    for (std::size_t i = 0; i < agreements.size(); ++i)
-        BOOST_TEST_CONTEXT(agreements[i].name) BOOST_TEST(found[i] == agreements[i].on_host);
+    std::string text;
+    for (const char* header : {"polyhedron.h", "layout.h", "coarse.h", "sweep.h", "render.h", "outputs.h",
+                               "stored_box.h", "face_sources.h", "point_tree.h"})
+        text += device::kernel_text(header);
+    const std::vector<Agreement> all = agreements();
+    std::set<std::string> names;
+    for (const Agreement& agreement : all) names.insert(agreement.name);
+    const std::regex end_of_struct("\n\\} (\\w+);");
+    for (std::sregex_iterator match(text.begin(), text.end(), end_of_struct), end; match != end; ++match)
+        BOOST_TEST(names.contains("sizeof(" + (*match)[1].str() + ")"), (*match)[1] << " is not compared");
+    check_agreements(all, text);
 }
 
 // The device gets a Layout as an argument: by value, with nothing lost.
