@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -39,7 +40,9 @@ public:
     }
     Target(const Target&) = delete;
     Target& operator=(const Target&) = delete;
-    ~Target() {
+    ~Target() { remove_files(); }
+
+    void remove_files() const {
         std::error_code ignored;
         fs::remove_all(folder_, ignored);
     }
@@ -102,6 +105,12 @@ std::string option(int count, char** arguments, const char* name) {
 
 const Reader& reader_of_process() {
     return target()->reader();
+}
+
+void fail(const std::string& what) {
+    std::fprintf(stderr, "fuzz_readers: %s\n", what.c_str());
+    if (target() != nullptr) target()->remove_files();
+    std::abort();
 }
 
 }  // namespace clsdf::fuzz

@@ -9,8 +9,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -47,12 +45,23 @@ std::size_t take_field(const std::string& path) {
         fail(std::string("a field whose grid or band is not valid was given: ") + error.what());
     }
     if (field.distance.size() != field.grid.sample_count()) fail("the distances do not fit the grid");
-    if (!field.triangle.empty() && field.triangle.size() != field.grid.sample_count())
-        fail("the triangles do not fit the grid");
-    return (field.distance.size() + field.triangle.size()) * sizeof(float);
+    std::size_t bytes = 0;
+    visit_outputs(
+        [&](const char* name, const auto& values, std::size_t bytes_of_sample) {
+            const std::size_t size = values.size() * sizeof(values[0]);
+            if (size != 0 && size != field.grid.sample_count() * bytes_of_sample)
+                fail(std::string(name) + " does not fit the grid");
+            bytes += size;
+        },
+        field, output_bytes);
+    return bytes;
 }
 
-Field example_field(bool any_spacing, bool has_triangles) {
+std::size_t take_points(const std::string& path) {
+    return read_points(path).size() * sizeof(Vec3);
+}
+
+Field example_field(bool any_spacing, bool has_extras) {
     Field field;
     field.grid = Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {4, 3, 2}, {2, 10, 12}};
     if (!any_spacing) field.grid.spacing.fill(1.0 / 3);
@@ -61,7 +70,10 @@ Field example_field(bool any_spacing, bool has_triangles) {
     field.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
     for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i) {
         field.distance.push_back(0.1F * static_cast<float>(i) - 1);
-        if (has_triangles) field.triangle.push_back(i * i);
+        if (!has_extras) continue;
+        field.triangle.push_back(i * i);
+        field.site.push_back(static_cast<std::uint8_t>(i % 7));
+        for (const double x : {0.1, -1e9 / 3, 1e-300}) field.closest.push_back(x * i);
     }
     return field;
 }
@@ -83,11 +95,11 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
     Reader reader{format, "field" + damaged, "field" + ending, {}, {}, take_field};
     const bool is_plain = ending == ".sdf" || ending == ".vdb";
     // Several fields, so that a damaged file has more than one way to be sound.
-    for (const bool has_triangles : {true, false}) {
-        if (has_triangles && ending == ".sdf") continue;
+    for (const bool has_extras : {true, false}) {
+        if (has_extras && ending == ".sdf") continue;
         const fs::path sound = folder / "sound";
         fs::create_directory(sound);
-        write(example_field(!is_plain, has_triangles), (sound / ("field" + ending)).string());
+        write(example_field(!is_plain, has_extras), (sound / ("field" + ending)).string());
         if (fs::exists(sound / reader.damaged)) reader.seeds.push_back(content_of(sound / reader.damaged));
         if (reader.beside.empty())
             for (const auto& entry : fs::directory_iterator(sound))
@@ -97,6 +109,36 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
     }
     // Values that are compressed, or stated once for many samples, may take few bytes.
     if (ending == ".h5" || ending == ".vdb") reader.expansion = 4096;
+    return reader;
+}
+
+template <typename Number>
+std::string npy_of(const char* type, const std::vector<Number>& coordinates) {
+    std::string header = std::string("{'descr': '") + type + "', 'fortran_order': False, 'shape': (" +
+                         std::to_string(coordinates.size() / 3) + ", 3), }\n";
+    return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(header.size()) + '\0' + header +
+           std::string(reinterpret_cast<const char*>(coordinates.data()), coordinates.size() * sizeof(Number));
+}
+
+/// `ending`: of "points.csv".
+Reader point_reader(const std::string& format, const std::string& ending, const fs::path& folder) {
+    Reader reader{format, "points." + ending, "points." + ending, {}, {}, take_points};
+    if (ending == "npy") {  // which write_points() writes of results alone
+        reader.seeds = {npy_of("<f8", std::vector<double>{0.1, -1e9 / 3, 1e-300, 1, 2, 3}),
+                        npy_of("<f4", std::vector<float>{0.1F, -1e9F, 1e-30F, 1, 2, 3, 4, 5, 6})};
+        return reader;
+    }
+    const fs::path sound = folder / ("sound." + ending);
+    FieldSlab results;
+    const std::vector<float> distance{0.1F, -2};
+    const std::vector<std::uint32_t> triangle{7, 8};
+    results.distance = distance;
+    for (const bool has_triangles : {false, true}) {
+        if (has_triangles) results.triangle = triangle;
+        write_points(std::vector<Vec3>{{0.1, -1e9 / 3, 1e-300}, {1, 2, 3}}, results, sound.string());
+        reader.seeds.push_back(content_of(sound));
+    }
+    fs::remove(sound);
     return reader;
 }
 
@@ -114,6 +156,7 @@ constexpr std::array field_formats {
 #endif
 };
 constexpr std::array mesh_formats{"off", "obj", "stl", "ply"};
+constexpr std::array point_formats{"points_csv", "points_npy", "points_ply"};
 
 std::string spelt(const std::string& text) {
     std::string bytes;
@@ -131,6 +174,7 @@ std::string spelt(const std::string& text) {
 
 std::vector<std::string> formats() {
     std::vector<std::string> names(mesh_formats.begin(), mesh_formats.end());
+    names.insert(names.end(), point_formats.begin(), point_formats.end());
     for (const FieldFormat& field : field_formats) names.emplace_back(field.format);
     return names;
 }
@@ -138,6 +182,8 @@ std::vector<std::string> formats() {
 Reader reader_of(const std::string& format, const fs::path& folder) {
     if (std::find(mesh_formats.begin(), mesh_formats.end(), format) != mesh_formats.end())
         return mesh_reader(format, folder);
+    if (std::find(point_formats.begin(), point_formats.end(), format) != point_formats.end())
+        return point_reader(format, format.substr(format.find('_') + 1), folder);
     for (const FieldFormat& field : field_formats)
         if (field.format == format) return field_reader(format, field.ending, field.damaged, folder);
     std::string known;
@@ -155,11 +201,6 @@ std::vector<std::string> sound_and_kept(const Reader& reader) {
     for (const fs::path& file : files)
         inputs.push_back(file.extension() == ".hex" ? spelt(content_of(file)) : content_of(file));
     return inputs;
-}
-
-void fail(const std::string& what) {
-    std::fprintf(stderr, "fuzz_readers: %s\n", what.c_str());
-    std::abort();
 }
 
 }  // namespace clsdf::fuzz

@@ -12,7 +12,11 @@ else()
   target_sources(fuzz_readers PRIVATE ${CMAKE_CURRENT_LIST_DIR}/replay.cpp)
 endif()
 
-foreach(format off obj stl ply nrrd nrrd_triangle npy npy_json vti h5 sdf)
+set(formats off obj stl ply points_csv points_npy points_ply nrrd nrrd_triangle npy npy_json vti h5 sdf)
+if(CLSDF_WITH_OPENVDB)
+  list(APPEND formats vdb)
+endif()
+foreach(format ${formats})
   if(CLSDF_FUZZ)
     set(seeds ${CMAKE_CURRENT_BINARY_DIR}/fuzz/${format})
     add_test(NAME fuzz_${format} COMMAND fuzz_readers --format=${format} --seeds=${seeds} -runs=20000 -seed=1 -max_len=8192
