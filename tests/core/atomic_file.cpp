@@ -1,11 +1,11 @@
 #include "core/files.hpp"
 
+#include "support/small_disk.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
 #include <clsdf/io.hpp>
 
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -64,12 +64,14 @@ BOOST_AUTO_TEST_CASE(abandoned_files_leave_nothing_and_are_not_committed_any_mor
         AtomicFile second(folder.file("second.raw"));
         first.write("half a");
         AtomicFile(folder.file("third.raw")).commit();
-        std::thread([] {
+        std::atomic<bool> are_abandoned = false;
+        std::thread([&] {
             abandon_unfinished_files();
+            are_abandoned = true;
             std::this_thread::sleep_for(std::chrono::milliseconds(300));
             ::_exit(7);
         }).detach();
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        while (!are_abandoned) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         second.commit();  // waits until the process ends
         ::_exit(8);
     }
@@ -210,19 +212,14 @@ BOOST_AUTO_TEST_CASE(a_full_device_is_an_error) {
 BOOST_AUTO_TEST_CASE(a_write_that_fails_in_the_middle_leaves_the_earlier_file) {
     const TemporaryFolder folder;
     const std::string path = folder.file("field.raw", "earlier");
-    // The system's limit on a file's size stands in for a full disk.
-    std::signal(SIGXFSZ, SIG_IGN);
-    rlimit earlier{};
-    getrlimit(RLIMIT_FSIZE, &earlier);
-    rlimit small = earlier;
-    small.rlim_cur = 100000;
-    setrlimit(RLIMIT_FSIZE, &small);
-    check_throws(ErrorCode::output_failure, {"field.raw", "File too large"}, [&] {
-        AtomicFile file(path);
-        for (int i = 0; i < 1000; ++i) file.write(std::string(1000, 'x'));
-        file.commit();
-    });
-    setrlimit(RLIMIT_FSIZE, &earlier);
+    {
+        const test::SmallDisk disk(100000);
+        check_throws(ErrorCode::output_failure, {"field.raw", "File too large"}, [&] {
+            AtomicFile file(path);
+            for (int i = 0; i < 1000; ++i) file.write(std::string(1000, 'x'));
+            file.commit();
+        });
+    }
     BOOST_TEST(content_of(path) == "earlier");
     BOOST_TEST(folder.file_count() == 1U);
 }

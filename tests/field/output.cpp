@@ -1,4 +1,5 @@
 #include "field/example_field.hpp"
+#include "support/small_disk.hpp"
 #include "support/temporary_folder.hpp"
 #include "support/throws.hpp"
 
@@ -7,30 +8,8 @@
 
 #include <boost/test/unit_test.hpp>
 
-#include <sys/resource.h>
-#include <csignal>
-
 using namespace clsdf;
 using namespace clsdf::test;
-
-namespace {
-
-// While it lives, no file of this process grows beyond so many bytes, as on a disk that is full.
-class SmallDisk {
-public:
-    explicit SmallDisk(rlim_t bytes) {
-        std::signal(SIGXFSZ, SIG_IGN);
-        BOOST_REQUIRE(::getrlimit(RLIMIT_FSIZE, &before_) == 0);
-        const rlimit limit{bytes, before_.rlim_max};
-        BOOST_REQUIRE(::setrlimit(RLIMIT_FSIZE, &limit) == 0);
-    }
-    ~SmallDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-
-private:
-    rlimit before_{};
-};
-
-}  // namespace
 
 BOOST_AUTO_TEST_SUITE(writing_a_field)
 
@@ -62,6 +41,28 @@ BOOST_AUTO_TEST_CASE(that_fails_keeps_the_field_that_was_there) {
         BOOST_TEST(folder.file_count() == files);
         BOOST_CHECK(read_field(folder.file("field" + format.ending)).grid.size == example_field(format).grid.size);
     });
+}
+
+BOOST_AUTO_TEST_CASE(of_results_at_points_is_complete_or_nothing) {
+    const std::vector<Vec3> points(30000, Vec3{0.1, 1.0 / 3, -7});
+    const std::vector<float> distance(points.size(), 0.3F);
+    FieldSlab results;
+    results.distance = distance;
+    for (const char* name : {"points.npy", "points.csv", "points.ply"}) {
+        const TemporaryFolder folder;
+        const auto fails = [&] {
+            const SmallDisk disk(100000);
+            check_throws(ErrorCode::output_failure, {name}, [&] { write_points(points, results, folder.file(name)); });
+        };
+        fails();
+        BOOST_TEST(folder.file_count() == 0U);
+        const std::string before = content_of(folder.file(name, "earlier"));
+        fails();
+        BOOST_TEST(content_of(folder.file(name)) == before);
+        BOOST_TEST(folder.file_count() == 1U);
+        write_points(points, results, folder.file(name));
+        BOOST_TEST(content_of(folder.file(name)).size() > 100000U);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
