@@ -2,6 +2,7 @@
 set -u
 source "$1"
 cd "$2" && rm -rf try && mkdir -p try/folder && cd try || exit 1
+trap 'cd .. && rm -rf try' EXIT
 touch mesh.off "two words.stl" field.nrrd picture.png notes.txt
 
 failed=0
