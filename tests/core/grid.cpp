@@ -163,6 +163,19 @@ BOOST_AUTO_TEST_CASE(that_is_cell_centred_lies_half_a_voxel_further) {
     BOOST_TEST(grid.size == (Index3{5, 5, 5}), boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(becomes_cell_centred_by_a_shift_of_every_sample) {
+    const Grid nodes{{1, -2, 3}, {1, 0.5, 0.25}, {4, 3, 2}, {-3, 4, 5}};
+    const Grid centres = nodes.cell_centred();
+    BOOST_TEST(centres.size == nodes.size, boost::test_tools::per_element());
+    BOOST_TEST(centres.first == nodes.first, boost::test_tools::per_element());
+    for (std::int64_t i = 0; i < 4; ++i)
+        for (std::int64_t j = 0; j < 3; ++j)
+            for (std::int64_t k = 0; k < 2; ++k) {
+                const Vec3 node = nodes.position(i, j, k), shifted{node[0] + 0.5, node[1] + 0.25, node[2] + 0.125};
+                BOOST_TEST(centres.position(i, j, k) == shifted, boost::test_tools::per_element());
+            }
+}
+
 BOOST_AUTO_TEST_CASE(counts_a_margin_in_voxels_by_the_smallest_spacing) {
     const Grid grid = around_with_spacing(four_by_two_by_one, {1, 1, 0.5}, Length::in_voxels(2));
     BOOST_TEST(grid.size == (Index3{7, 5, 7}), boost::test_tools::per_element());

@@ -1,0 +1,216 @@
+#include "support/device_memory.hpp"
+#include "support/exact_field.hpp"
+#include "support/hostile_meshes.hpp"
+#include "support/random_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/papers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <limits>
+#include <new>
+#include <set>
+#include <string>
+#include <vector>
+
+// Promises of distance_transform.hpp that belong to no one part of it.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+namespace {
+
+const Mesh& noisy_sphere() {
+    static const Mesh mesh = [] {
+        Random random(8);
+        return random_sphere(random, "sphere4", 0.1);
+    }();
+    return mesh;
+}
+
+const Grid& grid() {
+    static const Grid around = grid_around(noisy_sphere(), 40, 3);
+    return around;
+}
+
+Band band() {
+    return Band::symmetric(3 * grid().voxel());
+}
+
+struct Stop {};
+
+/// The name of what an action throws.
+std::string thrown_by(const std::function<void()>& action) {
+    try {
+        action();
+        return "nothing";
+    } catch (const Stop&) {
+        return "Stop";
+    } catch (const Error& error) {
+        return error.code() == ErrorCode::out_of_memory ? "out_of_memory" : error.what();
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+}
+
+using Call = std::function<void(const DistanceTransform& transform, const CallOptions& call)>;
+
+const std::vector<std::pair<std::string, Call>>& all_calls() {
+    static const std::vector<std::pair<std::string, Call>> calls{
+        {"compute",
+         [](const DistanceTransform& transform, const CallOptions& call) { transform(grid(), band(), {}, call); }},
+        {"requests",
+         [](const DistanceTransform& transform, const CallOptions& call) {
+             std::vector<float> one(grid().sample_count()), other(one.size());
+             const std::array<Request, 2> requests{Request{grid(), band(), {.distance = one}},
+                                                   Request{grid(), Band::full(), {.distance = other}}};
+             transform.compute(requests, call);
+         }},
+        {"compute_slabs",
+         [](const DistanceTransform& transform, const CallOptions& call) {
+             transform.compute_slabs(
+                 grid(), band(), {}, [](const Grid&, const FieldSlab&) {}, {}, call);
+         }},
+        {"query",
+         [](const DistanceTransform& transform, const CallOptions& call) {
+             const std::vector<Vec3> points(5000, Vec3{0.1, 0.2, 0.3});
+             std::vector<float> distance(points.size());
+             transform.query(points, 1, {.distance = distance}, call);
+         }},
+        {"plan", [](const DistanceTransform& transform, const CallOptions& call) {
+             static_cast<void>(transform.plan(grid(), band(), {}, call));
+         }}};
+    return calls;
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_later_field) {
+    const Field expected = compute(noisy_sphere(), grid(), band());
+    std::set<std::string> called;
+    for (const bool is_memory : {false, true})
+        for (const std::string function : {"progress", "should_stop", "compiling"})
+            for (const auto& [name, call] : all_calls())
+                for (const int throwing : {1, 2}) {
+                    // Without stored programs a call builds and tests those that it needs.
+                    const Device device = function == "compiling" ? Device::best() : test_device();
+                    if (function == "compiling") device.set_program_cache("");
+                    const DistanceTransform transform(device, noisy_sphere());
+                    int calls = 0;
+                    const auto run = [&] {
+                        if (++calls != throwing) return;
+                        if (is_memory) throw std::bad_alloc();
+                        throw Stop();
+                    };
+                    CallOptions options;
+                    if (function == "progress") options.progress = [&](double) { run(); };
+                    if (function == "compiling") options.compiling = [&](const Compilation&) { run(); };
+                    if (function == "should_stop")
+                        options.should_stop = [&] {
+                            run();
+                            return false;
+                        };
+                    const std::string thrown = thrown_by([&] { call(transform, options); });
+                    BOOST_TEST_CONTEXT(function << " of " << name << " throws when it is called for time "
+                                                << throwing) {
+                        if (calls >= throwing) called.insert(function + " of " + name);
+                        const std::string other = is_memory ? "out_of_memory" : "Stop";
+                        BOOST_TEST(thrown == (calls >= throwing ? other : "nothing"));
+                        BOOST_TEST(calls <= throwing);
+                        BOOST_TEST(same_bytes(transform(grid(), band()), expected));
+                    }
+                }
+    // A plan has nothing to report.
+    for (const std::string function : {"progress", "should_stop", "compiling"})
+        for (const auto& [name, call] : all_calls())
+            if (function != "progress" || name != "plan")
+                BOOST_TEST(called.contains(function + " of " + name), function << " of " << name << " was not called");
+}
+
+BOOST_AUTO_TEST_CASE(what_the_log_throws_is_passed_on) {
+    const Mesh open = without_triangle(cube(1), 3);
+    const auto transform_with = [&](const std::function<void()>& fail) {
+        bool is_called = false;
+        const auto log = [&](const std::string&) {
+            is_called = true;
+            fail();
+        };
+        const std::string thrown = thrown_by([&] { DistanceTransform(test_device(), open, {.log = log}); });
+        BOOST_TEST(is_called);
+        return thrown;
+    };
+    BOOST_TEST(transform_with([] { throw Stop(); }) == "Stop");
+    BOOST_TEST(transform_with([] { throw std::bad_alloc(); }) == "out_of_memory");
+    BOOST_TEST(transform_with([] {}) == "nothing");
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_another_lattice) {
+    for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
+        const DistanceTransform transform(test_device(), noisy_sphere(), {.body = body});
+        std::vector<Grid> grids{grid(), grid().part({5, 6, 7}, {20, 16, 12})};
+        std::vector<DeviceMemory> memory;
+        std::vector<Request> requests;
+        for (const Grid& one : grids) {
+            memory.emplace_back(test_device().context(), one.sample_count());
+            requests.push_back({one, band(), {.distance = memory.back().handle()}});
+        }
+        RequestPlan plan = transform.plan(requests);
+        const auto check = [&] {
+            cl::Event(plan.enqueue(nullptr)).wait();
+            for (std::size_t n = 0; n < grids.size(); ++n) {
+                const cl::CommandQueue& queue = device::context_of(test_device()).queue();
+                BOOST_TEST((memory[n].read(queue) == bits_of(transform(grids[n], band()).distance)));
+            }
+        };
+        check();
+        for (const double factor : {1.5, 0.8}) {
+            for (Grid& one : grids)
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    one.spacing[axis] *= factor;
+                    one.origin[axis] += 0.3 * one.spacing[axis] * static_cast<double>(axis + 1);
+                }
+            plan.move(transform, grids);
+            check();
+        }
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_query_does_not_depend_on_the_method) {
+    Random random(9);
+    std::vector<Vec3> points(5000);
+    for (Vec3& p : points) p = random.point(-1.3, 1.3);
+    const DistanceTransform plain(test_device(), noisy_sphere());
+    const DistanceTransform mauch(test_device(), noisy_sphere(),
+                                  {.method = papers_method({.polyhedra = Polyhedra::mauch})});
+    for (const double within : {0.1, std::numeric_limits<double>::infinity()})
+        BOOST_TEST(same_bytes(query(plain, points, within), query(mauch, points, within)));
+}
+
+BOOST_AUTO_TEST_CASE(what_cannot_be_restricted_is_refused) {
+    const Box box{{0, 0, 0}, {1, 1, 1}};
+    const DistanceTransform mauch(test_device(), cube(1), {.method = papers_method({.polyhedra = Polyhedra::mauch})});
+    check_throws(ErrorCode::unsupported, {"method"}, [&] { mauch.restrict_to(box, 0.1, 0.1); });
+    const DistanceTransform whole(test_device(), cube(1));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+            Box low = box, high = box;
+            low.lower[axis] = -wrong;
+            high.upper[axis] = wrong;
+            check_throws(ErrorCode::invalid_argument, {"box"}, [&] { whole.restrict_to(low, 0.1, 0.1); });
+            check_throws(ErrorCode::invalid_argument, {"box"}, [&] { whole.restrict_to(high, 0.1, 0.1); });
+        }
+}
+
+BOOST_AUTO_TEST_CASE(slabs_are_handed_out_as_they_are_foretold) {
+    const DistanceTransform transform(test_device(), make_shape("sphere2"));
+    Grid large = grid_around(make_shape("sphere2"), 720, 4);
+    large.size[2] = 70;
+    const std::vector<Grid> foretold = DistanceTransform::slabs_of(large);
+    BOOST_TEST(foretold.size() > 2U);
+    std::vector<Grid> parts;
+    transform.compute_slabs(large, Band::symmetric(large.voxel()), {},
+                            [&](const Grid& part, const FieldSlab&) { parts.push_back(part); });
+    BOOST_TEST((parts == foretold));
+}
