@@ -443,7 +443,17 @@ void Stages::keep_within(std::size_t budget) {
     if (points_ && !is_kept(points_->device_bytes())) points_.reset();
     if (scanned_mesh_ && !is_kept(scanned_mesh_->device_bytes())) scanned_mesh_.reset();
     if (face_sides_ && !is_kept(face_sides_->sides.bytes())) face_sides_.reset();
-    std::erase_if(lattices_, [&](const Lattice& lattice) { return !is_kept(lattice.bytes()) && !lattice.is_in_use(); });
+    std::erase_if(lattices_, [&](const Lattice& lattice) { return !is_kept(lattice.bytes()); });
+}
+
+void Stages::release() {
+    std::list<Lattice> in_use;
+    for (auto it = lattices_.begin(); it != lattices_.end();) {
+        const auto lattice = it++;
+        if (lattice->is_in_use()) in_use.splice(in_use.end(), lattices_, lattice);
+    }
+    keep_within(0);
+    lattices_ = std::move(in_use);
 }
 
 std::size_t Stages::bytes_beside(const Inputs& inputs) const {

@@ -133,6 +133,8 @@ public:
     /// Forgets what does not fit in the budget, in bytes of the device's memory. The mesh's own data come first, then
     /// the lattices, the last used first.
     void keep_within(std::size_t budget);
+    /// Drops all of it but what plans hold, too: to drop that would free nothing.
+    void release();
 
     std::size_t host_bytes() const;    ///< all memory of the host that is kept
     std::size_t device_bytes() const;  ///< all memory of the device that is kept
@@ -158,7 +160,7 @@ private:
         std::optional<bool> may_meet_samples{};        ///< see may_meet_samples()
 
         std::size_t bytes() const;
-        /// Plans hold its parts, too: to forget them frees nothing.
+        /// Whether plans hold parts of it, too.
         bool is_in_use() const;
     };
 

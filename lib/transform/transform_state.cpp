@@ -236,7 +236,7 @@ void DistanceTransform::State::keep_within_budget() {
 bool DistanceTransform::State::forget() {
     const std::size_t plans_before = plans.size(), bytes_before = stages->device_bytes();
     plans.clear();
-    stages->keep_within(0);
+    stages->release();
     return pool->release() > 0 || plans_before > 0 || stages->device_bytes() < bytes_before;
 }
 
