@@ -139,17 +139,31 @@ const std::string& AtomicFile::temporary() const {
 }
 
 void AtomicFile::commit() {
+    AtomicFile* const self = this;
+    commit_all({&self, 1});
+}
+
+void AtomicFile::commit_all(std::span<AtomicFile* const> files) {
+    for (AtomicFile* const file : files) file->close();
+    const std::lock_guard lock(UnfinishedFiles::of_process().mutex);
+    for (AtomicFile* const file : files) file->rename();
+}
+
+void AtomicFile::close() {
     // A second descriptor keeps the file locked until it has its name.
-    const Descriptor locked(temporary_.empty() ? -1 : ::fcntl(::fileno(file_.get()), F_DUPFD_CLOEXEC, 0));
-    if (!temporary_.empty() && locked.number() < 0) fail(errno);
+    if (!temporary_.empty() && lock_.emplace(::fcntl(::fileno(file_.get()), F_DUPFD_CLOEXEC, 0)).number() < 0)
+        fail(errno);
     // Some file systems report a full disk only here.
     if (std::fclose(file_.release()) != 0) fail(errno);
+}
+
+// The caller holds the mutex of UnfinishedFiles.
+void AtomicFile::rename() {
     if (temporary_.empty()) return;
-    UnfinishedFiles& files = UnfinishedFiles::of_process();
-    const std::lock_guard lock(files.mutex);
     if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
-    files.names.erase(temporary_);
+    UnfinishedFiles::of_process().names.erase(temporary_);
     temporary_.clear();
+    lock_.reset();
 }
 
 void AtomicFile::fail(int error) const {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -71,6 +72,10 @@ public:
     /// Closes the file and gives it its final name. Nothing may be written afterwards.
     void commit();
 
+    /// The same for files that belong together. All are closed before the first one gets its name, so a full disk
+    /// leaves every earlier file unchanged. A signal that ends the process leaves either all earlier files or none.
+    static void commit_all(std::span<AtomicFile* const> files);
+
 private:
     struct Close {
         void operator()(std::FILE* file) const { std::fclose(file); }
@@ -79,12 +84,15 @@ private:
     void open_directly(int descriptor);
     void open_beside(const std::string& target);
     void remove_temporary();
+    void close();
+    void rename();
     [[noreturn]] void fail(int error) const;
 
     std::string path_;       // as the caller named it, for messages
     std::string target_;     // path_ with its symbolic links followed
     std::string temporary_;  // empty if the target is written directly
     std::unique_ptr<std::FILE, Close> file_;
+    std::optional<Descriptor> lock_;  // from close() to rename()
     std::uint64_t position_ = 0;
 };
 

@@ -365,8 +365,8 @@ public:
     }
 
     void finish() override {
-        xdmf_.commit();
-        file_.commit();
+        const std::array<AtomicFile*, 2> files{&xdmf_, &file_};
+        AtomicFile::commit_all(files);
     }
 
 private:

@@ -248,9 +248,11 @@ public:
     }
 
     void finish() override {
-        for (std::size_t i = 1; i < files_.size(); ++i) files_[i].commit();
-        sidecar_.commit();
-        files_.front().commit();
+        std::vector<AtomicFile*> files;
+        for (std::size_t i = 1; i < files_.size(); ++i) files.push_back(&files_[i]);
+        files.push_back(&sidecar_);
+        files.push_back(&files_.front());
+        AtomicFile::commit_all(files);
     }
 
 private:

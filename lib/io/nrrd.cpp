@@ -392,7 +392,9 @@ public:
     }
 
     void finish() override {
-        for (std::size_t i = files_.size(); i-- > 0;) files_[i].commit();
+        std::vector<AtomicFile*> files;
+        for (std::size_t i = files_.size(); i-- > 0;) files.push_back(&files_[i]);
+        AtomicFile::commit_all(files);
     }
 
 private:

@@ -8,6 +8,8 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
+
 using namespace clsdf;
 using namespace clsdf::test;
 
@@ -63,6 +65,27 @@ BOOST_AUTO_TEST_CASE(of_results_at_points_is_complete_or_nothing) {
         write_points(points, results, folder.file(name));
         BOOST_TEST(content_of(folder.file(name)).size() > 100000U);
     }
+}
+
+// The last bytes of a file are written when it is closed, after other files of the field are complete.
+BOOST_AUTO_TEST_CASE(that_fails_with_its_last_byte_keeps_all_files_that_were_there) {
+    for_each_format(&Format::has_extras, [](const TemporaryFolder& folder, const Format& format) {
+        if (format.ending == ".vdb") return;  // compressed, and in one file
+        const std::string path = folder.file("field" + format.ending);
+        Field field = large_field(format);
+        field.triangle.clear();
+        field.site.resize(field.distance.size());
+        std::ranges::fill(field.site, std::uint8_t{1});
+        write(field, path);
+        const auto before = all_contents(folder);
+        field.distance.back() += 1;
+        std::ranges::fill(field.site, std::uint8_t{2});
+        {
+            const SmallDisk disk(std::filesystem::file_size(path) - 1);
+            check_throws(ErrorCode::output_failure, {"field"}, [&] { write(field, path); });
+        }
+        BOOST_CHECK(all_contents(folder) == before);
+    });
 }
 
 BOOST_AUTO_TEST_CASE(to_a_device_that_is_full_says_so) {
