@@ -264,7 +264,7 @@ Command add_bench(CLI::App& program) {
     parser
         ->add_option("--repetitions", options->measure.repetitions,
                      "timed calls of each method, after those that warm up")
-        ->check(whole_number(1, 10000))
+        ->transform(whole_number(1, 10000))
         ->type_name("N")
         ->capture_default_str();
     parser
@@ -276,16 +276,16 @@ Command add_bench(CLI::App& program) {
         ->type_name("S")
         ->capture_default_str();
     parser->add_option("--samples", options->measure.samples_judged, "samples held against the reference; 0: all")
-        ->check(whole_number(0, 1'000'000'000))
+        ->transform(whole_number(0, 1'000'000'000))
         ->type_name("N")
         ->capture_default_str();
     parser->add_option("--seed", options->measure.seed, "of those samples, and of the noisy sphere")
-        ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+        ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
         ->type_name("N")
         ->capture_default_str();
     add_device_option(*parser, options->device, "what computes");
     parser->add_option("--threads", options->threads, "of the processor, for all methods [all]")
-        ->check(whole_number(1, 4096))
+        ->transform(whole_number(1, 4096))
         ->type_name("N");
     parser->add_option("--commit", options->commit, "text that the record carries")->type_name("TEXT");
     parser->add_flag("--quick", options->quick, "small grids and few calls: to see that it works, not to measure");

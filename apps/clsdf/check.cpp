@@ -123,12 +123,12 @@ Command add_check(CLI::App& program) {
     auto* samples = parser
                         ->add_option("--samples", options->check.samples,
                                      "samples to check, half of them near the band's limits, edges and vertices")
-                        ->check(whole_number(1, 1'000'000'000'000'000))
+                        ->transform(whole_number(1, 1'000'000'000'000'000))
                         ->type_name("N")
                         ->capture_default_str();
     parser->add_flag("--complete", options->complete, "check every sample")->excludes(samples);
     parser->add_option("--seed", options->check.seed, "of the random choice of samples")
-        ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
+        ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
         ->type_name("N")
         ->capture_default_str();
     parser

@@ -74,7 +74,7 @@ void add_grid_options(CLI::App& parser, ComputeOptions& options) {
     constexpr const char* group = "Grid";
     CLI::Option* resolution =
         parser.add_option("--resolution", options.resolution, "samples on the longest side, margin included")
-            ->check(whole_number(2, most_samples_on_a_side))
+            ->transform(whole_number(2, most_samples_on_a_side))
             ->type_name("N")
             ->capture_default_str();
     CLI::Option* spacing =

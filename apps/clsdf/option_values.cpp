@@ -65,10 +65,12 @@ void takes_some_of(CLI::Option* option, const std::vector<std::string>& words) {
 }
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
-    return {[=](const std::string& text) {
+    return {[=](std::string& text) {
                 const auto number = parse<std::uint64_t>(text);
-                if (number && *number >= least && *number <= most) return std::string();
-                return fmt::format("a whole number from {} to {}, not '{}'", least, most, text);
+                if (!number || *number < least || *number > most)
+                    return fmt::format("a whole number from {} to {}, not '{}'", least, most, text);
+                text = fmt::to_string(*number);
+                return std::string();
             },
             ""};
 }

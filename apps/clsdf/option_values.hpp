@@ -32,7 +32,8 @@ void takes_one_of(CLI::Option* option, const std::vector<std::string>& words);
 void takes_some_of(CLI::Option* option, const std::vector<std::string>& words);
 
 /// Conditions on the text of an option's value. They are checked before the conversion, so that the message quotes the
-/// text, and neither "1e3" nor "-1" becomes another number.
+/// text, and neither "1e3" nor "-1" becomes another number. whole_number() is for transform(): it removes leading zeros,
+/// which CLI11 would take for the mark of octal digits.
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
 CLI::Validator finite_number_of_0_or_more();
 /// An empty text would count as an absent option.

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -179,8 +180,10 @@ Command add_polyhedra(CLI::App& program) {
         ->required();
     CLI::Option* const around =
         parser->add_option("--around", options->around, "the triangles at this vertex, from 0; else one with a gap")
+            ->transform(whole_number(0, std::numeric_limits<std::uint32_t>::max()))
             ->type_name("VERTEX");
     parser->add_option("--triangles", options->triangles, "these triangles, from 0, and no others")
+        ->transform(whole_number(0, std::numeric_limits<std::uint32_t>::max()))
         ->type_name("I,J,...")
         ->delimiter(',')
         ->excludes(around);

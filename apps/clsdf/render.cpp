@@ -174,7 +174,7 @@ Command add_render(CLI::App& program) {
         ->type_name("RRGGBB")
         ->capture_default_str();
     parser->add_option("--rays", options->picture.rays, "in each direction of a pixel, 1 to 8")
-        ->check(whole_number(1, 8))
+        ->transform(whole_number(1, 8))
         ->type_name("N")
         ->capture_default_str();
     parser->add_flag("--transparent", options->picture.transparent, "no background; implies --bare");

@@ -95,7 +95,7 @@ Command add_slice(CLI::App& program) {
     takes_one_of(axis, {"x", "y", "z"});
     auto* index =
         parser->add_option("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")
-            ->check(whole_number(0, most_samples_on_a_side))
+            ->transform(whole_number(0, most_samples_on_a_side))
             ->type_name("K");
     auto* all = parser->add_flag("--all", options->all, "every slice, as FILE_000.png, FILE_001.png, ...");
     parser->add_flag("--mosaic", options->mosaic, "the middle slices of the three axes in one picture")
@@ -106,7 +106,7 @@ Command add_slice(CLI::App& program) {
     parser
         ->add_option("--pixels", options->picture.pixels,
                      "of the longer side, without axes and colour bar: 100 to 10000")
-        ->check(whole_number(100, 10000))
+        ->transform(whole_number(100, 10000))
         ->type_name("N")
         ->capture_default_str();
     parser->footer(

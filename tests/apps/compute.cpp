@@ -51,6 +51,9 @@ BOOST_AUTO_TEST_CASE(lays_the_grid_out_as_the_options_say) {
     BOOST_TEST(percent["band"]["inside"].get<double>() == 0.4);
     BOOST_TEST(percent["grid"]["size"][0].get<int>() == 49);
 
+    const json leading_zero = dry_run(mesh, {"--resolution", "049"});
+    BOOST_TEST(leading_zero["grid"]["size"][0].get<int>() == 49);
+
     const json voxels = dry_run(mesh, {"--resolution", "15", "--band", "3v"});
     BOOST_TEST(size(voxels) == "[15,11,9]");
     BOOST_TEST(voxels["band"]["outside"].get<double>() == 1.5);

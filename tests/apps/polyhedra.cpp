@@ -83,6 +83,7 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_had_are_refused_with_the_remedy) {
         BOOST_TEST(!std::filesystem::exists(output));
     };
     refused({"--around", "5"}, 2, {"no vertex 5", "0 to 4"});
+    refused({"--around", "010"}, 2, {"no vertex 10"});
     refused({"--around", "4"}, 2, {"vertex 4", "no triangle", "choose another"});
     refused({"--triangles", "0,4"}, 2, {"no triangle 4", "0 to 3"});
     refused({"--triangles", "0", "--around", "0"}, 2, {"--around", "--triangles"});
@@ -92,6 +93,10 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_had_are_refused_with_the_remedy) {
     refused({"--half-width", "full"}, 2, {"--half-width", "percent"});
     refused({"--half-width", "0"}, 2, {"--half-width", "positive"});
     refused({"--half-width", "wide"}, 2, {"--half-width", "wide"});
+    for (const std::string number : {"0x1", "-1", "1.5", "4294967296", "1 "}) {
+        refused({"--around", number}, 2, {"--around", "'" + number + "'", "a whole number from 0 to 4294967295"});
+        refused({"--triangles", number}, 2, {"--triangles", "'" + number + "'", "a whole number from 0 to 4294967295"});
+    }
     refused({"--aruond", "0"}, 2, {"did you mean --around?"});
     check_refused(run_command({"polyhedra", mesh, "-o", folder.file("a.xyz")}, no_devices), 2, {"a.xyz"});
     check_refused(run_command({"polyhedra", folder.file("none.off"), "-o", output}, no_devices), 3, {"none.off"});
