@@ -299,6 +299,7 @@ void warn(Report& report, const std::string& warning) {
 
 ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
+    keep_input(options.mesh, options.output, "mesh");
     if (!options.output.empty())
         clsdf::check_output(options.output, request.outputs);
     else if (!options.dry_run)

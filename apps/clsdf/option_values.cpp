@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& known) {
     std::string nearest;
@@ -97,6 +99,13 @@ CLI::Validator file_name() {
                     "name a file (./- is one with that name)");
             },
             ""};
+}
+
+void keep_input(const std::string& input, const std::string& output, const std::string& what) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(input, output, ignored))
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("-o '{}' is the {} that is read; name another file", output, what));
 }
 
 clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {

@@ -41,6 +41,9 @@ CLI::Validator not_empty();
 /// Not empty, and not "-": a file's ending chooses its format, and no incomplete file may appear.
 CLI::Validator file_name();
 
+/// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
+void keep_input(const std::string& input, const std::string& output, const std::string& what);
+
 /// The value whose name_of() is the text. The words that the option takes are their names.
 template <class Value>
 Value value_named(const std::string& text, std::initializer_list<Value> values) {

@@ -141,6 +141,7 @@ ColouredMesh join(const std::vector<BoundingSolid>& solids, const std::vector<st
 }
 
 ExitStatus run(const PolyhedraOptions& options, Report& report) {
+    keep_input(options.mesh, options.output, "mesh");
     const Mesh mesh = clsdf::read_mesh(options.mesh);
     std::optional<std::uint32_t> vertex = options.around;
     if (!vertex && options.triangles.empty()) vertex = interesting_vertex(mesh);

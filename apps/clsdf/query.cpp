@@ -120,6 +120,8 @@ Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& 
 
 ExitStatus run(const QueryOptions& options, Report& report) {
     clsdf::check_points_output(options.output);
+    keep_input(options.mesh, options.output, "mesh");
+    keep_input(options.points, options.output, "file of points");
     const clsdf::Device device = open_device(options.device);
     const Stopwatch read;
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);

@@ -99,6 +99,7 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_had_are_refused_with_the_remedy) {
     }
     refused({"--aruond", "0"}, 2, {"did you mean --around?"});
     check_refused(run_command({"polyhedra", mesh, "-o", folder.file("a.xyz")}, no_devices), 2, {"a.xyz"});
+    check_refused(run_command({"polyhedra", mesh, "-o", mesh}, no_devices), 2, {mesh, "the mesh that is read"});
     check_refused(run_command({"polyhedra", folder.file("none.off"), "-o", output}, no_devices), 3, {"none.off"});
 }
 

@@ -159,6 +159,12 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
     check_refused(query("points.xyz"), 2, {"points.xyz", ".npy, .csv and .ply"});
     check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", "found.xyz"}), 2, {"found.xyz", ".npy"});
     check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--within", "-1"}), 2, {"--within"});
+    const std::string points = content_of(inputs.csv);
+    const std::string link = inputs.folder.file("link.csv");
+    std::filesystem::create_symlink(inputs.csv, link);
+    for (const std::string& output : {inputs.csv, link})
+        check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", output}), 2, {output, "points", "another"});
+    BOOST_TEST((content_of(inputs.csv) == points));
     check_refused(run_command({"query", inputs.mesh, inputs.csv}), 2, {"--output"});
 }
 
