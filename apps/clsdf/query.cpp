@@ -131,7 +131,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
 
     const Found found = find_unless_interrupted(options, device, mesh, points, within, report);
     const Stopwatch write;
-    clsdf::write_points(points, found.slab, options.output);
+    clsdf::write_points(points, found.slab, options.output, parse_outputs(options.with));
     output_is_written();
     const double write_seconds = write.seconds();
 

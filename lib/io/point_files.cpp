@@ -140,10 +140,10 @@ struct Columns {
     std::vector<OutputKind> kinds;
     std::vector<std::span<const std::byte>> values;
 
-    Columns(std::size_t points, const FieldSlab& results) {
+    Columns(std::size_t points, const FieldSlab& results, const Outputs& wanted) {
         kinds.push_back(distance_kind());
         for (const OutputKind& kind : extra_kinds())
-            if (!kind.bytes(results).empty()) kinds.push_back(kind);
+            if (kind.wanted(wanted) || !kind.bytes(results).empty()) kinds.push_back(kind);
         for (const OutputKind& kind : kinds) {
             values.push_back(kind.bytes(results));
             if (values.back().size() != points * kind.sample_bytes())
@@ -292,9 +292,10 @@ std::vector<Vec3> read_points(const std::string& path) try {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }
 
-void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path) {
+void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
+                  const Outputs& wanted) {
     const PointFormat format = format_of_points(path);
-    const Columns columns(points.size(), results);
+    const Columns columns(points.size(), results, wanted);
     AtomicFile file(path);
     switch (format) {
         case PointFormat::npy:

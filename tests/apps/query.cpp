@@ -142,6 +142,21 @@ BOOST_AUTO_TEST_CASE(reads_and_writes_every_format_alike) {
     BOOST_TEST(distance == -0.5F);
 }
 
+BOOST_AUTO_TEST_CASE(keeps_the_columns_of_the_outputs_without_points) {
+    const Inputs inputs;
+    const std::string result = inputs.folder.file("none.csv"), array = inputs.folder.file("none.npy");
+    for (const std::string& points :
+         {inputs.folder.file("a.csv", "x,y,z\n"), inputs.folder.file("a.npy", npy("<f8", "0, 3", {}))}) {
+        for (const std::string& output : {result, array}) {
+            std::filesystem::remove(output);
+            BOOST_TEST(run_command({"query", inputs.mesh, points, "-o", output, "--with", "closest,site"}).status == 0);
+        }
+        BOOST_TEST(content_of(result) == "x,y,z,distance,site,closest_x,closest_y,closest_z\n");
+        BOOST_TEST(content_of(array).find("[('distance', '<f4'), ('site', '|u1'), ('closest', '<f8', (3,))]") !=
+                   std::string::npos);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("found.csv");

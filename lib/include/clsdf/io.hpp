@@ -34,10 +34,12 @@ CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::spa
 CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
 
 /// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
-/// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. An array of
-/// `results` is empty if it was not asked for; docs/formats.md describes the columns. Throws Error(invalid_argument) if
-/// an array does not fit the points, Error(unsupported) for an unknown ending, Error(output_failure).
-CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path);
+/// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
+/// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
+/// them. Only without points does `wanted` matter. Throws Error(invalid_argument) if an array does not fit the points,
+/// Error(unsupported) for an unknown ending, Error(output_failure).
+CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
+                               const Outputs& wanted = {});
 
 /// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
 CLSDF_EXPORT void check_points_output(const std::string& path);
