@@ -148,7 +148,7 @@ static inline bool march(const RenderView* view, __global const float* samples, 
         return true;
     }
     for (;;) {
-        if (t >= length_of_way) return false;
+        if (!(t < length_of_way)) return false;  // a length that is not a number, too
         const float before = t;
         const float step = value / rate;
         // A step that is too small for the sum to change still is one.

@@ -108,6 +108,11 @@ void keep_input(const std::string& input, const std::string& output, const std::
                            fmt::format("-o '{}' is the {} that is read; name another file", output, what));
 }
 
+clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file) {
+    if (!std::string_view(error.what()).starts_with(subject)) return error;
+    return {error.code(), fmt::format("{}: {}", file, error.what())};
+}
+
 clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {
     clsdf::Outputs outputs;
     visit_extras(

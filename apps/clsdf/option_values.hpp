@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// The known word that was probably meant: one that begins with the word, or else the nearest one. Empty if none is
@@ -43,6 +44,10 @@ CLI::Validator file_name();
 
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
+
+/// The error with the name of the file before its message, if the message begins with the subject. The library names
+/// a point by its number, and a field by "field: ".
+clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file);
 
 /// The value whose name_of() is the text. The words that the option takes are their names.
 template <class Value>

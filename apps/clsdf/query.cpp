@@ -16,7 +16,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
 
 namespace {
 
@@ -96,12 +95,6 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     found.device_platform = device.platform();
 }
 
-/// The library names a point by its number.
-Error with_file(const Error& error, const std::string& points) {
-    if (!std::string_view(error.what()).starts_with("point ")) return error;
-    return {error.code(), fmt::format("{}: {}", points, error.what())};
-}
-
 Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
                               std::span<const Vec3> points, double within, Report& report) {
     const Interruption interruption;
@@ -113,7 +106,7 @@ Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& 
         throw Error(ErrorCode::out_of_memory,
                     fmt::format("the outputs of {} points do not fit the memory; divide the points", points.size()));
     } catch (const Error& error) {
-        if (!interruption.token().stop_requested()) throw with_file(error, options.points);
+        if (!interruption.token().stop_requested()) throw with_file(error, "point ", options.points);
     }
     throw Error(ErrorCode::cancelled, "cancelled; nothing was written");
 }

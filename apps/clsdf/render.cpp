@@ -119,11 +119,11 @@ ExitStatus run(RenderOptions options, Report& report) {
         upright = pictures.upright();
         device_name = device.name();  // it may fail, and then no picture is there
         pictures.write(options.picture, options.output);
-    } catch (const Error&) {
+    } catch (const Error& error) {
         // The compilers of some devices react to the same signals and fail; the reason is the user's wish.
         if (interruption.token().stop_requested())
             throw Error(ErrorCode::cancelled, "cancelled; no picture was written");
-        throw;
+        throw with_file(error, "field: ", options.field);
     }
     progress.clear();
     output_is_written();

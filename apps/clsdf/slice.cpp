@@ -119,5 +119,11 @@ Command add_slice(CLI::App& program) {
         "  clsdf slice bunny.nrrd -o bunny.pdf --axis x --index 100\n"
         "  clsdf slice bunny.nrrd -o slices/bunny.png --axis y --all --pixels 600\n"
         "  clsdf slice bunny.nrrd -o bunny.png --mosaic");
-    return {parser, [options](Report& report) { return run(*options, report); }};
+    return {parser, [options](Report& report) {
+                try {
+                    return run(*options, report);
+                } catch (const clsdf::Error& error) {
+                    throw with_file(error, "field: ", options->field);
+                }
+            }};
 }

@@ -33,6 +33,37 @@ void check(const Grid& grid, const Slice& slice, const std::array<Axis, 2>& axes
                                     name_of(axis), name_of(slice.axis)));
 }
 
+}  // namespace
+
+void check_field(const Field& field) {
+    field.grid.validate();
+    field.band.validate();
+    const Grid& grid = field.grid;
+    if (field.distance.size() != grid.sample_count())
+        throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",
+                                                             field.distance.size(), grid.sample_count()));
+    const Index3& size = grid.size;
+    const Vec3 first = grid.position(0, 0, 0), second = grid.position(1, 1, 1);
+    const Vec3 last = grid.position(size[0] - 1, size[1] - 1, size[2] - 1);
+    const Vec3 last_but_one = grid.position(size[0] - 2, size[1] - 2, size[2] - 2);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double spacing = grid.spacing[axis];
+        if (spacing < static_cast<double>(std::numeric_limits<float>::min()) ||
+            spacing > static_cast<double>(std::numeric_limits<float>::max()))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("field: a spacing of {} is beyond the floats that distances are given in; scale "
+                                    "the field",
+                                    spacing));
+        if (size[axis] > 1 && (first[axis] == second[axis] || last[axis] == last_but_one[axis]))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("field: samples {} apart near {} = {} have the same position in double precision; "
+                                    "move the field to the origin",
+                                    spacing, "xyz"[axis], last[axis]));
+    }
+}
+
+namespace {
+
 // Decides which samples are beyond the band: they have its half widths.
 class Limits {
 public:

@@ -25,6 +25,10 @@ struct Plane {
     double at(double column, double row) const;
 };
 
+/// Throws Error(invalid_argument) if the grid or the band is invalid, if the distances do not fit the grid, or if the
+/// grid cannot be drawn: a spacing beyond floats, or neighbouring samples with the same position.
+void check_field(const Field& field);
+
 /// Throws Error(invalid_argument) if the field has no such slice, or the slice fewer than two samples a side.
 ///
 /// If the band ends between two samples, the outer one has no distance. Its value is extrapolated linearly from the

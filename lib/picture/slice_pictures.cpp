@@ -184,11 +184,7 @@ private:
 }  // namespace
 
 SlicePictures::SlicePictures(const Field& field, const Options& options) : field_(field), options_(options) {
-    field.grid.validate();
-    field.band.validate();
-    if (field.distance.size() != field.grid.sample_count())
-        throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",
-                                                             field.distance.size(), field.grid.sample_count()));
+    check_field(field);
     if (options.pixels < 100 || options.pixels > 10000)
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("a picture of {} pixels; choose 100 to 10000", options.pixels));

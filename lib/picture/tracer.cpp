@@ -1,6 +1,7 @@
 #include "picture/tracer.hpp"
 
 #include "core/stopwatch.hpp"
+#include "picture/plane.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -56,12 +57,8 @@ TracedSamples::TracedSamples(const Field& field)
       voxel_(field.grid.voxel()),
       inside_(-static_cast<float>(field.band.inside)),
       outside_(static_cast<float>(field.band.outside)) {
-    field.grid.validate();
-    field.band.validate();
+    check_field(field);
     const Index3& size = field.grid.size;
-    if (field.distance.size() != field.grid.sample_count())
-        throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",
-                                                             field.distance.size(), field.grid.sample_count()));
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (size[axis] < 2 || size[axis] > std::numeric_limits<std::int32_t>::max())
             throw Error(ErrorCode::invalid_argument,

@@ -205,4 +205,15 @@ BOOST_AUTO_TEST_CASE(show_any_name) {
     BOOST_TEST(clsdf::picture::in_ascii("−0.2 × 10⁻⁶ … Häschen") == "-0.2 x 10^-6 ... H?schen");
 }
 
+BOOST_AUTO_TEST_CASE(need_a_grid_whose_spacing_is_a_float_and_whose_samples_differ) {
+    for (const double spacing : {1e300, 1e-310}) {
+        Field strange = two_balls();
+        strange.grid.spacing.fill(spacing);
+        check_throws(ErrorCode::invalid_argument, {"spacing", "beyond the floats"}, [&] { SlicePictures{strange}; });
+    }
+    Field strange = two_balls();
+    strange.grid.origin[1] = 1e20;
+    check_throws(ErrorCode::invalid_argument, {"y = 1e+20", "same position"}, [&] { SlicePictures{strange}; });
+}
+
 BOOST_AUTO_TEST_SUITE_END()

@@ -179,4 +179,17 @@ BOOST_AUTO_TEST_CASE(are_refused_where_an_option_makes_no_sense) {
     BOOST_TEST(folder.file_count() == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(need_a_grid_whose_spacing_is_a_float_and_whose_samples_differ) {
+    for (const double spacing : {1e300, 1e-310}) {
+        Field strange = two_balls();
+        strange.grid.spacing.fill(spacing);
+        check_throws(ErrorCode::invalid_argument, {"spacing", "beyond the floats"},
+                     [&] { SurfacePictures(strange, Device::best()); });
+    }
+    Field strange = two_balls();
+    strange.grid.origin[1] = 1e20;
+    check_throws(ErrorCode::invalid_argument, {"y = 1e+20", "same position"},
+                 [&] { SurfacePictures(strange, Device::best()); });
+}
+
 BOOST_AUTO_TEST_SUITE_END()
