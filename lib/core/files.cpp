@@ -62,6 +62,7 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
     }
     std::error_code error;
     const fs::file_status status = fs::status(path_, error);
+    if (status.type() == fs::file_type::none) fail(error.value());  // e.g. a name that is too long
     if (status.type() == fs::file_type::directory) fail(EISDIR);
     if (fs::exists(status) && status.type() != fs::file_type::regular) {
         open_directly(::open(path_.c_str(), O_WRONLY | O_CLOEXEC));

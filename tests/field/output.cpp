@@ -120,6 +120,21 @@ BOOST_AUTO_TEST_CASE(can_be_checked_before_and_leaves_nothing) {
     BOOST_TEST(folder.file_count() == 0U);
 }
 
+BOOST_AUTO_TEST_CASE(needs_names_that_are_not_too_long_before_the_first_slab) {
+    const TemporaryFolder folder;
+    const Outputs triangle{.triangle = true};
+    const std::string letters(250, 'a');  // of 255
+    const Field field = example_field();
+    for (const std::string& path : {folder.file(letters + ".nrrd"), folder.file(letters + ".npy")})
+        check_throws(ErrorCode::output_failure, {letters, "File name too long"},
+                     [&] { FieldWriter(path, field, triangle); });
+    check_throws(ErrorCode::output_failure, {letters, "File name too long"},
+                 [&] { check_output(folder.file(letters + ".nrrd1.nrrd")); });
+    check_throws(ErrorCode::output_failure, {letters, "File name too long"},
+                 [&] { check_points_output(folder.file(letters + letters + ".csv")); });
+    BOOST_TEST(folder.file_count() == 0U);
+}
+
 BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
     const TemporaryFolder folder;
     check_throws(ErrorCode::unreadable_input, {"missing.nrrd"}, [&] { read_field(folder.file("missing.nrrd")); });
