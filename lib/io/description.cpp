@@ -128,6 +128,15 @@ std::string description_text(const FieldDescription& field, const std::map<std::
     return object.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
 }
 
+void check_utf8(const std::string& path, std::string_view reader) {
+    try {
+        static_cast<void>(json(file_name(path)).dump());
+    } catch (const json::exception&) {
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("{}: the name is not UTF-8, and {} is; choose another name", path, reader));
+    }
+}
+
 SignRule sign_rule_of(const std::string& text) {
     for (const SignRule rule : {SignRule::automatic, SignRule::nonzero, SignRule::parity, SignRule::none})
         if (text == name_of(rule)) return rule;

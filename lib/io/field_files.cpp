@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 
 constexpr std::array formats{
     Format{".nrrd", nrrd_writer, read_nrrd},
-    Format{".npy", npy_writer, read_npy},
+    Format{".npy", npy_writer, read_npy, true, check_npy},
     Format{".vti", vti_writer, read_vti},
-    Format{".h5", h5_writer, read_h5},
+    Format{".h5", h5_writer, read_h5, true, check_h5},
     Format{".vdb", vdb_writer, read_vdb, true, check_vdb},
     Format{".sdf", sdf_writer, read_sdf, false},
 };
@@ -49,7 +49,7 @@ const Format& format_of(const std::string& path, ErrorCode code) {
 }
 
 void check_place_for(const Outputs& outputs, const std::string& path, const Format& format) {
-    if (format.check_build != nullptr) format.check_build(path);
+    if (format.check != nullptr) format.check(path, outputs);
     if (format.has_extras) return;
     for (const OutputKind& kind : extra_kinds())
         if (kind.wanted(outputs))

@@ -40,14 +40,15 @@ struct Format {
     Field (*read)(const std::string& path) = nullptr;
     /// Whether the format stores other outputs than the distance.
     bool has_extras = true;
-    /// Throws Error(unsupported) if this build lacks the format.
-    void (*check_build)(const std::string& path) = nullptr;
+    /// Throws Error(unsupported) if this build lacks the format, or if the format cannot have such a name.
+    void (*check)(const std::string& path, const Outputs& outputs) = nullptr;
 };
 
 /// By the file's ending, in upper or lower case. Throws Error(code) that lists the endings.
 const Format& format_of(const std::string& path, ErrorCode code);
 
-/// Throws Error(unsupported) if this build lacks the format, or if the format cannot store one of the outputs.
+/// Throws Error(unsupported) if this build lacks the format, or if the format cannot have such a name or store one of
+/// the outputs.
 void check_place_for(const Outputs& outputs, const std::string& path, const Format& format);
 
 std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
@@ -57,6 +58,7 @@ Field read_nrrd(const std::string& path);
 std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
 Field read_npy(const std::string& path);
+void check_npy(const std::string& path, const Outputs& outputs);
 
 std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
@@ -64,12 +66,13 @@ Field read_vti(const std::string& path);
 
 std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, const Outputs& outputs);
 Field read_h5(const std::string& path);
+void check_h5(const std::string& path, const Outputs& outputs);
 
 /// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
 std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
 Field read_vdb(const std::string& path);
-void check_vdb(const std::string& path);
+void check_vdb(const std::string& path, const Outputs& outputs);
 
 std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
@@ -103,6 +106,9 @@ struct Description {
 };
 
 std::string description_text(const FieldDescription& field, const std::map<std::string, std::string>& files = {});
+
+/// Throws Error(unsupported) if the file's name is not UTF-8; `reader` is what needs it.
+void check_utf8(const std::string& path, std::string_view reader);
 
 /// The sidecar of an .npy file, "bunny.npy.json". Only origin, spacing and size are needed.
 /// Throws Error(unreadable_input), or Error(invalid_argument) if a value makes no sense.

@@ -384,4 +384,8 @@ std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDesc
     return std::make_unique<H5Writer>(path, field, outputs);
 }
 
+void check_h5(const std::string& path, const Outputs&) {
+    check_utf8(path, "the .xdmf file, which names the .h5 file,");
+}
+
 }  // namespace clsdf

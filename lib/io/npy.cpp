@@ -268,6 +268,10 @@ std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDes
     return std::make_unique<NpyWriter>(path, field, outputs);
 }
 
+void check_npy(const std::string& path, const Outputs& outputs) {
+    if (kinds_of(outputs).size() > 1) check_utf8(path, "the description, which names the files of the other outputs,");
+}
+
 Field read_npy(const std::string& path) {
     InputFile file(path);
     const NpyHeader header = read_npy_header(file);

@@ -28,7 +28,7 @@ Field read_vdb(const std::string& path) {
     refuse(path);
 }
 
-void check_vdb(const std::string& path) {
+void check_vdb(const std::string& path, const Outputs&) {
     refuse(path);
 }
 

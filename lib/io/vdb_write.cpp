@@ -431,6 +431,6 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
     return std::make_unique<VdbWriter>(path, field, outputs);
 }
 
-void check_vdb(const std::string&) {}
+void check_vdb(const std::string&, const Outputs&) {}
 
 }  // namespace clsdf

@@ -135,6 +135,22 @@ BOOST_AUTO_TEST_CASE(needs_names_that_are_not_too_long_before_the_first_slab) {
     BOOST_TEST(folder.file_count() == 0U);
 }
 
+// Other files of the field state the name, as JSON or XML.
+BOOST_AUTO_TEST_CASE(needs_a_name_in_utf8_where_another_file_states_it) {
+    const TemporaryFolder folder;
+    const Outputs triangle{.triangle = true};
+    for (const std::string name : {"a\xff.npy", "a\xff.h5"}) {
+        const std::string path = folder.file(name);
+        check_throws(ErrorCode::unsupported, {path, "UTF-8", "choose another"}, [&] { check_output(path, triangle); });
+        check_throws(ErrorCode::unsupported, {path, "UTF-8"}, [&] { write(example_field(), path); });
+    }
+    check_output(folder.file("a\xff.nrrd"), triangle);
+    check_output(folder.file("a\xff.npy"));
+    check_output(folder.file("H\u00e4schen.npy"), triangle);
+    check_output(folder.file("H\u00e4schen.h5"), triangle);
+    BOOST_TEST(folder.file_count() == 0U);
+}
+
 BOOST_AUTO_TEST_CASE(a_file_that_cannot_be_read_is_named) {
     const TemporaryFolder folder;
     check_throws(ErrorCode::unreadable_input, {"missing.nrrd"}, [&] { read_field(folder.file("missing.nrrd")); });
