@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -364,6 +366,7 @@ public:
             }
             grids.push_back(grid);
         }
+        errno = 0;  // OpenVDB does not say why a write fails
         try {
             Archive archive;
             archive.setCompression(compression());
@@ -372,7 +375,8 @@ public:
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& error) {
-            throw Error(ErrorCode::output_failure, fmt::format("cannot write '{}': {}", path_, error.what()));
+            const std::string reason = errno == 0 ? "" : ": " + std::generic_category().message(errno);
+            throw Error(ErrorCode::output_failure, fmt::format("cannot write '{}': {}{}", path_, error.what(), reason));
         }
         file_.commit();
     }
