@@ -52,6 +52,15 @@ int standard_stream(const std::string& path) {
     return -1;
 }
 
+/// The path with its symbolic links followed, even if the last one names a file that does not exist.
+std::string without_links(fs::path path) {
+    std::error_code error;
+    for (int links = 0; links < 40 && fs::is_symlink(path, error); ++links)
+        path = path.parent_path() / fs::read_symlink(path, error);
+    const fs::path target = fs::weakly_canonical(path, error);
+    return error ? path.string() : target.string();
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
@@ -70,8 +79,7 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
     }
     // A rename would replace a write-protected file without a question.
     if (fs::exists(status) && ::access(path_.c_str(), W_OK) != 0) fail(errno);
-    const fs::path target = fs::weakly_canonical(path_, error);
-    open_beside(error ? path_ : target.string());
+    open_beside(without_links(path_));
 }
 
 AtomicFile::~AtomicFile() {
@@ -106,6 +114,8 @@ void AtomicFile::open_beside(const std::string& target) {
     const int descriptor = create_unfinished_file(folder, name);
     if (descriptor < 0) fail(errno);
     temporary_ = name;
+    // A file that is replaced keeps its access rights.
+    if (struct stat earlier{}; ::stat(target.c_str(), &earlier) == 0) ::fchmod(descriptor, earlier.st_mode & 0777U);
     try {
         open_directly(descriptor);
     } catch (...) {

@@ -32,6 +32,31 @@ BOOST_AUTO_TEST_CASE(a_committed_file_is_complete_and_alone_in_its_folder) {
     BOOST_TEST(folder.file_count() == 1U);
 }
 
+BOOST_AUTO_TEST_CASE(a_file_that_is_replaced_keeps_its_access_rights) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("field.raw", "private");
+    const auto rights = std::filesystem::perms::owner_read | std::filesystem::perms::owner_write;
+    std::filesystem::permissions(path, rights);
+    AtomicFile file(path);
+    file.write("new");
+    file.commit();
+    BOOST_TEST(content_of(path) == "new");
+    BOOST_CHECK(std::filesystem::status(path).permissions() == rights);
+}
+
+BOOST_AUTO_TEST_CASE(a_link_to_a_file_that_does_not_exist_stays_and_the_file_appears) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder.file("results"));
+    std::filesystem::create_symlink("results/field.raw", folder.file("second.raw"));
+    std::filesystem::create_symlink(folder.file("second.raw"), folder.file("first.raw"));
+    AtomicFile file(folder.file("first.raw"));
+    file.write("new");
+    file.commit();
+    BOOST_TEST(std::filesystem::is_symlink(folder.file("first.raw")));
+    BOOST_TEST(std::filesystem::is_symlink(folder.file("second.raw")));
+    BOOST_TEST(content_of(folder.file("results/field.raw")) == "new");
+}
+
 BOOST_AUTO_TEST_CASE(without_a_commit_nothing_is_left) {
     const TemporaryFolder folder;
     {
