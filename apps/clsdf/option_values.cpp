@@ -110,7 +110,8 @@ void keep_input(const std::string& input, const std::string& output, const std::
 
 clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file) {
     if (!std::string_view(error.what()).starts_with(subject)) return error;
-    return {error.code(), fmt::format("{}: {}", file, error.what())};
+    const bool is_refused = error.code() == clsdf::ErrorCode::invalid_argument;
+    return {is_refused ? clsdf::ErrorCode::unreadable_input : error.code(), fmt::format("{}: {}", file, error.what())};
 }
 
 clsdf::Outputs parse_outputs(const std::vector<std::string>& names) {

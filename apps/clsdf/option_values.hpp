@@ -45,8 +45,9 @@ CLI::Validator file_name();
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
 
-/// The error with the name of the file before its message, if the message begins with the subject. The library names
-/// a point by its number, and a field by "field: ".
+/// The error of a file's content, with the name of the file before the message, if the message begins with the subject.
+/// The library names a point by its number, and a field by "field: ". An argument that the library refuses is
+/// unreadable input.
 clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file);
 
 /// The value whose name_of() is the text. The words that the option takes are their names.

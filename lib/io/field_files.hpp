@@ -124,10 +124,11 @@ SignRule sign_rule_of(const std::string& text);
 /// The same for a file that states no size; null if the text states none either.
 std::optional<Index3> described_size(const std::string& source, const std::string& text);
 
-/// The text before the values of an .npy file (numpy.org, "numpy.lib.format"), whose array is in C order.
+/// The text before the values of an .npy file (numpy.org, "numpy.lib.format").
 struct NpyHeader {
     RawValues values;
     std::vector<std::int64_t> shape;  ///< slowest first: (nz, ny, nx)
+    bool fortran_order = false;       ///< the reverse: slowest last
 };
 
 /// Throws Error(unreadable_input).

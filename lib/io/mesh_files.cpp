@@ -39,9 +39,18 @@ bool is_line_end(char c) {
 /// that are too large to infinity.
 double out_of_range_value(std::string_view word) {
     const bool negative = word.front() == '-';
-    const std::size_t exponent = word.find_first_of("eE");
-    const bool tiny = exponent + 1 < word.size() && exponent != std::string_view::npos && word[exponent + 1] == '-';
-    const double magnitude = tiny ? 0.0 : std::numeric_limits<double>::infinity();
+    if (negative) word.remove_prefix(1);
+    const std::string_view mantissa = word.substr(0, word.find_first_of("eE"));
+    std::string_view exponent = word.substr(std::min(mantissa.size() + 1, word.size()));
+    if (exponent.starts_with('+')) exponent.remove_prefix(1);
+    std::int64_t power = 0;
+    if (std::from_chars(exponent.data(), exponent.data() + exponent.size(), power).ec == std::errc::result_out_of_range)
+        power = exponent.front() == '-' ? std::numeric_limits<std::int64_t>::min() / 2
+                                        : std::numeric_limits<std::int64_t>::max() / 2;
+    // The power of ten of the first digit that is not zero.
+    power += static_cast<std::int64_t>(std::min(mantissa.find('.'), mantissa.size())) -
+             static_cast<std::int64_t>(mantissa.find_first_of("123456789"));
+    const double magnitude = power < 0 ? 0.0 : std::numeric_limits<double>::infinity();
     return negative ? -magnitude : magnitude;
 }
 

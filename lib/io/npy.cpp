@@ -123,7 +123,8 @@ void set_type(NpyHeader& header, const InputFile& file, const std::string& type)
     const auto found = type.empty() ? types.end() : types.find(type.substr(1));
     if (found == types.end() || (type[0] != '<' && type[0] != '>' && type[0] != '|'))
         file.fail(
-            fmt::format("header field 'descr': {} is not read; save the array as float32 ('<f4')", quoted(type, 80)));
+            fmt::format("header field 'descr': {} is not read; save the array as float64 ('<f8') or float32 ('<f4')",
+                        quoted(type, 80)));
     header.values.type = found->second;
     header.values.order = type[0] == '>' ? std::endian::big : std::endian::little;
 }
@@ -149,13 +150,11 @@ NpyHeader read_npy_header(InputFile& file) {
     if (!dictionary || !dictionary->type || !dictionary->fortran_order || !dictionary->shape)
         file.fail(fmt::format("header {} does not state one 'descr', 'fortran_order' and 'shape' of a plain array",
                               quoted(dictionary_text, 80)));
-    if (*dictionary->fortran_order)
-        file.fail("header field 'fortran_order': True is not read; save numpy.ascontiguousarray(field)");
-
     NpyHeader header;
     set_type(header, file, *dictionary->type);
     header.values = values_to_the_end(file, header.values.type, header.values.order, begin + length);
     header.shape = *dictionary->shape;
+    header.fortran_order = *dictionary->fortran_order;
     return header;
 }
 
@@ -207,6 +206,13 @@ std::vector<std::int64_t> shape_of(const Grid& grid, const OutputKind& kind) {
     return shape;
 }
 
+NpyHeader read_field_header(InputFile& file) {
+    NpyHeader header = read_npy_header(file);
+    if (header.fortran_order)
+        file.fail("header field 'fortran_order': True is not read; save numpy.ascontiguousarray(field)");
+    return header;
+}
+
 void check_shape(const InputFile& file, const NpyHeader& header, const Grid& grid) {
     if (header.shape != shape_of(grid))
         file.fail(fmt::format("header field 'shape': ({}), but '{}' states sizes for the shape ({})",
@@ -216,7 +222,7 @@ void check_shape(const InputFile& file, const NpyHeader& header, const Grid& gri
 
 void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
     InputFile file(path);
-    const NpyHeader header = read_npy_header(file);
+    const NpyHeader header = read_field_header(file);
     if (!reads_as(header.values.type, kind.type))
         file.fail(fmt::format("header field 'descr': {} is '{}'", kind.content, npy_name_of(kind.type)));
     const std::vector<std::int64_t> shape = shape_of(field.grid, kind);
@@ -274,7 +280,7 @@ void check_npy(const std::string& path, const Outputs& outputs) {
 
 Field read_npy(const std::string& path) {
     InputFile file(path);
-    const NpyHeader header = read_npy_header(file);
+    const NpyHeader header = read_field_header(file);
     if (is_whole(header.values.type))
         file.fail(fmt::format("header field 'descr': '{}' is not a distance; save the array as float32 ('<f4')",
                               npy_name_of(header.values.type)));

@@ -44,14 +44,25 @@ std::vector<Vec3> read_npy_points(const std::string& path) {
     if (header.shape[0] == 0) return {};
     const std::size_t count = checked_count(file, header.values, header.shape);
     std::vector<Vec3> points(count / 3);
-    const auto room = std::as_writable_bytes(std::span(points));
-    if (header.values.type == ValueType::float64) {
-        read_values(file, header.values, ValueType::float64, room);
+    const bool is_double = header.values.type == ValueType::float64;
+    if (is_double && !header.fortran_order) {
+        read_values(file, header.values, ValueType::float64, std::as_writable_bytes(std::span(points)));
         return points;
     }
-    std::vector<float> floats(count);
-    read_values(file, header.values, ValueType::float32, std::as_writable_bytes(std::span(floats)));
-    for (std::size_t i = 0; i < count; ++i) points[i / 3][i % 3] = static_cast<double>(floats[i]);
+    const auto read = [&]<typename Number>(std::vector<Number> numbers) {
+        read_values(file, header.values, header.values.type, std::as_writable_bytes(std::span(numbers)));
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto number = static_cast<double>(numbers[i]);
+            if (header.fortran_order)
+                points[i % points.size()][i / points.size()] = number;
+            else
+                points[i / 3][i % 3] = number;
+        }
+    };
+    if (is_double)
+        read(std::vector<double>(count));
+    else
+        read(std::vector<float>(count));
     return points;
 }
 
@@ -75,24 +86,29 @@ public:
             ++line_;
         } while (line.find_first_not_of(" \t") == std::string_view::npos);
         fields.clear();
-        for (std::size_t begin = 0; begin <= line.size();) {
-            const std::size_t end = std::min(line.find(',', begin), line.size());
-            fields.push_back(trimmed(line.substr(begin, end - begin)));
-            begin = end + 1;
+        bool in_quotes = false;
+        std::size_t begin = 0;
+        for (std::size_t at = 0; at <= line.size(); ++at) {
+            if (at < line.size() && line[at] == '"') in_quotes = !in_quotes;
+            if (at < line.size() && (line[at] != ',' || in_quotes)) continue;
+            fields.push_back(trimmed(line.substr(begin, at - begin)));
+            begin = at + 1;
         }
+        if (in_quotes) fail("a quotation mark has no partner on its line");
         return true;
     }
 
-    double number(std::string_view field, const char* what) const {
+    double number(std::string_view field, const char* column) const {
+        if (field.empty()) fail(fmt::format("column '{}' is empty", column));
         TextScanner scanner(field, path_, {}, line_);
         scanner.next_line();
-        const double value = scanner.real(what);
-        if (!scanner.at_end_of_line()) scanner.fail_word(what, field);
+        const double value = scanner.real("a number");
+        if (!scanner.at_end_of_line()) scanner.fail_word("a number", field);
         return value;
     }
 
     [[noreturn]] void fail(const std::string& reason) const {
-        throw Error(ErrorCode::unreadable_input, fmt::format("{}:{}: {}", path_, line_, reason));
+        throw Error(ErrorCode::unreadable_input, fmt::format("{}: line {}: {}", path_, line_, reason));
     }
 
 private:
@@ -129,7 +145,7 @@ std::vector<Vec3> read_csv_points(const FileContent& file) {
         if (fields.size() != width)
             rows.fail(fmt::format("the row has {} fields, and the first one names {} columns", fields.size(), width));
         Vec3 point{};
-        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]], "a number");
+        for (std::size_t axis = 0; axis < 3; ++axis) point[axis] = rows.number(fields[columns[axis]], names[axis]);
         points.push_back(point);
     }
     return points;

@@ -142,6 +142,19 @@ BOOST_AUTO_TEST_CASE(reads_and_writes_every_format_alike) {
     BOOST_TEST(distance == -0.5F);
 }
 
+BOOST_AUTO_TEST_CASE(reads_points_in_fortran_order_and_fields_in_quotes) {
+    const Inputs inputs;
+    std::string columns;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const Vec3& point : inputs.points) columns += bytes_of<double>({{point[axis], 0, 0}}).substr(0, 8);
+    std::string content = npy("<f8", "4, 3", columns);
+    content.replace(content.find("False"), 5, "True ");
+    BOOST_TEST((read_points(inputs.folder.file("f.npy", content)) == inputs.points));
+    const std::vector<Vec3> expected{{1, 2, 3}};
+    const std::string table = inputs.folder.file("q.csv", "\"name, \"\"long\"\"\",\"x\",y,z\n\"a,b\",1,\"2\",3\n");
+    BOOST_TEST((read_points(table) == expected));
+}
+
 BOOST_AUTO_TEST_CASE(keeps_the_columns_of_the_outputs_without_points) {
     const Inputs inputs;
     const std::string result = inputs.folder.file("none.csv"), array = inputs.folder.file("none.npy");
@@ -163,12 +176,16 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
     const auto query = [&](const std::string& points) {
         return run_command({"query", inputs.mesh, points, "-o", result});
     };
-    check_refused(query(inputs.folder.file("a.csv", "x,y\n1,2\n")), 3, {"a.csv", ":1:", "'z'"});
+    check_refused(query(inputs.folder.file("a.csv", "x,y\n1,2\n")), 3, {"a.csv: line 1: ", "'z'"});
     check_refused(query(inputs.folder.file("b.csv", "x,y,z\n1,2,3\n4,five,6\n")), 3, {"b.csv", "3", "five"});
-    check_refused(query(inputs.folder.file("c.csv", "x,y,z\n1,2\n")), 3, {"c.csv:2", "2 fields", "3 columns"});
-    check_refused(query(inputs.folder.file("d.csv", "x,y,z\n1,2,3\n1,nan,3\n")), 2, {"d.csv", "point 1", "not finite"});
+    check_refused(query(inputs.folder.file("c.csv", "x,y,z\n1,2\n")), 3, {"c.csv: line 2: ", "2 fields", "3 columns"});
+    check_refused(query(inputs.folder.file("d.csv", "x,y,z\n1,2,3\n1,nan,3\n")), 3, {"d.csv", "point 1", "not finite"});
     check_refused(query(inputs.folder.file("e.npy", npy("<f4", "2, 2", std::string(16, '\0')))), 3,
                   {"e.npy", "(2, 2)", "(n, 3)"});
+    check_refused(query(inputs.folder.file("i.npy", npy("<i8", "2, 3", std::string(48, '\0')))), 3,
+                  {"i.npy", "float64"});
+    check_refused(query(inputs.folder.file("h.csv", "x,y,z\n1,,3\n")), 3, {"h.csv: line 2: column 'y' is empty"});
+    check_refused(query(inputs.folder.file("j.csv", "x,y,z\n1,\"2,3\n")), 3, {"j.csv: line 2: ", "quotation mark"});
     check_refused(query(inputs.folder.file("g.npy", npy("<f4", "2, 3", std::string(16, '\0')))), 3, {"g.npy"});
     check_refused(query(inputs.folder.file("none.csv")), 3, {"none.csv"});
     check_refused(query("points.xyz"), 2, {"points.xyz", ".npy, .csv and .ply"});

@@ -91,6 +91,8 @@ BOOST_AUTO_TEST_CASE(off_comes_in_many_forms) {
                     "COFF\n4 1 5\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n1 1 0 0 0 0 0\n0 1 0 9 9 9 9\n4 0 1 2 3 7\n");
     check_is_square("a.off", "NOFF\n4 1 5\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n4 0 1 2 3\n");
     check_is_square("a.off", "STCNOFF\n4 1 5\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n4 0 1 2 3\n");
+    const std::string tiny = "0." + std::string(400, '0') + "1e+2";
+    check_is_square("a.off", "OFF\n4 2 5\n" + replaced(body, "0 0 0", tiny + " -" + tiny + " 1e-99999999999999999999"));
     check_is_square("a.off", "STOFF\n4 1 5\n\t+0 0.0 -0e9  .5 .5\n1. 0 0\n1e0 10e-1 1e-999\n0 1 0\n  4\t0 1 2 +3  \n");
 }
 
@@ -116,6 +118,7 @@ BOOST_AUTO_TEST_CASE(damaged_off_files_are_refused_with_the_line) {
     refused("1 0 0", "1 0,5 0", unreadable, {"line 4", "'0,5'"});
     refused("1 0 0", "1 nan 0", invalid, {"vertex 1", "triangle 0", "nan"});
     refused("1 0 0", "1 1e999 0", invalid, {"vertex 1", "inf"});
+    refused("1 0 0", "1 -1" + std::string(400, '0') + " 0", invalid, {"vertex 1", "-inf"});
     refused("3 0 2 3", "3 0 2 4", invalid, {"line 8", "index 4", "4 vertices"});
     refused("3 0 2 3", "3 0 2 -1", invalid, {"line 8", "index -1"});
     refused("3 0 2 3", "3 0 2", unreadable, {"line 8", "index", "line ends"});

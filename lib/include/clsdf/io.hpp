@@ -28,9 +28,9 @@ using FaceColour = std::array<std::uint8_t, 3>;
 /// of them, Error(unsupported) for an unknown ending, Error(output_failure).
 CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
 
-/// Reads points from .npy (shape (n, 3), float32 or float64), .csv (a header row with the columns x, y and z; other
-/// columns are skipped) or .ply (its vertices, with or without faces). Throws Error(unreadable_input) that names the
-/// file, the row and the value; Error(unsupported) for an unknown ending.
+/// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
+/// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws
+/// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending.
 CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
 
 /// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
