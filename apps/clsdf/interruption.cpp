@@ -38,16 +38,19 @@ extern "C" void handle_signal(int) {
     errno = error;
 }
 
-// The signals that end the process: all of these, or all but SIGHUP. Set before any other thread starts.
+// The signals that end the process: those of these that were not ignored at the start. Set before any other thread
+// starts.
 constexpr std::array known_signals{SIGINT, SIGTERM, SIGHUP};
 sigset_t ending_signals;
 
 void choose_signals() {
     ::sigemptyset(&ending_signals);
-    for (const int signal : known_signals) ::sigaddset(&ending_signals, signal);
-    struct sigaction hangup {};
-    ::sigaction(SIGHUP, nullptr, &hangup);
-    if (hangup.sa_handler == SIG_IGN) ::sigdelset(&ending_signals, SIGHUP);  // nohup
+    for (const int signal : known_signals) {
+        struct sigaction action {};
+        ::sigaction(signal, nullptr, &action);
+        // nohup ignores SIGHUP, and a shell's script ignores SIGINT for its background jobs.
+        if (action.sa_handler != SIG_IGN) ::sigaddset(&ending_signals, signal);
+    }
 }
 
 void handle_signals_by(void (*handler)(int)) {

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <memory>
 #include <new>
+#include <span>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -98,6 +99,16 @@ std::string explain(const CLI::ParseError& error) {
     return text;
 }
 
+/// CLI11 would take the next argument as the value of "--name=".
+void refuse_missing_values(std::span<char* const> arguments) {
+    for (const std::string_view argument : arguments) {
+        if (argument == "--") return;
+        if (argument.starts_with("--") && argument.find('=') == argument.size() - 1)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("{}: the value is missing", argument.substr(0, argument.size() - 1)));
+    }
+}
+
 Error usage_error(const CLI::App& program, const CLI::ParseError& error) {
     const auto chosen = program.get_subcommands();
     const std::string unknown = explain_unknown_word(program);
@@ -170,6 +181,7 @@ ExitStatus CommandLine::run(int argument_count, char** arguments) {
         print_text("{}", program_.help());
         return ExitStatus::usage;
     }
+    refuse_missing_values(std::span(arguments, static_cast<std::size_t>(argument_count)).subspan(1));
     try {
         program_.parse(argument_count, arguments);
     } catch (const CLI::CallForVersion& request) {

@@ -187,6 +187,7 @@ Command add_polyhedra(CLI::App& program) {
         ->transform(whole_number(0, std::numeric_limits<std::uint32_t>::max()))
         ->type_name("I,J,...")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->excludes(around);
     takes_one_of(
         parser->add_option("--polyhedra", options->polyhedra, "leaned, which are exact, or peikert-sigg, the paper's")

@@ -120,4 +120,30 @@ BOOST_AUTO_TEST_CASE(ends_at_once_where_nothing_has_to_be_put_in_order) {
     check_refused(process.wait(), 6, {"cancelled"});
 }
 
+BOOST_AUTO_TEST_CASE(stays_ignored_if_it_was_ignored_at_the_start) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    // A pipe without a reader: the command waits for one.
+    BOOST_REQUIRE(::mkfifo(folder.file("field.nrrd").c_str(), 0600) == 0);
+    Process process({"compute", mesh, "-o", folder.file("field.nrrd"), "--resolution", "16"}, {}, {},
+                    [] { std::signal(SIGINT, SIG_IGN); });
+    while (process.error_so_far().find("sign") == std::string::npos)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.send(SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    BOOST_TEST(content_of(folder.file("field.nrrd")).starts_with("NRRD"));
+    BOOST_TEST(process.wait().status == 0);
+}
+
 BOOST_AUTO_TEST_SUITE_END()
+
+namespace {
+
+/// A script's shell ignores SIGINT for its background jobs, and the command would inherit that.
+struct SignalsOfATerminal {
+    SignalsOfATerminal() { std::signal(SIGINT, SIG_DFL); }
+};
+
+}  // namespace
+
+BOOST_TEST_GLOBAL_FIXTURE(SignalsOfATerminal);

@@ -67,6 +67,8 @@ BOOST_AUTO_TEST_CASE(are_those_asked_for) {
     // The outer polyhedron of triangle 1 has its area times the half width and more, because the solid is convex.
     BOOST_TEST(two[2]["volume"].get<double>() > 0.5 * 0.25);
     BOOST_TEST(written({"--around", "0"}).size() == 6U);
+    const Outcome outcome = run_command({"polyhedra", "-o", output, "--triangles", "3,1", mesh}, no_devices);
+    BOOST_TEST(outcome.status == 0, outcome.error);
     BOOST_TEST(written({"--around", "0", "--polyhedra", "peikert-sigg"}).size() == 3U);
 }
 
@@ -101,6 +103,18 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_had_are_refused_with_the_remedy) {
     check_refused(run_command({"polyhedra", mesh, "-o", folder.file("a.xyz")}, no_devices), 2, {"a.xyz"});
     check_refused(run_command({"polyhedra", mesh, "-o", mesh}, no_devices), 2, {mesh, "the mesh that is read"});
     check_refused(run_command({"polyhedra", folder.file("none.off"), "-o", output}, no_devices), 3, {"none.off"});
+}
+
+BOOST_AUTO_TEST_CASE(need_a_value_after_the_sign_of_equality) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("tetrahedron.off", tetrahedron);
+    const std::string output = folder.file("polyhedra.ply");
+    check_refused(run_command({"polyhedra", mesh, "-o", output, "--around=", "0"}, no_devices), 2,
+                  {"--around: the value is missing"});
+    check_refused(run_command({"polyhedra", mesh, "--output=", output}, no_devices), 2, {"--output: the value is"});
+    BOOST_TEST(!std::filesystem::exists(output));
+    const Outcome outcome = run_command({"polyhedra", mesh, "--output=" + output, "--around=0"}, no_devices);
+    BOOST_TEST(outcome.status == 0, outcome.error);
 }
 
 BOOST_AUTO_TEST_SUITE_END()
