@@ -79,8 +79,10 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
     for (const CheckReport::Finding& finding : report.findings) {
         const auto& [i, j, k] = finding.sample;
         const clsdf::Vec3 position = field.grid.position(i, j, k);
-        print_text("  {} at sample ({}, {}, {}), position ({:.9g}, {:.9g}, {:.9g}): {:.9g} instead of {:.9g}\n",
-                   finding.what, i, j, k, position[0], position[1], position[2], finding.found, finding.expected);
+        const std::string values =
+            finding.of_distance ? fmt::format(": {:.9g} instead of {:.9g}", finding.found, finding.expected) : "";
+        print_text("  {} at sample ({}, {}, {}), position ({:.9g}, {:.9g}, {:.9g}){}\n", finding.what, i, j, k,
+                   position[0], position[1], position[2], values);
     }
     print_text("{}\n", report.passed() ? "passed: the field keeps its contract" : "FAILED");
 }

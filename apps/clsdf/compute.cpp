@@ -14,7 +14,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -55,6 +57,19 @@ std::array<Number, 3> parse_triple(const std::string& option, const std::string&
     throw Error(ErrorCode::invalid_argument, fmt::format("{}: expected {}, not '{}'", option, expected, text));
 }
 
+Vec3 parse_spacing(const std::string& text) {
+    const Vec3 spacing = parse_triple<double>("--spacing", text, "one number or three, as 0.01 or 1,1,0.5", true);
+    constexpr auto least = static_cast<double>(std::numeric_limits<float>::min());
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+    for (const double step : spacing)
+        if (std::isfinite(step) && step > 0 && (step < least || step > most))
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("--spacing: {} is beyond the floats that distances are given in; choose a {} spacing", step,
+                            step < least ? "larger" : "smaller"));
+    return spacing;
+}
+
 Grid parse_stated_grid(const ComputeOptions& options) {
     if (options.size.empty() || options.origin.empty() || options.spacing.empty())
         throw Error(
@@ -64,7 +79,7 @@ Grid parse_stated_grid(const ComputeOptions& options) {
     Grid grid;
     grid.size = parse_triple<std::int64_t>("--size", options.size, "three whole numbers, as 256,256,128", true);
     grid.origin = parse_triple<double>("--origin", options.origin, "three numbers, as -1,-1,0", false);
-    grid.spacing = parse_triple<double>("--spacing", options.spacing, "one number or three, as 0.01 or 1,1,0.5", true);
+    grid.spacing = parse_spacing(options.spacing);
     if (options.cell_centred) grid = grid.cell_centred();
     grid.validate();
     return grid;
@@ -174,9 +189,7 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
     grid.resolution = options.resolution;
     grid.cubic = options.cubic;
     grid.cell_centred = options.cell_centred;
-    if (!options.spacing.empty())
-        grid.spacing =
-            parse_triple<double>("--spacing", options.spacing, "one number or three, as 0.01 or 1,1,0.5", true);
+    if (!options.spacing.empty()) grid.spacing = parse_spacing(options.spacing);
     if (!options.margin.empty())
         grid.margin = parse_length("--margin", options.margin);
     else if (!band_outside.is_infinite())
@@ -201,9 +214,12 @@ Error too_large(const clsdf::Grid& grid) {
                                                   grid.size[0], grid.size[1], grid.size[2])};
 }
 
-Error with_remedy(const Error& error) {
+Error with_remedy(const ComputeOptions& options, const Error& error) {
     if (error.code() != ErrorCode::out_of_memory) return error;
-    return {error.code(), fmt::format("{}; choose a lower --resolution or a larger --spacing", error.what())};
+    const char* const remedy = !options.size.empty()      ? "a smaller --size"
+                               : !options.spacing.empty() ? "a larger --spacing"
+                                                          : "a lower --resolution";
+    return {error.code(), fmt::format("{}; choose {}", error.what(), remedy)};
 }
 
 clsdf::FieldDescription describe_field(const ComputeLayout& layout) {
@@ -357,7 +373,7 @@ Command add_compute(CLI::App& program) {
                 try {
                     return run(*options, report);
                 } catch (const Error& error) {
-                    throw with_remedy(error);
+                    throw with_remedy(*options, error);
                 }
             }};
 }

@@ -52,6 +52,12 @@ public:
 
     bool has(const json::json_pointer& member) const { return find(member) != nullptr; }
 
+    bool has_object(const json::json_pointer& member) const {
+        const json* value = find(member);
+        if (value != nullptr && !value->is_object()) fail(member, *value, "expected an object");
+        return value != nullptr;
+    }
+
 private:
     const json* find(const json::json_pointer& member) const {
         return object_.contains(member) ? &object_.at(member) : nullptr;
@@ -94,10 +100,12 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
     Description result;
     Field& field = result.field;
     field.grid = stated;
-    if (reader.has(member("lattice")))
+    if (reader.has_object(member("lattice")))
         field.grid = with_lattice(stated, reader.triple<double>(member("lattice/origin")),
                                   reader.triple<std::int64_t>(member("lattice/first")));
-    field.band = {reader.width(member("band/inside")), reader.width(member("band/outside"))};
+    field.band = Band::full();
+    if (reader.has_object(member("band")))
+        field.band = {reader.width(member("band/inside")), reader.width(member("band/outside"))};
     field.band.validate();
     field.mesh_name = reader.text(member("mesh"));
     field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;

@@ -56,10 +56,10 @@ CheckReport Tally::finish() const {
     return finished;
 }
 
-void Judge::Case::report(std::size_t& counter, std::string what) const {
+void Judge::Case::report(std::size_t& counter, std::string what, bool of_distance) const {
     ++counter;
     if (tally.report.findings.size() < kept_findings) {
-        tally.report.findings.push_back({index, expected, static_cast<double>(found), std::move(what)});
+        tally.report.findings.push_back({index, expected, static_cast<double>(found), std::move(what), of_distance});
     }
 }
 
@@ -132,7 +132,7 @@ void Judge::judge_distance(const Case& sample) const {
 
     const bool measured = sample.place == Case::Place::in_band || (sample.place == Case::Place::at_limit && !is_fill);
     if (sample.truth.distance <= half_width(field_.band, truth_.is_signed(), sample.truth.inside) && measured &&
-        std::isfinite(error)) {
+        !std::isnan(error)) {
         sample.tally.report.max_error_voxels = std::max(sample.tally.report.max_error_voxels, error / voxel_);
         sample.tally.squared_errors += (error / voxel_) * (error / voxel_);
         if (sample.truth.distance > voxel_ && ulp(sample.truth.distance) > 0) {

@@ -40,7 +40,7 @@ private:
         bool sign_is_certain;
         Tally& tally;
 
-        void report(std::size_t& counter, std::string what) const;
+        void report(std::size_t& counter, std::string what, bool of_distance = true) const;
     };
     double tolerance(double distance) const;
     float fill(bool inside) const;

@@ -242,12 +242,12 @@ void Judge::judge_outputs(const Case& sample) const {
         if (values.empty()) return;
         const bool nothing = is_left(values, sample.offset, field_.distance.size());
         if (sample.place == Case::Place::beyond) {
-            if (!nothing) sample.report(count, fmt::format("beyond the band, but with a value of {}", name));
+            if (!nothing) sample.report(count, fmt::format("beyond the band, but with a value of {}", name), false);
             return;
         }
         if (nothing && sample.place == Case::Place::at_limit) return;
         const std::string what = (outputs.*wrong)();
-        if (!what.empty()) sample.report(count, what);
+        if (!what.empty()) sample.report(count, what, false);
     };
     auto& wrong = sample.tally.report.wrong_outputs;
     judge("triangle", field_.triangle, wrong.triangle, &OutputsOfSample::wrong_triangle);

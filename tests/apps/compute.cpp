@@ -122,6 +122,10 @@ BOOST_AUTO_TEST_CASE(refuses_a_grid_beyond_the_address_space) {
     const std::string mesh = folder.file("mesh.off", tetrahedron);
     check_refused(run_command({"compute", mesh, "--dry-run", "--resolution", "3000000"}), 4,
                   {"samples", "choose a lower --resolution"});
+    check_refused(run_command({"compute", mesh, "--dry-run", "--spacing", "1e-7"}), 4,
+                  {"samples", "choose a larger --spacing"});
+    check_refused(run_command({"compute", mesh, "--dry-run", "--spacing", "1e300"}), 2,
+                  {"--spacing: 1e+300", "choose a smaller spacing"});
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -260,6 +264,20 @@ BOOST_AUTO_TEST_CASE(finds_what_is_wrong_with_a_field_and_says_where) {
     BOOST_TEST(report["findings"].size() == 2U);
     BOOST_TEST(outcome.error.find("ulp (beyond one voxel from the surface)") != std::string::npos);
     BOOST_TEST(!report.contains("note"));
+}
+
+BOOST_AUTO_TEST_CASE(names_no_distances_if_another_output_is_wrong) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::string path = folder.file("field.vti");
+    BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "12", "--with", "triangle"}).status == 0);
+    clsdf::Field field = clsdf::read_field(path);
+    field.triangle[field.grid.offset(0, 6, 5)] ^= 1;
+    write(field, path);
+    const Outcome outcome = run_command({"check", mesh, path, "--complete"});
+    BOOST_TEST(outcome.status == 1);
+    BOOST_TEST(outcome.error.find("(0, 6, 5)") != std::string::npos);
+    BOOST_TEST(outcome.error.find("instead of") == std::string::npos, outcome.error);
 }
 
 BOOST_AUTO_TEST_CASE(notes_that_a_field_which_fails_names_another_mesh_and_is_quiet_where_it_passes) {

@@ -121,6 +121,8 @@ BOOST_AUTO_TEST_CASE(with_a_description_that_is_missing_or_wrong_is_refused) {
     refused(R"({"origin": [1, 2, 3], "spacing": [0.5, 1, 1], "size": [3, 2, -1]})", "-1");
     refused(place.substr(0, place.size() - 1) + R"(, "band": {"inside": -1}})", "-1");
     refused(place.substr(0, place.size() - 1) + R"(, "band": {"inside": "wide"}})", "/band/inside");
+    refused(place.substr(0, place.size() - 1) + R"(, "band": "x"})", "member '/band': \"x\": expected an object");
+    refused(place.substr(0, place.size() - 1) + R"(, "lattice": 3})", "member '/lattice': 3: expected an object");
     refused(place.substr(0, place.size() - 1) + R"(, "sign": "sometimes"})", "sometimes");
     refused(place.substr(0, place.size() - 1) + R"(, "triangle": "/etc/passwd"})", "/etc/passwd");
 }

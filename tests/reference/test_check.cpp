@@ -255,6 +255,9 @@ BOOST_AUTO_TEST_CASE(a_value_that_is_not_a_number_is_found_wherever_it_is) {
     Field infinite = right_field();
     infinite.distance[find(infinite, is_in_outer_band)] = std::numeric_limits<float>::infinity();
     BOOST_TEST(check_broken(infinite).wrong_values == 1U);
+    BOOST_TEST(std::isinf(check_broken(infinite).max_error_voxels));
+    BOOST_TEST(std::isinf(check_broken(infinite).max_error_ulp));
+    BOOST_TEST(std::isinf(check_broken(infinite).rms_error_voxels));
 }
 
 BOOST_AUTO_TEST_CASE(the_sign_of_zero_is_part_of_the_contract) {

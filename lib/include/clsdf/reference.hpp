@@ -94,10 +94,11 @@ struct CheckOptions {
 /// The comparison of a field with the reference.
 struct CheckReport {
     struct Finding {
-        Index3 sample{};  ///< counted from the field's first one
-        double expected = 0;
+        Index3 sample{};      ///< counted from the field's first one
+        double expected = 0;  ///< the distance
         double found = 0;
         std::string what;
+        bool of_distance = true;  ///< or of its sign; else of another output
     };
 
     std::size_t samples = 0;       ///< looked at
@@ -109,7 +110,7 @@ struct CheckReport {
     /// For each output but the distance, the samples that break its contract (docs/accuracy.md): for instance a
     /// triangle or a site that is not nearest, or a closest point off the surface.
     PerOutput<detail::CountOf> wrong_outputs{};
-    double max_error_voxels = 0;  ///< over all band samples
+    double max_error_voxels = 0;  ///< over all band samples; infinite if a value is
     double max_error_ulp = 0;     ///< over band samples farther than one voxel from the surface
     double rms_error_voxels = 0;
     std::vector<Finding> findings;  ///< the first ten
