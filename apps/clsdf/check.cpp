@@ -90,6 +90,10 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
 ExitStatus run(const Options& options, Report& report) {
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
     clsdf::Field field = clsdf::read_field(options.field);
+    for (const std::string& file : clsdf::missing_files(options.field))
+        throw clsdf::Error(
+            clsdf::ErrorCode::unreadable_input,
+            fmt::format("{}: it names '{}', which does not exist; compute the field again", options.field, file));
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array formats{
-    Format{".nrrd", nrrd_writer, read_nrrd},
-    Format{".npy", npy_writer, read_npy, true, check_npy},
+    Format{".nrrd", nrrd_writer, read_nrrd, true, nullptr, files_of_nrrd},
+    Format{".npy", npy_writer, read_npy, true, check_npy, files_of_npy},
     Format{".vti", vti_writer, read_vti},
     Format{".h5", h5_writer, read_h5, true, check_h5},
     Format{".vdb", vdb_writer, read_vdb, true, check_vdb},
@@ -119,6 +119,15 @@ Field read_field(const std::string& path) {
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory, fmt::format("{}: the field does not fit the memory", path));
     }
+}
+
+std::vector<std::string> missing_files(const std::string& path) {
+    const Format& format = format_of(path, ErrorCode::unsupported);
+    std::vector<std::string> missing;
+    if (format.files == nullptr) return missing;
+    for (const auto& [output, name] : format.files(path))
+        if (const std::string beside = path_beside(path, name); !fs::exists(beside)) missing.push_back(beside);
+    return missing;
 }
 
 namespace {

@@ -42,6 +42,8 @@ struct Format {
     bool has_extras = true;
     /// Throws Error(unsupported) if this build lacks the format, or if the format cannot have such a name.
     void (*check)(const std::string& path, const Outputs& outputs) = nullptr;
+    /// The names of the files of other outputs, by the names of the outputs, if the format has such files.
+    std::map<std::string, std::string> (*files)(const std::string& path) = nullptr;
 };
 
 /// By the file's ending, in upper or lower case. Throws Error(code) that lists the endings.
@@ -54,11 +56,13 @@ void check_place_for(const Outputs& outputs, const std::string& path, const Form
 std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
                                           const Outputs& outputs);
 Field read_nrrd(const std::string& path);
+std::map<std::string, std::string> files_of_nrrd(const std::string& path);
 
 std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);
 Field read_npy(const std::string& path);
 void check_npy(const std::string& path, const Outputs& outputs);
+std::map<std::string, std::string> files_of_npy(const std::string& path);
 
 std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field,
                                          const Outputs& outputs);

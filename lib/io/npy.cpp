@@ -278,6 +278,10 @@ void check_npy(const std::string& path, const Outputs& outputs) {
     if (kinds_of(outputs).size() > 1) check_utf8(path, "the description, which names the files of the other outputs,");
 }
 
+std::map<std::string, std::string> files_of_npy(const std::string& path) {
+    return read_description(sidecar_path(path)).files;
+}
+
 Field read_npy(const std::string& path) {
     InputFile file(path);
     const NpyHeader header = read_field_header(file);

@@ -294,6 +294,23 @@ void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
 
 }  // namespace
 
+namespace {
+
+std::map<std::string, std::string> files_of(const NrrdHeader& header) {
+    std::map<std::string, std::string> files;
+    for (const OutputKind& kind : extra_kinds())
+        if (const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", kind.name)))
+            files.emplace(kind.name, *name);
+    return files;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> files_of_nrrd(const std::string& path) {
+    InputFile file(path);
+    return files_of(NrrdHeader(file));
+}
+
 Field read_nrrd(const std::string& path) {
     InputFile file(path);
     const NrrdHeader header(file);
@@ -310,10 +327,11 @@ Field read_nrrd(const std::string& path) {
     const std::string* sign = header.find_pair("clsdf_sign");
     field.sign = sign == nullptr ? SignRule::automatic : sign_rule_of(*sign);
     read_output(file, values, distance_kind(), field);
+    const std::map<std::string, std::string> files = files_of(header);
     for (const OutputKind& kind : extra_kinds()) {
-        const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", kind.name));
-        if (name == nullptr) continue;
-        const std::string beside = path_beside(path, *name);
+        const auto name = files.find(kind.name);
+        if (name == files.end()) continue;
+        const std::string beside = path_beside(path, name->second);
         if (std::filesystem::exists(beside)) read_extra(beside, kind, field);
     }
     return field;

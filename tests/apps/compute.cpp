@@ -266,6 +266,18 @@ BOOST_AUTO_TEST_CASE(finds_what_is_wrong_with_a_field_and_says_where) {
     BOOST_TEST(!report.contains("note"));
 }
 
+BOOST_AUTO_TEST_CASE(needs_the_files_of_all_outputs) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    for (const std::string ending : {".npy", ".nrrd"}) {
+        const std::string path = folder.file("field" + ending), output = folder.file("field_site" + ending);
+        BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "12", "--with", "site"}).status == 0);
+        BOOST_TEST(run_command({"check", mesh, path}).status == 0);
+        BOOST_REQUIRE(std::filesystem::remove(output));
+        check_refused(run_command({"check", mesh, path}), 3, {path, output, "does not exist"});
+    }
+}
+
 BOOST_AUTO_TEST_CASE(names_no_distances_if_another_output_is_wrong) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", tetrahedron);

@@ -51,6 +51,10 @@ CLSDF_EXPORT void check_points_output(const std::string& path);
 /// Error(out_of_memory).
 CLSDF_EXPORT Field read_field(const std::string& path);
 
+/// The files of outputs that the field's file names and that do not exist, as after a copy of one file alone: for these
+/// read_field() leaves the outputs empty. Throws as read_field().
+CLSDF_EXPORT std::vector<std::string> missing_files(const std::string& path);
+
 /// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb; docs/formats.md
 /// describes their contents. With .nrrd and .npy each other output has a separate file, FILE_triangle.nrrd or
 /// FILE_closest.npy. No file gets its final name before all are written; the distances appear last. Throws
