@@ -5,8 +5,8 @@
 // of lanes, which picks the block's list out of a vector of numbers. (One polyhedron against LANES blocks would
 // broadcast all numbers of the polyhedron for one or a few vectors of blocks, more than twice the work.)
 //
-// The test is that of blocks.h, but for the ends of the base, where the upper bound limits the polyhedron: they are
-// bounded by the planes of the corners. For slivers that is hardly looser.
+// The test is that of blocks.h, but for the ends of the base. There the planes of the corners take the place of the
+// upper bound. For slivers they are almost as tight.
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 

@@ -96,7 +96,7 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
     const FaceDistance d = take_face(mesh, record, vector, part, brick);
     const doubleL squared = load_lanes(0, brick->squared + OF_VECTOR(part));
     lanes &= BITS_OF(d.squared <= squared + TIE_RATE * squared + TIE_SLACK);
-    // In a face that is flatter than that, every point may lie on all three edges.
+    // In a face of less altitude than `reach`, a point may lie on all three edges: all faces at its vertices count.
     if (mesh.frames[record].altitude <= (double)reach) {
         for (uint k = 0; k < 3 && lanes; ++k) take_vertex(mesh, neighbours->vertex[k], vector, part, lanes, brick);
         return;

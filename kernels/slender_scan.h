@@ -215,7 +215,7 @@ __constant float column_of_lane[3 * LANES] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1
 #endif
 
 // Lists the samples of one lane's polyhedron in some layers. In each layer's box, all layers step along u and v at
-// once. (Which sides there are is a constant in each call: without one, OF_SIDE becomes the other.)
+// once. (The sides are constants in each call. If one is absent, OF_SIDE takes the value of the other.)
 INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
                         LayerRange range, __private Samples* list, __private ulong* counters) {
     __private const Frustum* above = slender->sides;

@@ -29,11 +29,10 @@ ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid)
     ordered_json findings = ordered_json::array();
     for (const CheckReport::Finding& finding : report.findings) {
         const auto& [i, j, k] = finding.sample;
-        findings.push_back({{"what", finding.what},
-                            {"sample", finding.sample},
-                            {"position", grid.position(i, j, k)},
-                            {"expected", finding.expected},
-                            {"found", finding.found}});
+        ordered_json described = {
+            {"what", finding.what}, {"sample", finding.sample}, {"position", grid.position(i, j, k)}};
+        if (finding.of_distance) described.update({{"expected", finding.expected}, {"found", finding.found}});
+        findings.push_back(std::move(described));
     }
     ordered_json wrong_outputs;
     clsdf::visit_extras([&](const char* name, std::size_t count) { wrong_outputs[name] = count; },
@@ -90,10 +89,11 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
 ExitStatus run(const Options& options, Report& report) {
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
     clsdf::Field field = clsdf::read_field(options.field);
-    for (const std::string& file : clsdf::missing_files(options.field))
+    if (const std::vector<std::string> missing = clsdf::missing_files(options.field); !missing.empty())
         throw clsdf::Error(
             clsdf::ErrorCode::unreadable_input,
-            fmt::format("{}: it names '{}', which does not exist; compute the field again", options.field, file));
+            fmt::format("{}: it names '{}', which cannot be found; copy all files of the field, or compute it again",
+                        options.field, fmt::join(missing, "', '")));
     if (field.sign == clsdf::SignRule::automatic)
         field.sign = resolve_sign_rule(field.sign, describe_topology(mesh)).rule;
 

@@ -33,8 +33,8 @@ void takes_one_of(CLI::Option* option, const std::vector<std::string>& words);
 void takes_some_of(CLI::Option* option, const std::vector<std::string>& words);
 
 /// Conditions on the text of an option's value. They are checked before the conversion, so that the message quotes the
-/// text, and neither "1e3" nor "-1" becomes another number. whole_number() is for transform(): it removes leading zeros,
-/// which CLI11 would take for the mark of octal digits.
+/// text, and neither "1e3" nor "-1" becomes another number. whole_number() is for transform(): it removes leading
+/// zeros, which CLI11 would take for the mark of octal digits.
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
 CLI::Validator finite_number_of_0_or_more();
 /// An empty text would count as an absent option.
@@ -45,9 +45,9 @@ CLI::Validator file_name();
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
 
-/// The error of a file's content, with the name of the file before the message, if the message begins with the subject.
-/// The library names a point by its number, and a field by "field: ". An argument that the library refuses is
-/// unreadable input.
+/// If the message begins with the subject, the error with the file's name before the message, and unreadable_input in
+/// place of invalid_argument. Otherwise the error unchanged. The library names a point by its number, and a field by
+/// "field: ".
 clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file);
 
 /// The value whose name_of() is the text. The words that the option takes are their names.

@@ -307,6 +307,9 @@ void ask(const cl::Device& device, DeviceInfo& info) {
     info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
     if (!info.fp64)
         info.why_not = "it has no double precision (cl_khr_fp64)";
+    else if (capabilities.largest_group < 64)
+        info.why_not =
+            fmt::format("its work-groups have {} items at most, and kernels need 64", capabilities.largest_group);
     else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
         info.why_not = "its driver has no compiler";
     else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)

@@ -141,7 +141,7 @@ void check_utf8(const std::string& path, std::string_view reader) {
         static_cast<void>(json(file_name(path)).dump());
     } catch (const json::exception&) {
         throw Error(ErrorCode::unsupported,
-                    fmt::format("{}: the name is not UTF-8, and {} is; choose another name", path, reader));
+                    fmt::format("{}: the name is not UTF-8, as {} must be; choose another name", path, reader));
     }
 }
 

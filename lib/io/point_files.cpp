@@ -86,13 +86,18 @@ public:
             ++line_;
         } while (line.find_first_not_of(" \t") == std::string_view::npos);
         fields.clear();
-        bool in_quotes = false;
+        // A field is in quotes if it begins with one; two in a row within it are a character.
+        bool is_quoted = false, in_quotes = false;
         std::size_t begin = 0;
         for (std::size_t at = 0; at <= line.size(); ++at) {
-            if (at < line.size() && line[at] == '"') in_quotes = !in_quotes;
+            if (at < line.size() && line[at] == '"') {
+                if (line.find_first_not_of(" \t", begin) == at) is_quoted = true;
+                in_quotes = is_quoted && !in_quotes;
+            }
             if (at < line.size() && (line[at] != ',' || in_quotes)) continue;
             fields.push_back(trimmed(line.substr(begin, at - begin)));
             begin = at + 1;
+            is_quoted = false;
         }
         if (in_quotes) fail("a quotation mark has no partner on its line");
         return true;

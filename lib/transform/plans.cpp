@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 namespace clsdf {
@@ -51,6 +52,9 @@ std::vector<RequestPlanState::Block> blocks_of(std::span<const Batch> batches,
 
 void DistanceTransform::State::plan(transform::RequestPlanState& made, std::vector<Request> requests,
                                     const CallOptions& call) {
+    if (device::context_of(made.device).context()() != device::context_of(device).context()())
+        throw Error(ErrorCode::invalid_argument,
+                    "the transform has another device than the plan; move the plan with a transform of its Device");
     const std::vector<scan::DeviceTargets> targets = transform::device_targets_of(
         requests, device::context_of(device),
         [this](const Request& request) { stages->check(request.grid, request.band, sign); });
@@ -98,8 +102,21 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
     made.sign = sign;
     double polyhedra_seconds = 0;
     std::size_t bytes_of_inputs = 0;  // that the transform does not keep
+    // An error of the caller's function is passed on, also if it is one of memory.
+    std::exception_ptr of_caller;
+    CallOptions watched = call;
+    if (call.should_stop)
+        watched.should_stop = [&] {
+            try {
+                return call.should_stop();
+            } catch (...) {
+                of_caller = std::current_exception();
+                throw;
+            }
+        };
     bool is_retry = false;
     const auto make = [&] {
+        if (of_caller) std::rethrow_exception(of_caller);
         made.clear();
         if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
         made.make_room(blocks, targets);
@@ -124,7 +141,7 @@ void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span
             transform::Inputs inputs_of_block = inputs_of_batch;
             if (!(block.grid == batch->block))
                 stages->select(block.grid, scan::layout_of(block.grid, any.band, sign), inputs_of_block);
-            auto of_block = make_plan(std::move(inputs_of_block), block.grid, any.band, outputs, wanted, call,
+            auto of_block = make_plan(std::move(inputs_of_block), block.grid, any.band, outputs, wanted, watched,
                                       compiling, made.pool);
             transform::add_slab(made.statistics, of_block->statistics);
             made.add(block, std::move(of_block), targets, programs);
@@ -212,7 +229,8 @@ void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid>
     });
 }
 
-void RequestPlan::move(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call) {
+void RequestPlan::replan(const DistanceTransform& transform, std::span<const Request> requests,
+                         const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
         transform.state().plan(state(), {requests.begin(), requests.end()}, call);
     });

@@ -77,6 +77,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     }
     scan::OwnArrays own;
     std::size_t most = points::most_points, count = 0;
+    bool has_forgotten = false;
     for (std::size_t begin = 0; begin < all.size(); begin += count) {
         count = std::min(most, all.size() - begin);
         const std::span<const Vec3> part = all.subspan(begin, count);
@@ -87,23 +88,37 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
                             targets.arrays(), arrays);
         else
             arrays = own.for_samples(targets.arrays(), part.size());
+        bool in_callback = false;
         const auto between = [&](double fraction) {
+            in_callback = true;
             transform::throw_if_stopped(call);
             const double done = static_cast<double>(begin) + fraction * static_cast<double>(part.size());
             if (call.progress) call.progress(done / static_cast<double>(all.size()));
+            in_callback = false;
         };
         const std::scoped_lock lock(mutex);
         points::PointTimes times;
         try {
-            times = make_room_for_points([&] { return query(part, all.size(), within, outputs, arrays, between); });
+            times = query(part, all.size(), within, outputs, arrays, between);
         } catch (const Error& error) {
-            // Fewer points at once need less.
-            constexpr std::size_t fewest = 256;
-            if (error.code() != ErrorCode::out_of_memory || count <= fewest) throw;
-            most = count / 2;
+            if (error.code() != ErrorCode::out_of_memory || in_callback) throw;
+            // Without what is kept, then with fewer points at once, then without the tables for many points.
+            constexpr std::size_t few = std::size_t{1} << 15, fewest = 256;
+            if (!has_forgotten && forget()) {
+                has_forgotten = true;
+            } else {
+                has_forgotten = false;
+                if (count <= few && !points_are_short_of_memory)
+                    points_are_short_of_memory = true;
+                else if (count > fewest)
+                    most = count / 2;
+                else
+                    throw;
+            }
             count = 0;
             continue;
         }
+        has_forgotten = false;
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
         if (!targets.are_packed()) targets.store_row(begin, part.size(), arrays);

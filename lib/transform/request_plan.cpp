@@ -172,6 +172,7 @@ cl::Event RequestPlanState::enqueue(const cl::CommandQueue& queue, std::vector<c
                 for (BoxStore& store : part.stores) store.enqueue(chain);
             } catch (...) {
                 last = chain.last();
+                stores.insert(stores.end(), chain.events().begin(), chain.events().end());
                 throw;
             }
             last = chain.last();

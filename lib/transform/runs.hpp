@@ -12,8 +12,8 @@ namespace clsdf::transform {
 /// waits for. So the end of the latest does not mean that all have ended.
 class Runs {
 public:
-    /// commands: those before the end. They are held until the end: PoCL 3.1 aborts if an event fails that released
-    /// ones wait for.
+    /// commands: those before the end. Their events are held until the run ends: PoCL 3.1 aborts if an event fails
+    /// while released events wait for it.
     void add(cl::Event end, std::vector<cl::Event> commands = {}) {
         forget_ended();
         running_.push_back({std::move(end), std::move(commands)});

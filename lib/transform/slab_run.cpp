@@ -42,7 +42,7 @@ public:
             } catch (const Error& error) {
                 // The length of a slab's lists is known only when they are made.
                 const bool is_divisible = scan::is_divisible(slab);
-                if (error.code() != ErrorCode::out_of_memory || (!is_divisible && has_room_)) throw;
+                if (error.code() != ErrorCode::out_of_memory || in_callback_ || (!is_divisible && has_room_)) throw;
                 if (is_divisible) {
                     const auto [lower, upper] = scan::halves_of(slab);
                     slabs.insert(slabs.end(), {upper, lower});
@@ -110,8 +110,10 @@ private:
         std::function<void(double)> between;
         if (call_.progress || call_.should_stop)
             between = [&](double fraction) {
+                in_callback_ = true;
                 transform::throw_if_stopped(call_);
                 if (call_.progress) call_.progress(begin + (end - begin) * fraction);
+                in_callback_ = false;
             };
         device::guarded([&] {
             try {
@@ -167,8 +169,9 @@ private:
     transform::Inputs inputs_;  ///< of the whole grid
     std::unique_ptr<transform::PlanState> plan_;
     TransformStatistics statistics_;
-    std::size_t done_ = 0;   ///< samples
-    bool has_room_ = false;  ///< a slab that cannot be divided was tried again
+    std::size_t done_ = 0;      ///< samples
+    bool in_callback_ = false;  ///< also after a function of the caller's has thrown
+    bool has_room_ = false;     ///< a slab that cannot be divided was tried again
 };
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,

@@ -452,8 +452,12 @@ void Stages::release() {
         const auto lattice = it++;
         if (lattice->is_in_use()) in_use.splice(in_use.end(), lattices_, lattice);
     }
+    DeviceSites sites = sites_;
+    if (sites.names.use_count() == 2) sites.names.reset();  // of `sites_` and here
+    if (sites.normals.use_count() == 2) sites.normals.reset();
     keep_within(0);
     lattices_ = std::move(in_use);
+    sites_ = std::move(sites);
 }
 
 std::size_t Stages::bytes_beside(const Inputs& inputs) const {

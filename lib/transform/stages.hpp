@@ -133,7 +133,7 @@ public:
     /// Forgets what does not fit in the budget, in bytes of the device's memory. The mesh's own data come first, then
     /// the lattices, the last used first.
     void keep_within(std::size_t budget);
-    /// Drops all of it but what plans hold, too: to drop that would free nothing.
+    /// Drops everything that no plan holds. Dropping the rest would free no memory.
     void release();
 
     std::size_t host_bytes() const;    ///< all memory of the host that is kept

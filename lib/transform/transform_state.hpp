@@ -87,7 +87,7 @@ struct DistanceTransform::State {
         return make();
     }
 
-    /// The same for points: if that is not enough, once more without what only makes queries of many points faster.
+    /// The same for points. If memory is still short, gives up the tables for many points and calls make() again.
     template <typename Make>
     auto make_room_for_points(const Make& make) {
         try {

@@ -58,7 +58,8 @@ BOOST_AUTO_TEST_CASE(reads_and_writes_files_only) {
     check_refused(run_command({"compute", mesh, "-o", folder.file("")}), 2, {".nrrd"});
     std::filesystem::create_directory(folder.file("folder.nrrd"));
     check_refused(run_command({"compute", mesh, "-o", folder.file("folder.nrrd")}), 5, {"Is a directory"});
-    check_refused(run_command({"compute", mesh, "-o", mesh}), 2, {"mesh.off", ".nrrd"});
+    check_refused(run_command({"compute", mesh, "-o", mesh}), 2, {"mesh.off", "is the mesh that is read"});
+    check_refused(run_command({"compute", mesh, "-o", folder.file("other.off")}), 2, {"other.off", ".nrrd"});
 }
 
 BOOST_AUTO_TEST_CASE(takes_names_with_blanks_and_letters_of_any_language) {

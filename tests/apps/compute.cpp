@@ -274,7 +274,7 @@ BOOST_AUTO_TEST_CASE(needs_the_files_of_all_outputs) {
         BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "12", "--with", "site"}).status == 0);
         BOOST_TEST(run_command({"check", mesh, path}).status == 0);
         BOOST_REQUIRE(std::filesystem::remove(output));
-        check_refused(run_command({"check", mesh, path}), 3, {path, output, "does not exist"});
+        check_refused(run_command({"check", mesh, path}), 3, {path, output, "cannot be found"});
     }
 }
 
@@ -284,12 +284,15 @@ BOOST_AUTO_TEST_CASE(names_no_distances_if_another_output_is_wrong) {
     const std::string path = folder.file("field.vti");
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "12", "--with", "triangle"}).status == 0);
     clsdf::Field field = clsdf::read_field(path);
-    field.triangle[field.grid.offset(0, 6, 5)] ^= 1;
+    field.triangle[field.grid.offset(1, 6, 5)] ^= 1;
     write(field, path);
     const Outcome outcome = run_command({"check", mesh, path, "--complete"});
     BOOST_TEST(outcome.status == 1);
-    BOOST_TEST(outcome.error.find("(0, 6, 5)") != std::string::npos);
+    BOOST_TEST(outcome.error.find("(1, 6, 5)") != std::string::npos);
     BOOST_TEST(outcome.error.find("instead of") == std::string::npos, outcome.error);
+    const Outcome described = run_command({"check", mesh, path, "--complete", "--json"});
+    BOOST_TEST(described.out.find("\"position\"") != std::string::npos, described.out);
+    BOOST_TEST(described.out.find("\"expected\"") == std::string::npos, described.out);
 }
 
 BOOST_AUTO_TEST_CASE(notes_that_a_field_which_fails_names_another_mesh_and_is_quiet_where_it_passes) {

@@ -127,8 +127,7 @@ BOOST_AUTO_TEST_CASE(stays_ignored_if_it_was_ignored_at_the_start) {
     BOOST_REQUIRE(::mkfifo(folder.file("field.nrrd").c_str(), 0600) == 0);
     Process process({"compute", mesh, "-o", folder.file("field.nrrd"), "--resolution", "16"}, {}, {},
                     [] { std::signal(SIGINT, SIG_IGN); });
-    while (process.error_so_far().find("sign") == std::string::npos)
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    process.wait_until([&] { return process.error_so_far().find("sign") != std::string::npos; });
     process.send(SIGINT);
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     BOOST_TEST(content_of(folder.file("field.nrrd")).starts_with("NRRD"));

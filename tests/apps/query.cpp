@@ -153,6 +153,9 @@ BOOST_AUTO_TEST_CASE(reads_points_in_fortran_order_and_fields_in_quotes) {
     const std::vector<Vec3> expected{{1, 2, 3}};
     const std::string table = inputs.folder.file("q.csv", "\"name, \"\"long\"\"\",\"x\",y,z\n\"a,b\",1,\"2\",3\n");
     BOOST_TEST((read_points(table) == expected));
+    // Marks of inches, within fields that are not in quotes.
+    for (const char* text : {"name,x,y,z\n12\" pipe,1,2,3\n", "size,x,y,z,note\n5\",1,2,3,6\"\n"})
+        BOOST_TEST((read_points(inputs.folder.file("inches.csv", text)) == expected));
 }
 
 BOOST_AUTO_TEST_CASE(keeps_the_columns_of_the_outputs_without_points) {

@@ -4,9 +4,8 @@
 
 namespace clsdf::disguise {
 
-// As NVIDIA's GPUs have.
-constexpr std::size_t largest_group = 128;   ///< work-items
-constexpr cl_ulong local_memory = 48 << 10;  ///< bytes of a group
+constexpr std::size_t largest_group = 128;   ///< work-items; many GPUs have more, few have fewer
+constexpr cl_ulong local_memory = 48 << 10;  ///< bytes of a group, as NVIDIA's GPUs have
 
 /// Whether processors answer as GPUs.
 inline bool is_gpu() {

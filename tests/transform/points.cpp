@@ -244,13 +244,18 @@ BOOST_AUTO_TEST_CASE(points_of_a_device_with_little_memory_have_the_same_bytes) 
     const Mesh mesh = make_shape("sphere4");
     const std::vector<Vec3> points = points_around(mesh, 40000, 81);
     const Field expected = query(DistanceTransform(test_device(), mesh), points);
+    std::size_t kept = 0;
     for (const std::size_t memory : {4'500'000U, 3'000'000U, 2'000'000U, 1'400'000U}) {
         const DistanceTransform transform(test_device().limited({.memory = memory}), mesh);
         for (int call = 0; call < 2; ++call) BOOST_TEST(same_bytes(query(transform, points), expected));
         // More and more points in all: the sides of faces would be found.
         const Field few = query(transform, std::span(points).first(5000));
         BOOST_TEST(std::equal(few.distance.begin(), few.distance.end(), expected.distance.begin()));
+        kept = transform.memory().device_bytes;
     }
+    const DistanceTransform unlimited(test_device(), mesh);
+    query(unlimited, points);
+    BOOST_TEST(kept < unlimited.memory().device_bytes, "memory was not short");
 }
 
 // Many points are scanned in groups, few are looked up one by one; many have signs by the sides of faces, few by

@@ -90,7 +90,7 @@ const std::vector<std::pair<std::string, Call>>& all_calls() {
 BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_later_field) {
     const Field expected = compute(noisy_sphere(), grid(), band());
     std::set<std::string> called;
-    for (const bool is_memory : {false, true})
+    for (const std::string thrown_type : {"Stop", "bad_alloc", "Error"})
         for (const std::string function : {"progress", "should_stop", "compiling"})
             for (const auto& [name, call] : all_calls())
                 for (const int throwing : {1, 2}) {
@@ -101,7 +101,8 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
                     int calls = 0;
                     const auto run = [&] {
                         if (++calls != throwing) return;
-                        if (is_memory) throw std::bad_alloc();
+                        if (thrown_type == "bad_alloc") throw std::bad_alloc();
+                        if (thrown_type == "Error") throw Error(ErrorCode::out_of_memory, "the caller's");
                         throw Stop();
                     };
                     CallOptions options;
@@ -116,7 +117,7 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
                     BOOST_TEST_CONTEXT(function << " of " << name << " throws when it is called for time "
                                                 << throwing) {
                         if (calls >= throwing) called.insert(function + " of " + name);
-                        const std::string other = is_memory ? "out_of_memory" : "Stop";
+                        const std::string other = thrown_type == "Stop" ? "Stop" : "out_of_memory";
                         BOOST_TEST(thrown == (calls >= throwing ? other : "nothing"));
                         BOOST_TEST(calls <= throwing);
                         BOOST_TEST(same_bytes(transform(grid(), band(), all_outputs()), expected));

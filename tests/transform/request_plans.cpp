@@ -365,16 +365,20 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_any_number_of_other_boxes) {
     for (Boxes* boxes : {&few, &many}) boxes->expect(transform);
     RequestPlan plan = transform.plan(few.requests());
     for (const Boxes* boxes : {&many, &few, &many}) {
-        plan.move(transform, boxes->requests());
+        plan.replan(transform, boxes->requests());
         BOOST_TEST(plan.requests().size() == boxes->boxes.size());
         boxes->clear();
         run(plan, nullptr);
         boxes->check();
     }
-    plan.move(transform, std::span<const Request>());
+    plan.replan(transform, {});
     BOOST_TEST(plan.requests().empty());
     few.clear();
     run(plan, nullptr);
+    const Device other = test_device().limited({.compute_units = 1});
+    const DistanceTransform of_other(other, mesh);
+    if (device::context_of(other).context()() != context().context()())
+        check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { plan.replan(of_other, {}); });
 }
 
 BOOST_AUTO_TEST_CASE(a_call_for_device_memory_begins_after_the_callers_events) {

@@ -199,8 +199,8 @@ public:
     /// as it was. After any other error it must be moved again before enqueue().
     void move(const DistanceTransform& transform, std::span<const Grid> grids = {}, const CallOptions& call = {});
     /// The same with other requests, any number of them: the boxes of a mesh that was refined anew. The plan uses its
-    /// buffers again where they are large enough.
-    void move(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call = {});
+    /// buffers again where they are large enough. If a request is refused, the plan stays as it was.
+    void replan(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call = {});
 
     /// device_bytes: what the plan has on the device, beside the polyhedra that it shares with the transform.
     const TransformStatistics& statistics() const;
@@ -299,8 +299,8 @@ public:
     /// Writes the outputs that have a target; the distance must have one. Targets are all on the host or all on the
     /// device. Device memory is written by a plan(), which cannot be cancelled while samples are computed. An error
     /// leaves the targets undefined. The targets are written after the events of `wait_list`, and before the call
-    /// returns. Throws Error(invalid_argument) for a grid, a band or a target's memory out of range; Error(unsupported)
-    /// for other elements; Error(out_of_memory, device_failure or cancelled).
+    /// returns. Throws Error(invalid_argument) for a grid, a band or a target's memory out of range and for an event of
+    /// another context; Error(unsupported) for other elements; Error(out_of_memory, device_failure or cancelled).
     void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {},
                  std::span<const cl_event> wait_list = {}) const;
 

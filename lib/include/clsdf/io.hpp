@@ -36,7 +36,7 @@ CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
 /// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
 /// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
 /// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
-/// them. Only without points does `wanted` matter. Throws Error(invalid_argument) if an array does not fit the points,
+/// them. `wanted` is needed only without points. Throws Error(invalid_argument) if an array does not fit the points,
 /// Error(unsupported) for an unknown ending, Error(output_failure).
 CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
                                const Outputs& wanted = {});
@@ -51,8 +51,8 @@ CLSDF_EXPORT void check_points_output(const std::string& path);
 /// Error(out_of_memory).
 CLSDF_EXPORT Field read_field(const std::string& path);
 
-/// The files of outputs that the field's file names and that do not exist, as after a copy of one file alone: for these
-/// read_field() leaves the outputs empty. Throws as read_field().
+/// The files of outputs that the field's file names but that do not exist, for example after only one file was copied.
+/// read_field() leaves these outputs empty. Throws as read_field().
 CLSDF_EXPORT std::vector<std::string> missing_files(const std::string& path);
 
 /// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb; docs/formats.md
