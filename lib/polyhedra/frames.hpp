@@ -59,8 +59,8 @@ struct LatticeView {
     }
 };
 
-/// The frame of kernels/polyhedron.h in double precision, in units of the lattice. What the tests
-/// of edges read comes first, for the caches.
+/// The frame of kernels/polyhedron.h in double precision, in units of the lattice. The members that
+/// tests of edges read come first, for the caches.
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): arrays of frames are left unset until all cores fill them
 struct TriangleFrame {
     Vector normal;                  ///< Z
