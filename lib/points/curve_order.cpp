@@ -1,6 +1,7 @@
 #include "points/point_mesh.hpp"
 
 #include "core/parallel.hpp"
+#include "polyhedra/face_order.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,14 +20,6 @@ struct Keyed {
     std::uint32_t key;
     std::uint32_t point;
 };
-
-/// The bits of `x`, each followed by two zeros.
-std::uint32_t spread(std::uint32_t x) {
-    x = (x | x << 16) & 0x030000ffU;
-    x = (x | x << 8) & 0x0300f00fU;
-    x = (x | x << 4) & 0x030c30c3U;
-    return (x | x << 2) & 0x09249249U;
-}
 
 /// All bits if the bit is set.
 std::uint32_t mask_of(std::uint32_t x, std::uint32_t bit) {
@@ -50,7 +43,8 @@ std::uint32_t hilbert_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     z ^= y;
     std::uint32_t flips = 0;
     for (std::uint32_t bit = cell_bits - 1; bit > 0; --bit) flips ^= mask_of(z, bit) & ((1U << bit) - 1);
-    return spread(x ^ flips) << 2 | spread(y ^ flips) << 1 | spread(z ^ flips);
+    return polyhedra::spread_bits(x ^ flips) << 2 | polyhedra::spread_bits(y ^ flips) << 1 |
+           polyhedra::spread_bits(z ^ flips);
 }
 
 /// The box of the points, cut off at another one.

@@ -45,17 +45,9 @@ struct Keyed {
     std::uint32_t triangle;
 };
 
-/// The ten bits of `x`, each followed by two zeros.
-inline std::uint32_t spread(std::uint32_t x) {
-    x = (x | x << 16) & 0x030000ffu;
-    x = (x | x << 8) & 0x0300f00fu;
-    x = (x | x << 4) & 0x030c30c3u;
-    return (x | x << 2) & 0x09249249u;
-}
-
 inline std::uint32_t cell(double place, double last) {
     const double positive = place > 0 ? place : 0;
-    return spread(static_cast<std::uint32_t>(static_cast<std::int32_t>(positive < last ? positive : last)));
+    return spread_bits(static_cast<std::uint32_t>(static_cast<std::int32_t>(positive < last ? positive : last)));
 }
 
 /// The codes of triangles, as many at a time as a processor's vectors hold.

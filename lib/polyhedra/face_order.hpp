@@ -16,6 +16,14 @@ namespace clsdf::polyhedra {
 /// device's caches are used well.
 UninitializedVector<std::uint32_t> morton_order(const Mesh& mesh);
 
+/// The ten bits of `x`, each followed by two zeros: three of them make a code of a cell's place on a curve.
+inline std::uint32_t spread_bits(std::uint32_t x) {
+    x = (x | x << 16) & 0x030000ffU;
+    x = (x | x << 8) & 0x0300f00fU;
+    x = (x | x << 4) & 0x030c30c3U;
+    return (x | x << 2) & 0x09249249U;
+}
+
 /// The largest number of faces whose corners can be packed.
 inline constexpr std::size_t most_faces = (std::size_t{1} << 30) - 1;
 /// The count; throws Error(unsupported) for more.
