@@ -81,8 +81,9 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
     const std::ptrdiff_t width = width_of(target.element);
     const bool has_strides = std::any_of(target.strides.begin(), target.strides.end(), [](auto s) { return s != 0; });
     const auto packed = packed_strides(static_cast<std::ptrdiff_t>(row.sample_bytes(is_in_double(target))), grid);
-    if (!has_strides) target.strides = packed;
     if (target.component_stride == 0) target.component_stride = width;
+    // Components that lie elsewhere leave no room between the samples.
+    if (!has_strides) target.strides = target.component_stride == width ? packed : packed_strides(width, grid);
     return target.strides == packed && (row.components == 1 || target.component_stride == width);
 }
 
@@ -150,10 +151,12 @@ void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner
     const std::ptrdiff_t width = width_of(target.element);
     if (is_plain) {
         if (target.bytes == packed_bytes(row, target, grid)) return;
-        throw misuse(fmt::format("{}, and the array given for the output {} holds {} values of {}",
-                                 fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
-                                 target.bytes / static_cast<std::size_t>(width),
-                                 static_cast<std::size_t>(grid.sample_count()) * row.components));
+        throw misuse(
+            fmt::format("{}, and the array given for the output {} holds {} values of {}; give a span of "
+                        "exactly these, or set the strides",
+                        fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
+                        target.bytes / static_cast<std::size_t>(width),
+                        static_cast<std::size_t>(grid.sample_count()) * row.components));
     }
     range_of(row, grid, target, target.bytes);
 }

@@ -53,7 +53,7 @@ struct GridOptions {
     /// Samples on the longest side of the box, margin included; >= 2. Ignored if `spacing` is set.
     std::int64_t resolution = 256;
     /// Spacing per axis in the mesh's units, instead of a resolution.
-    std::optional<Vec3> spacing;
+    std::optional<Vec3> spacing{};
     /// Margin between the box and the first and last samples. A length in voxels counts in the resulting spacing.
     Length margin = Length::of_extent(0.05);
     /// Every axis gets as many samples as the longest one.

@@ -90,7 +90,8 @@ struct OutputTarget {
     std::size_t offset = 0;
     /// Bytes from a sample to the next one along x, y and z; zeros: packed.
     std::array<std::ptrdiff_t, 3> strides{};
-    /// Bytes from a component to the next one; 0: side by side.
+    /// Bytes from a component to the next one; 0: side by side. If it is set and `strides` are not, the samples' first
+    /// components lie side by side.
     std::ptrdiff_t component_stride = 0;
 
     OutputTarget() = default;
