@@ -61,6 +61,11 @@ std::vector<cl::Event> events_of(const Context& context, std::span<const cl_even
         events.emplace_back(wait_list[n], true);
         if (events.back().getInfo<CL_EVENT_CONTEXT>()() != context.context()())
             throw refuse("belongs to another OpenCL context than the transform's device");
+        // Commands that wait for it would fail; those of PoCL 3.1 never end.
+        if (const auto status = events.back().getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>(); status < CL_COMPLETE)
+            throw Error(ErrorCode::device_failure,
+                        fmt::format("event {} of the wait list's {} has failed (status {}), so nothing can follow it",
+                                    n, wait_list.size(), status));
     }
     return events;
 }

@@ -15,6 +15,7 @@ namespace clsdf::device {
 void require_buffer(const Context& context, const cl::Memory& memory, const std::string& owner);
 /// Without a queue: that of the device.
 cl::CommandQueue queue_of(const Context& context, cl_command_queue queue);
+/// Throws Error(device_failure) for an event that has failed.
 std::vector<cl::Event> events_of(const Context& context, std::span<const cl_event> wait_list);
 void wait_for(const Context& context, std::span<const cl_event> wait_list);
 
