@@ -2,7 +2,7 @@
 // is out of order.
 //
 // All patches lie in one buffer, each with ghost samples, x slowest, as in a code with arrays phi[patch][x][y][z]. A
-// RequestPlan allocates everything once; move() prepares it for the next positions of the body. The kernel waits for
+// Plan allocates everything once; move() prepares it for the next positions of the body. The kernel waits for
 // the event of the patches, and the next patches wait for the event of the kernel, which reads them.
 
 #define CL_TARGET_OPENCL_VERSION 120
@@ -91,7 +91,7 @@ int main() {
         const std::vector<clsdf::Request> requests = patches_of(grid, band, phi);
         std::printf("%zu patches of %lld^3; the plan takes %.1f MB\n", requests.size(), static_cast<long long>(side),
                     1e-6 * static_cast<double>(transform.plan_bytes(requests)));
-        clsdf::RequestPlan plan = transform.plan(requests);  // may block and allocate
+        clsdf::Plan plan = transform.plan(requests);  // may block and allocate
 
         const double radius = 0.5 * mesh.box().longest_side();
         const double of_the_ball = 4.0 / 3.0 * 3.14159265358979 * radius * radius * radius;

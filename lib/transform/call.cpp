@@ -1,15 +1,50 @@
 #include "transform/call.hpp"
 
-#include <clsdf/error.hpp>
-
 #include "scan/programs.hpp"
 
 #include <algorithm>
 
 namespace clsdf::transform {
 
-void throw_if_stopped(const CallOptions& call) {
-    if (call.should_stop && call.should_stop()) throw Error(ErrorCode::cancelled, "the computation was cancelled");
+template <typename Function, typename... Arguments>
+auto Caller::pass_on(const Function& function, const Arguments&... arguments) {
+    try {
+        return function(arguments...);
+    } catch (...) {
+        has_thrown_ = true;
+        throw;
+    }
+}
+
+void Caller::throw_if_stopped() {
+    if (options_.should_stop && pass_on(options_.should_stop))
+        throw Error(ErrorCode::cancelled, "the computation was cancelled");
+}
+
+void Caller::progress(double fraction) {
+    if (options_.progress) pass_on(options_.progress, fraction);
+}
+
+void Caller::compiling(const Compilation& compilation) {
+    if (options_.compiling) pass_on(options_.compiling, compilation);
+}
+
+void CallMutex::check_thread() const {
+    if (owner_.load() == std::this_thread::get_id())
+        throw Error(ErrorCode::invalid_argument,
+                    "a function of a call's options used the transform that makes the call; use it when the call has "
+                    "returned");
+}
+
+void CallMutex::lock() {
+    check_thread();
+    mutex_.lock();
+    owner_ = std::this_thread::get_id();
+}
+
+void CallMutex::unlock() {
+    owner_ = std::thread::id();
+    mutex_.unlock();
 }
 
 void add_slab(TransformStatistics& total, const TransformStatistics& slab) {
@@ -50,9 +85,8 @@ void add_call(TransformStatistics& total, const TransformStatistics& call) {
 device::BuildWatch Compiling::watch(std::size_t variant_steps) {
     const std::size_t most = scan::Programs::common_programs + variant_steps;
     const auto step = [this, most](bool is_waiting) {
-        throw_if_stopped(call_);
-        const std::size_t steps = std::max(most, step_);
-        if (call_.compiling) call_.compiling({std::max<std::size_t>(step_, 1), steps, is_waiting});
+        caller_.throw_if_stopped();
+        caller_.compiling({std::max<std::size_t>(step_, 1), std::max(most, step_), is_waiting});
     };
     return {[this, step] {
                 ++step_;

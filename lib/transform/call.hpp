@@ -1,17 +1,60 @@
 #pragma once
 
 #include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
 
 #include "device/context.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
+#include <mutex>
 #include <string>
+#include <thread>
 
 namespace clsdf::transform {
 
-/// Throws Error(cancelled) if the caller wants a call to stop.
-void throw_if_stopped(const CallOptions& call);
+/// The functions of a call's options. After an error of theirs the call ends: it is no lack of memory of the call's
+/// own, which the call could go on without.
+class Caller {
+public:
+    explicit Caller(const CallOptions& options) : options_(options) {}
+
+    const CallOptions& options() const { return options_; }
+    /// Whether there is something to call between launches.
+    bool is_watching() const { return options_.progress || options_.should_stop; }
+
+    /// Throws Error(cancelled) if the caller wants the call to stop.
+    void throw_if_stopped();
+    void progress(double fraction);
+    void compiling(const Compilation& compilation);
+
+    /// Whether the error means that the call needs more memory than there is.
+    bool is_short_of_memory(const Error& error) const {
+        return error.code() == ErrorCode::out_of_memory && !has_thrown_;
+    }
+
+private:
+    template <typename Function, typename... Arguments>
+    auto pass_on(const Function& function, const Arguments&... arguments);
+
+    const CallOptions& options_;
+    bool has_thrown_ = false;
+};
+
+/// A mutex that its own thread may not lock again: a function of a call's options that uses the same transform. Such a
+/// call throws Error(invalid_argument); it would wait for ever.
+class CallMutex {
+public:
+    void lock();
+    void unlock();
+    /// Throws if this thread has locked it.
+    void check_thread() const;
+
+private:
+    std::mutex mutex_;
+    std::atomic<std::thread::id> owner_{};
+};
 
 /// Adds what a slab took to what the slabs before it took.
 void add_slab(TransformStatistics& total, const TransformStatistics& slab);
@@ -22,7 +65,7 @@ void add_call(TransformStatistics& total, const TransformStatistics& call);
 /// The building, loading and testing of programs by one call.
 class Compiling {
 public:
-    Compiling(const CallOptions& call, const std::function<void(const std::string&)>& log) : call_(call), log_(log) {}
+    Compiling(Caller& caller, const std::function<void(const std::string&)>& log) : caller_(caller), log_(log) {}
 
     /// `variant_steps`: those of building beside the programs that all computations need.
     device::BuildWatch watch(std::size_t variant_steps);
@@ -31,7 +74,7 @@ public:
     bool first_use = false;
 
 private:
-    const CallOptions& call_;
+    Caller& caller_;
     const std::function<void(const std::string&)>& log_;
     std::size_t step_ = 0;
 };

@@ -88,9 +88,10 @@ bool DistanceTransform::compile(const Grid& grid, const Band& band, const Output
                                 const CallOptions& call) const {
     return with_host_memory("to compile", [&] {
         State& state = this->state();
-        transform::throw_if_stopped(call);
+        transform::Caller caller(call);
+        caller.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
-        transform::Compiling compiling(call, state.options.log);
+        transform::Compiling compiling(caller, state.options.log);
         const bool is_tested = state.compile(grid, band, outputs, call.count, compiling);
         state.compile_seconds += compiling.seconds;
         state.first_use |= compiling.first_use;
@@ -157,12 +158,16 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
 void DistanceTransform::compute_on_device(std::span<const Request> requests, const CallOptions& call,
                                           std::span<const cl_event> wait_list) const {
     const device::Context& context = device::context_of(state().device);
-    RequestPlan plan = this->plan(requests, call);
+    Plan plan = this->plan(requests, call);
     device::guarded([&] {
         const Stopwatch watch;
         const cl::Event end(plan.enqueue(context.callers_queue()(), wait_list));
         end.wait();
-        if (call.statistics != nullptr) call.statistics->field_seconds = watch.seconds();
+        if (call.count) plan.state().read_counters();
+        if (call.statistics != nullptr) {
+            *call.statistics = plan.statistics();
+            call.statistics->field_seconds = watch.seconds();
+        }
     });
     if (call.progress) call.progress(1.0);
 }

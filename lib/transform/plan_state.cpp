@@ -1,116 +1,223 @@
 #include "transform/plan_state.hpp"
 
 #include "core/lifetime.hpp"
-#include "core/stopwatch.hpp"
 #include "device/opencl.hpp"
-#include "scan/brick_scan.hpp"
-#include "scan/layout_of.hpp"
 #include "scan/programs.hpp"
-#include "scan/sign_sweep.hpp"
-#include "transform/field_method.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
 
 namespace clsdf::transform {
 
-PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs,
-                     Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
-                     const Outputs& outputs_in, const PlanOptions& options,
-                     const std::function<void()>& between_launches)
-    : device(std::move(device_in)),
-      pool(std::move(pool_in)),
-      inputs(std::move(inputs_in)),
-      grid(grid_in),
-      band(band_in),
-      sign(sign_in),
-      outputs(outputs_in),
-      wanted(options.wanted) {
-    const Stopwatch watch;
-    device::Context& context = device::context_of(device);
-    const Layout layout = layout_of(grid, band, sign);
-    const ShortLaunches launches(context, between_launches);
-    Stopwatch sign_watch;
-    SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches);
-    statistics.sign_seconds = sign_watch.seconds();
-    const cl::Buffer sign_bits = sweep.bits();
-    const PreparedMesh& records = *inputs.records;
-    if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
-    device::guarded([&] {
-        const BrickVariant variant{outputs != Outputs{}, options.count, has_long_bricks(grid)};
-        scan_ =
-            options.method
-                ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
-                : make_brick_scan(context, programs, pool, layout, records, inputs.selection, inputs.points, sign_bits,
-                                  finishing_ ? &*finishing_ : nullptr, variant, options.wanted, launches);
-        // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
-        sign_watch = Stopwatch();
-        SignBits signs = sweep.finish();
-        sign_bits_ = std::move(signs.bits);
-        has_large_triangles = signs.has_large_triangles;
-        statistics.sign_seconds += sign_watch.seconds();
-        context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
-        context.queue().flush();
-        runs_.add(ready_);
-    });
+namespace {
 
-    statistics.triangles = records.triangle_count;
-    statistics.polyhedra = records.polyhedron_count;
-    statistics.box_polyhedra = records.boxes;
-    statistics.saddle_vertices = records.saddle_vertices;
-    statistics.point_sites = records.point_sites;
-    statistics.method_counts = records.method_counts;
-    statistics.lists_seconds = watch.seconds();
-    statistics.device_bytes = records.device_bytes() + sign_bits_.bytes();
-    scan_->describe(statistics);
-}
+template <typename>
+using BytesOf = std::size_t;
+
+}  // namespace
+
+PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool)
+    : device(std::move(device_in)), has_own_pool(is_own_pool), pool(std::move(pool_in)) {}
 
 PlanState::~PlanState() {
     if (runs_.wait() == CL_SUCCESS) return;
-    // Whatever takes them next must not share them with what may be under way.
-    keep_for_good(scan_);
-    keep_for_good(sign_bits_);
-    keep_for_good(inputs);
+    keep_for_good(samples_);
+    keep_for_good(parts_);
 }
 
-cl::Event PlanState::enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
-                             const std::vector<cl::Event>& wait_list,
-                             const std::function<void(double)>& between_launches) {
-    std::vector<cl::Event> before = wait_list;
-    const cl::Event latest = runs_.latest();  // which has the same buffers
-    before.push_back(latest() != nullptr ? latest : ready_);
-    CommandChain chain(queue, std::move(before));
-    try {
-        scan_->enqueue_begin(chain, buffers);
-        before_launches_ = chain.last();
-        for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
-            if (between_launches) {
-                chain.wait();
-                between_launches(scan_->fraction_before(launch));
-            }
-            scan_->enqueue_launch(chain, launch);
-        }
-        after_launches_ = chain.last();
-        scan_->enqueue_end(chain);
-    } catch (...) {
-        if (chain.has_begun()) runs_.add(chain.last(), chain.events());
-        throw;
+void PlanState::make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets) {
+    PerOutput<BytesOf> most{};
+    for (const Block& block : blocks) {
+        if (block.in_place) continue;
+        for_each_output(
+            [&](const OutputRow& row, const HostArray& array, std::size_t& bytes) {
+                if (!array.is_wanted) return;
+                bytes = std::max(bytes, block.grid.sample_count() * row.sample_bytes(array.in_double));
+            },
+            targets[block.batch->requests.front()].arrays(), most);
     }
-    last_ = chain.last();
-    runs_.add(last_, chain.events());
-    queue.flush();
-    return last_;
+    for_each_output(
+        [&](const OutputRow&, std::size_t bytes, device::BufferPool::Lease& lease) {
+            if (bytes > 0) lease = pool->lease(bytes, "samples of a plan's blocks");
+        },
+        most, samples_);
+}
+
+void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
+                    const Programs& programs) {
+    const DeviceTargets& any = targets[block.batch->requests.front()];
+    Part part{std::move(plan), block.batch->requests, block.in_place, any.arrays(), any.targets()};
+    if (block.in_place) {
+        part.buffers = *any.in_place();
+        parts_.push_back(std::move(part));
+        return;
+    }
+    device::Context& context = device::context_of(device);
+    const cl::Program program = programs.store(context);
+    PerOutput<PlacesOf> all_places = places_of(part, targets);
+    for_each_output(
+        [&](const OutputRow& row, const OutputTarget& like, const HostArray& array,
+            const device::BufferPool::Lease& lease, std::vector<Place>& places, std::optional<BoxStore>& store,
+            cl::Buffer& buffer) {
+            if (!array.is_wanted) return;
+            buffer = *lease;
+            if (array.in_double) part.buffers.in_double |= row.bit;
+            const StoredElements elements{row.components, row.sample_bytes(array.in_double) / row.components,
+                                          is_widened(row, like)};
+            if (!places.empty()) store.emplace(context, program, block.grid, elements, *lease, std::move(places));
+        },
+        part.like, part.arrays, samples_, all_places, part.stores, part.buffers);
+    parts_.push_back(std::move(part));
+}
+
+PerOutput<PlanState::PlacesOf> PlanState::places_of(const Part& part, std::span<const DeviceTargets> targets) const {
+    PerOutput<PlacesOf> all_places;
+    for (const std::size_t n : part.requests)
+        for_each_output(
+            [&](const OutputRow&, const OutputTarget& target, const HostArray& array, std::vector<Place>& places) {
+                if (!array.is_wanted) return;
+                if (const auto box = stored_box(part.plan->grid, requests[n].grid, target))
+                    places.push_back({target.device, *box});
+            },
+            targets[n].targets(), part.arrays, all_places);
+    // A launch stores what goes to one buffer: the buffers in the order of the requests.
+    for_each_output(
+        [](const OutputRow&, std::vector<Place>& places) {
+            std::map<cl_mem, std::size_t> numbers;
+            for (const Place& place : places) numbers.emplace(place.memory, numbers.size());
+            std::ranges::stable_sort(places, {}, [&](const Place& place) { return numbers.at(place.memory); });
+        },
+        all_places);
+    return all_places;
+}
+
+void PlanState::check(const Part& part, const DeviceTargets& target) const {
+    for_each_output(
+        [&](const OutputRow& row, const HostArray& planned, const HostArray& given, const OutputTarget& like,
+            const OutputTarget& other) {
+            if (given.is_wanted != planned.is_wanted)
+                throw Error(ErrorCode::invalid_argument,
+                            planned.is_wanted
+                                ? fmt::format("the plan computes the output {0}, and {0} has no target; give it "
+                                              "memory, or plan without",
+                                              row.name)
+                                : fmt::format("{0} has a target, and the plan was made without; plan with "
+                                              "Outputs{{.{0} = true}}",
+                                              row.name));
+            if (!part.in_place && other.element != like.element)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} has other elements than the plan was made for, "
+                                        "and the plan copies; make a plan of a request with such a target",
+                                        row.name));
+        },
+        part.arrays, target.arrays(), part.like, target.targets());
+    if (part.in_place && !target.in_place())
+        throw Error(ErrorCode::unsupported,
+                    fmt::format("the target of the output {}, and the plan was made without memory to copy from; make "
+                                "it with DistanceTransform::plan(request)",
+                                target.why_not_in_place()));
+}
+
+std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
+    if (given.size() != requests.size())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the plan has {} requests, and the targets of {} are given; give one OutputTargets for "
+                                "each request",
+                                requests.size(), given.size()));
+    std::vector<Request> others = requests;
+    for (std::size_t n = 0; n < given.size(); ++n) others[n].targets = given[n];
+    std::vector<DeviceTargets> targets = device_targets_of(others, device::context_of(device));
+    for (const Part& part : parts_)
+        for (const std::size_t n : part.requests) for_request(n, requests.size(), [&] { check(part, targets[n]); });
+    return targets;
+}
+
+void PlanState::clear() {
+    device::guarded([&] {
+        if (const cl_int code = runs_.wait(); code != CL_SUCCESS) throw cl::Error(code, "clWaitForEvents");
+    });
+    is_whole = false;
+    parts_.clear();
+    samples_ = {};
+    statistics = {};
+}
+
+std::size_t PlanState::own_bytes() const {
+    std::size_t bytes = 0;
+    for_each_output([&](const OutputRow&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
+                    samples_);
+    for (const Part& part : parts_) {
+        bytes += part.plan->own_bytes();
+        for_each_output(
+            [&](const OutputRow&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
+            part.stores);
+    }
+    return bytes;
+}
+
+void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const {
+    if (part.in_place) return;
+    PerOutput<PlacesOf> all_places;
+    if (!targets.empty()) all_places = places_of(part, targets);
+    for_each_output(
+        [&](const OutputRow&, std::optional<BoxStore>& store, const std::vector<Place>& places) {
+            if (store) store->enqueue(chain, places);
+        },
+        part.stores, all_places);
 }
 
 void PlanState::read_counters() {
-    scan_->read_counters(device::context_of(device).queue(), statistics);
+    std::size_t TransformStatistics::*const counters[] = {
+        &TransformStatistics::brick_pairs, &TransformStatistics::lanes_evaluated, &TransformStatistics::samples_covered,
+        &TransformStatistics::band_samples};
+    for (const auto counter : counters) statistics.*counter = 0;
+    for (const Part& part : parts_) {
+        part.plan->read_counters();
+        for (const auto counter : counters) statistics.*counter += part.plan->statistics.*counter;
+    }
 }
 
-void PlanState::read_times(const cl::CommandQueue& queue) {
-    if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
-    const auto seconds = [](const cl::Event& from, const cl::Event& to) {
-        const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();
-        return 1e-9 * static_cast<double>(to.getProfilingInfo<CL_PROFILING_COMMAND_END>() - begin);
-    };
-    statistics.bricks_seconds = seconds(before_launches_, after_launches_);
-    statistics.fill_seconds = seconds(after_launches_, last_);
+cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
+                             std::span<const DeviceTargets> targets) {
+    if (const cl::Event latest = runs_.latest(); latest() != nullptr) before.push_back(latest);
+    cl::Event last;
+    std::vector<cl::Event> stores;
+    try {
+        if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last);
+        for (Part& part : parts_) {
+            const cl::Event earlier = part.plan->latest();
+            const OutputBuffers& buffers =
+                part.in_place && !targets.empty() ? *targets[part.requests.front()].in_place() : part.buffers;
+            try {
+                last = part.plan->enqueue(queue, buffers, before, {});
+            } catch (...) {
+                const cl::Event begun = part.plan->latest();
+                if (begun() != nullptr && begun() != earlier()) last = begun;
+                throw;
+            }
+            CommandChain chain(queue, {last});
+            try {
+                enqueue_stores(part, chain, targets);
+            } catch (...) {
+                last = chain.last();
+                stores.insert(stores.end(), chain.events().begin(), chain.events().end());
+                throw;
+            }
+            last = chain.last();
+            stores.insert(stores.end(), chain.events().begin(), chain.events().end());
+            before.assign(1, last);
+        }
+    } catch (...) {
+        // The next run must follow: all parts share memory. `last` follows all other commands of this run.
+        if (last() != nullptr) runs_.add(last, std::move(stores));
+        throw;
+    }
+    runs_.add(last, std::move(stores));
+    queue.flush();
+    return last;
 }
 
 }  // namespace clsdf::transform

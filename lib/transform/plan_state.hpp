@@ -2,71 +2,92 @@
 
 #include <clsdf/distance_transform.hpp>
 
-#include "scan/field_scan.hpp"
-#include "scan/programs.hpp"
+#include "core/outputs.hpp"
+#include "transform/grid_plan.hpp"
+#include "transform/requests.hpp"
 #include "transform/runs.hpp"
-#include "transform/stages.hpp"
+#include "transform/stored_boxes.hpp"
 
-#include <functional>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace clsdf::transform {
 
-struct PlanOptions {
-    bool count = false;  ///< see CallOptions::count
-    std::shared_ptr<const FieldMethod> method{};
-    std::vector<Grid> wanted{};  ///< blocks of the lattice outside which samples may be left undefined; empty: none are
-};
-
-/// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
+/// What a Plan holds: a plan for each block, and the launches that copy samples to the targets. A block that is one
+/// request with packed memory is computed in place. The other blocks are computed one after another in memory that
+/// they share, and copied to the targets. For one thread at a time.
 struct PlanState {
-    PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs, Inputs inputs_in,
-              const Grid& grid_in, const Band& band_in, SignRule sign_in, const Outputs& outputs_in,
-              const PlanOptions& options, const std::function<void()>& between_launches);
-
-    /// Waits for what is under way: its buffers go back to the pool.
+    /// pool_in: of the plan's buffers. is_own_pool: no other plan or transform takes buffers from it.
+    PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool);
+    /// Waits for what is under way: the buffers go back to the pool.
     ~PlanState();
     PlanState(const PlanState&) = delete;
     PlanState& operator=(const PlanState&) = delete;
 
-    /// As Plan::enqueue; `between_launches` (may be empty) is called with the fraction done before each launch.
-    cl::Event enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
-                      const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
+    /// A block, which is a batch's or a part of it.
+    struct Block {
+        const Batch* batch;
+        Grid grid;
+        bool in_place;  ///< the batch is one request, and the block all of it
+    };
+    /// Memory for the samples of the largest of the blocks that are not computed in place.
+    void make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets);
+    /// targets: of the requests, all of them.
+    void add(const Block& block, std::unique_ptr<GridPlan> plan, std::span<const DeviceTargets> targets,
+             const Programs& programs);
+    /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
+    void clear();
 
-    /// The end of what is under way; null if nothing is.
-    cl::Event latest() { return runs_.latest(); }
+    /// Device memory of this plan, without records that are shared with the transform.
+    std::size_t own_bytes() const;
 
-    /// Reads the counters of the last computation into the statistics, where it was asked for.
+    /// Throws as Plan::enqueue() does if a run cannot write to these targets, one for each request.
+    std::vector<DeviceTargets> targets_of(std::span<const OutputTargets> given) const;
+
+    /// targets: of this run alone, as targets_of() returns them; empty: those that were planned.
+    cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
+                      std::span<const DeviceTargets> targets);
+
+    /// Reads the counters of the last run, which has ended, into the statistics, where they were asked for.
     void read_counters();
 
-    /// Reads the kernels' times of the last computation, which has ended, where the queue it ran on keeps them.
-    void read_times(const cl::CommandQueue& queue);
-
     Device device;
+    bool has_own_pool;
     std::shared_ptr<device::BufferPool> pool;
-    Inputs inputs;
-    Grid grid;
-    Band band;
-    SignRule sign;
-    Outputs outputs;
-    std::vector<Grid> wanted;  ///< see PlanOptions
+    std::vector<Request> requests;
+    std::optional<Outputs> outputs_without_targets;  ///< of a plan of one grid that was made without memory
+    SignRule sign = SignRule::none;
     TransformStatistics statistics;
-    bool has_large_triangles = false;  ///< see SignBits
-
-    /// Device memory of this plan alone, without the records, which are shared.
-    std::size_t own_bytes() const { return statistics.device_bytes - inputs.records->device_bytes(); }
+    bool is_whole = false;  ///< all blocks have been added
 
 private:
-    device::BufferPool::Lease sign_bits_;
-    std::optional<Finishing> finishing_;  ///< if more than the distance is asked for
-    std::unique_ptr<FieldScan> scan_;
-    cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
-    Runs runs_;        // the set-up's launches among them
-    // Events of the latest computation.
-    cl::Event before_launches_;
-    cl::Event after_launches_;
-    cl::Event last_;
+    template <typename>
+    using StoreOf = std::optional<BoxStore>;
+    struct Part {
+        std::unique_ptr<GridPlan> plan;
+        std::vector<std::size_t> requests;
+        bool in_place;
+        HostArrays arrays;        ///< which outputs, and the elements that are computed
+        OutputTargets like;       ///< the first request's: all have its elements
+        OutputBuffers buffers{};  ///< that the samples are computed in
+        PerOutput<StoreOf> stores{};
+    };
+    template <typename>
+    using PlacesOf = std::vector<Place>;
+    template <typename>
+    using LeaseOf = device::BufferPool::Lease;
+
+    /// The places of a part's samples in the targets of its requests.
+    PerOutput<PlacesOf> places_of(const Part& part, std::span<const DeviceTargets> targets) const;
+    /// Throws if the part cannot write to the target of one of its requests.
+    void check(const Part& part, const DeviceTargets& target) const;
+    void enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const;
+
+    PerOutput<LeaseOf> samples_;  ///< of a block
+    std::vector<Part> parts_;
+    Runs runs_;
 };
 
 }  // namespace clsdf::transform

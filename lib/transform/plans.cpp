@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <exception>
+#include <optional>
 #include <utility>
 
 namespace clsdf {
@@ -19,22 +19,28 @@ namespace transform {
 
 namespace {
 
-/// For the caller, who releases the event.
-cl_event enqueue_run(RequestPlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list,
-                     const OutputBuffers* in_place) {
+/// For the caller, who releases the event. targets: see PlanState::enqueue().
+cl_event enqueue_run(PlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list,
+                     std::span<const DeviceTargets> targets) {
     const device::Context& context = device::context_of(state.device);
     const cl::Event last =
-        state.enqueue(device::queue_of(context, queue), device::events_of(context, wait_list), in_place);
+        state.enqueue(device::queue_of(context, queue), device::events_of(context, wait_list), targets);
     clRetainEvent(last());
     return last();
 }
 
+void require_whole(const PlanState& state) {
+    if (!state.is_whole)
+        throw Error(ErrorCode::invalid_argument,
+                    "the plan's last move() or replan() failed, so that it has nothing to compute with; call one of "
+                    "them again");
+}
+
 /// The blocks by which batches are computed.
-std::vector<RequestPlanState::Block> blocks_of(std::span<const Batch> batches,
-                                               std::span<const scan::DeviceTargets> targets,
-                                               const device::Context& context) {
+std::vector<PlanState::Block> blocks_of(std::span<const Batch> batches, std::span<const scan::DeviceTargets> targets,
+                                        const device::Context& context) {
     const std::size_t largest = context.capabilities().largest_allocation;
-    std::vector<RequestPlanState::Block> blocks;
+    std::vector<PlanState::Block> blocks;
     for (const Batch& batch : batches) {
         const scan::DeviceTargets& any = targets[batch.requests.front()];
         const bool in_place = batch.requests.size() == 1 && any.in_place().has_value();
@@ -50,173 +56,155 @@ std::vector<RequestPlanState::Block> blocks_of(std::span<const Batch> batches,
 
 }  // namespace transform
 
-void DistanceTransform::State::plan(transform::RequestPlanState& made, std::vector<Request> requests,
-                                    const CallOptions& call) {
-    if (device::context_of(made.device).context()() != device::context_of(device).context()())
+std::unique_ptr<transform::PlanState> DistanceTransform::State::plan(bool has_own_pool, std::vector<Request> requests,
+                                                                     std::optional<Outputs> outputs_without_targets,
+                                                                     const CallOptions& call) {
+    auto made = std::make_unique<transform::PlanState>(device, has_own_pool ? pool->beside() : pool, has_own_pool);
+    plan(*made, std::move(requests), outputs_without_targets, call);
+    return made;
+}
+
+void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Request> requests,
+                                    std::optional<Outputs> outputs_without_targets, const CallOptions& call) {
+    const device::Context& context = device::context_of(device);
+    if (device::context_of(made.device).context()() != context.context()())
         throw Error(ErrorCode::invalid_argument,
                     "the transform has another device than the plan; move the plan with a transform of its Device");
-    const std::vector<scan::DeviceTargets> targets = transform::device_targets_of(
-        requests, device::context_of(device),
-        [this](const Request& request) { stages->check(request.grid, request.band, sign); });
+    const auto check = [this](const Request& request) { stages->check(request.grid, request.band, sign); };
+    const std::vector<scan::DeviceTargets> targets =
+        outputs_without_targets ? transform::device_targets_of(requests, *outputs_without_targets, check)
+                                : transform::device_targets_of(requests, context, check);
     std::swap(made.requests, requests);
+    std::swap(made.outputs_without_targets, outputs_without_targets);
     made.is_whole = false;
     try {
         plan(made, targets, call);
     } catch (...) {
         std::swap(made.requests, requests);
+        std::swap(made.outputs_without_targets, outputs_without_targets);
         made.clear();
-        made.pool->release();
+        if (made.has_own_pool) made.pool->release();
         throw;
     }
 }
 
-std::unique_ptr<transform::RequestPlanState> DistanceTransform::State::plan(
-    const Request& request, const std::function<scan::DeviceTargets()>& targets_of, const CallOptions& call) {
-    request.grid.validate();
-    request.band.validate();
-    stages->check(request.grid, request.band, sign);
-    const scan::DeviceTargets targets = targets_of();
-    auto made = std::make_unique<transform::RequestPlanState>(device, std::vector<Request>{request}, pool, false);
-    plan(*made, {&targets, 1}, call);
-    return made;
-}
-
-void DistanceTransform::State::plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets,
+void DistanceTransform::State::plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets,
                                     const CallOptions& call) {
-    const std::span<const Request> requests = made.requests;
     const device::Context& context = device::context_of(device);
     std::vector<scan::HostArrays> arrays;
     for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays());
-    const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, mesh().box());
-    const std::vector<transform::RequestPlanState::Block> blocks = transform::blocks_of(batches, targets, context);
+    const std::vector<transform::Batch> batches = transform::batches_of(made.requests, arrays, mesh().box());
+    const std::vector<transform::PlanState::Block> blocks = transform::blocks_of(batches, targets, context);
 
-    const KeepsBudget keeps_budget{*this};
+    const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    transform::throw_if_stopped(call);
-    transform::Compiling compiling(call, options.log);
+    transform::Caller caller(call);
+    caller.throw_if_stopped();
+    transform::Compiling compiling(caller, options.log);
     if (!std::all_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.in_place; })) {
         const Stopwatch compile_watch;
         compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(1));
         compiling.seconds = compile_watch.seconds();
     }
     made.sign = sign;
-    double polyhedra_seconds = 0;
-    std::size_t bytes_of_inputs = 0;  // that the transform does not keep
-    // An error of the caller's function is passed on, also if it is one of memory.
-    std::exception_ptr of_caller;
-    CallOptions watched = call;
-    if (call.should_stop)
-        watched.should_stop = [&] {
-            try {
-                return call.should_stop();
-            } catch (...) {
-                of_caller = std::current_exception();
-                throw;
-            }
-        };
     bool is_retry = false;
     const auto make = [&] {
-        if (of_caller) std::rethrow_exception(of_caller);
         made.clear();
         if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
         made.make_room(blocks, targets);
-        polyhedra_seconds = 0;
-        bytes_of_inputs = 0;
-        transform::Inputs inputs_of_batch;
-        const transform::Batch* batch = nullptr;
-        for (const transform::RequestPlanState::Block& block : blocks) {
-            const Request& any = requests[block.batch->requests.front()];
-            const Outputs outputs = scan::outputs_of(targets[block.batch->requests.front()].arrays());
-            if (block.batch != batch) {
-                batch = block.batch;
-                compile(batch->block, any.band, outputs, call.count, compiling);
-                const Stopwatch watch;
-                inputs_of_batch = inputs(batch->block, any.band, outputs, true);
-                polyhedra_seconds += watch.seconds();
-                bytes_of_inputs += stages->bytes_beside(inputs_of_batch);
-            }
-            std::vector<Grid> wanted;
-            if (batch->requests.size() > 1)
-                for (const std::size_t n : batch->requests) wanted.push_back(requests[n].grid);
-            transform::Inputs inputs_of_block = inputs_of_batch;
-            if (!(block.grid == batch->block))
-                stages->select(block.grid, scan::layout_of(block.grid, any.band, sign), inputs_of_block);
-            auto of_block = make_plan(std::move(inputs_of_block), block.grid, any.band, outputs, wanted, watched,
-                                      compiling, made.pool);
-            transform::add_slab(made.statistics, of_block->statistics);
-            made.add(block, std::move(of_block), targets, programs);
-        }
+        add_blocks(made, blocks, targets, caller, compiling);
         return true;
     };
-    make_room_for([&] { return device::guarded(make); });
+    make_room_for([&] { return device::guarded(make); }, &caller);
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
-    made.statistics.polyhedra_seconds = polyhedra_seconds;
-    made.statistics.device_bytes = made.own_bytes() + bytes_of_inputs;
     report(compiling, made.statistics);
     if (call.statistics != nullptr) *call.statistics = made.statistics;
 }
 
-Plan::Plan(std::unique_ptr<transform::RequestPlanState> state) : state_(std::move(state)) {}
+void DistanceTransform::State::add_blocks(transform::PlanState& made,
+                                          std::span<const transform::PlanState::Block> blocks,
+                                          std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
+                                          transform::Compiling& compiling) {
+    double polyhedra_seconds = 0;
+    std::size_t bytes_of_inputs = 0;  // that the transform does not keep
+    transform::Inputs inputs_of_batch;
+    const transform::Batch* batch = nullptr;
+    for (const transform::PlanState::Block& block : blocks) {
+        const std::size_t first = block.batch->requests.front();
+        const Band& band = made.requests[first].band;
+        const Outputs outputs = scan::outputs_of(targets[first].arrays());
+        if (block.batch != batch) {
+            batch = block.batch;
+            compile(batch->block, band, outputs, caller.options().count, compiling);
+            const Stopwatch watch;
+            inputs_of_batch = inputs(batch->block, band, outputs, true);
+            polyhedra_seconds += watch.seconds();
+            bytes_of_inputs += stages->bytes_beside(inputs_of_batch);
+        }
+        std::vector<Grid> wanted;
+        if (batch->requests.size() > 1)
+            for (const std::size_t n : batch->requests) wanted.push_back(made.requests[n].grid);
+        transform::Inputs inputs_of_block = inputs_of_batch;
+        if (!(block.grid == batch->block))
+            stages->select(block.grid, scan::layout_of(block.grid, band, sign), inputs_of_block);
+        auto of_block =
+            make_plan(std::move(inputs_of_block), block.grid, band, outputs, wanted, caller, compiling, made.pool);
+        transform::add_slab(made.statistics, of_block->statistics);
+        made.add(block, std::move(of_block), targets, programs);
+    }
+    made.statistics.polyhedra_seconds = polyhedra_seconds;
+    made.statistics.device_bytes = made.own_bytes() + bytes_of_inputs;
+}
+
+Plan::Plan(std::unique_ptr<transform::PlanState> state) : state_(std::move(state)) {}
 Plan::Plan(Plan&&) noexcept = default;
 Plan& Plan::operator=(Plan&&) noexcept = default;
 Plan::~Plan() = default;
 
-transform::RequestPlanState& Plan::state() const {
+transform::PlanState& Plan::state() const {
     return held_by(state_, "Plan");
 }
 
-const Grid& Plan::grid() const {
-    return state().requests.front().grid;
+std::span<const Request> Plan::requests() const {
+    return state().requests;
 }
-const Band& Plan::band() const {
-    return state().requests.front().band;
-}
+
 SignRule Plan::sign() const {
     return state().sign;
 }
+
 const TransformStatistics& Plan::statistics() const {
     return state().statistics;
 }
 
-cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
-    transform::RequestPlanState& state = this->state();
-    return device::guarded([&] {
-        const scan::OutputBuffers in_place = state.set_targets(targets);
-        return transform::enqueue_run(state, queue, wait_list, &in_place);
+cl_event Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list) {
+    transform::PlanState& state = this->state();
+    transform::require_whole(state);
+    if (state.outputs_without_targets)
+        throw Error(ErrorCode::invalid_argument,
+                    "the plan was made of a grid and has no targets; give enqueue() targets, or plan a Request");
+    return device::guarded([&] { return transform::enqueue_run(state, queue, wait_list, {}); });
+}
+
+cl_event Plan::enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,
+                       std::span<const cl_event> wait_list) {
+    transform::PlanState& state = this->state();
+    transform::require_whole(state);
+    return with_host_memory("for the targets of a run; give fewer", [&] {
+        return device::guarded(
+            [&] { return transform::enqueue_run(state, queue, wait_list, state.targets_of(targets)); });
     });
 }
 
-RequestPlan::RequestPlan(std::unique_ptr<transform::RequestPlanState> state) : state_(std::move(state)) {}
-RequestPlan::RequestPlan(RequestPlan&&) noexcept = default;
-RequestPlan& RequestPlan::operator=(RequestPlan&&) noexcept = default;
-RequestPlan::~RequestPlan() = default;
-
-transform::RequestPlanState& RequestPlan::state() const {
-    return held_by(state_, "RequestPlan");
+cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
+    return enqueue(queue, {&targets, 1}, wait_list);
 }
 
-std::span<const Request> RequestPlan::requests() const {
-    return state().requests;
-}
-
-const TransformStatistics& RequestPlan::statistics() const {
-    return state().statistics;
-}
-
-cl_event RequestPlan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list) {
-    transform::RequestPlanState& state = this->state();
-    if (!state.is_whole)
-        throw Error(ErrorCode::invalid_argument,
-                    "the plan's last move() failed, so that it has nothing to compute with; move it again, or make a "
-                    "new plan");
-    return device::guarded([&] { return transform::enqueue_run(state, queue, wait_list, nullptr); });
-}
-
-void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
+void Plan::move(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
-        transform::RequestPlanState& state = this->state();
+        transform::PlanState& state = this->state();
         if (!grids.empty() && grids.size() != state.requests.size())
             throw Error(
                 ErrorCode::invalid_argument,
@@ -225,40 +213,30 @@ void RequestPlan::move(const DistanceTransform& transform, std::span<const Grid>
                             state.requests.size(), grids.size()));
         std::vector<Request> requests = state.requests;
         for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
-        transform.state().plan(state, std::move(requests), call);
+        transform.state().plan(state, std::move(requests), state.outputs_without_targets, call);
     });
 }
 
-void RequestPlan::replan(const DistanceTransform& transform, std::span<const Request> requests,
-                         const CallOptions& call) {
+void Plan::replan(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
-        transform.state().plan(state(), {requests.begin(), requests.end()}, call);
+        transform.state().plan(state(), {requests.begin(), requests.end()}, std::nullopt, call);
     });
 }
 
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
                              const CallOptions& call) const {
     return with_host_memory("for the plan", [&] {
-        return Plan(state().plan(
-            {grid, band, {}}, [&] { return scan::DeviceTargets(outputs, grid); }, call));
+        return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, outputs, call));
     });
 }
 
 Plan DistanceTransform::plan(const Request& request, const CallOptions& call) const {
-    const auto targets = [&] {
-        return device::guarded(
-            [&] { return scan::DeviceTargets(request.targets, request.grid, device::context_of(state().device)); });
-    };
-    return with_host_memory("for the plan", [&] { return Plan(state().plan(request, targets, call)); });
+    return with_host_memory("for the plan", [&] { return Plan(state().plan(false, {request}, std::nullopt, call)); });
 }
 
-RequestPlan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {
+Plan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {
     return with_host_memory("for the plan; give fewer requests", [&] {
-        State& state = this->state();
-        auto made = std::make_unique<transform::RequestPlanState>(state.device, std::vector<Request>(),
-                                                                  state.pool->beside(), true);
-        state.plan(*made, std::vector<Request>(requests.begin(), requests.end()), call);
-        return RequestPlan(std::move(made));
+        return Plan(state().plan(true, {requests.begin(), requests.end()}, std::nullopt, call));
     });
 }
 

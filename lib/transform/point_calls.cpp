@@ -19,7 +19,7 @@
 namespace clsdf {
 
 std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
-    const KeepsBudget keeps_budget{*this};
+    const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     return make_room_for([&] { return stages->points(); });
 }
@@ -51,14 +51,15 @@ points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, s
 
 void DistanceTransform::State::query(std::span<const Vec3> all, double within, const Outputs& outputs,
                                      const scan::HostTargets& targets, const CallOptions& call) {
-    const KeepsBudget keeps_budget{*this};
+    const KeepsBudget keeps_budget(*this);
     TransformStatistics statistics;
     statistics.triangles = mesh().triangles().size();
-    transform::Compiling compiling(call, options.log);
+    transform::Caller caller(call);
+    transform::Compiling compiling(caller, options.log);
     {
         const std::scoped_lock lock(mutex);
         device::context_of(device).require_usable();
-        transform::throw_if_stopped(call);
+        caller.throw_if_stopped();
         if (stages->restriction() != nullptr) stages->restriction()->check(all, within);
         const Stopwatch compile_watch;
         const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
@@ -88,20 +89,17 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
                             targets.arrays(), arrays);
         else
             arrays = own.for_samples(targets.arrays(), part.size());
-        bool in_callback = false;
         const auto between = [&](double fraction) {
-            in_callback = true;
-            transform::throw_if_stopped(call);
+            caller.throw_if_stopped();
             const double done = static_cast<double>(begin) + fraction * static_cast<double>(part.size());
-            if (call.progress) call.progress(done / static_cast<double>(all.size()));
-            in_callback = false;
+            caller.progress(done / static_cast<double>(all.size()));
         };
         const std::scoped_lock lock(mutex);
         points::PointTimes times;
         try {
             times = query(part, all.size(), within, outputs, arrays, between);
         } catch (const Error& error) {
-            if (error.code() != ErrorCode::out_of_memory || in_callback) throw;
+            if (!caller.is_short_of_memory(error)) throw;
             // Without what is kept, then with fewer points at once, then without the tables for many points.
             constexpr std::size_t few = std::size_t{1} << 15, fewest = 256;
             if (!has_forgotten && forget()) {
@@ -129,7 +127,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         report(compiling, statistics);
         statistics.device_bytes = pool->peak();
     }
-    if (call.progress) call.progress(1.0);
+    caller.progress(1.0);
     if (call.statistics != nullptr) *call.statistics = statistics;
 }
 

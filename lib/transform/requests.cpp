@@ -2,10 +2,6 @@
 
 #include "core/outputs.hpp"
 
-#include <clsdf/error.hpp>
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -106,24 +102,19 @@ auto kind_of(const Request& request, const HostArrays& arrays) {
                       request.targets.distance.element == OutputTarget::Element::float64);
 }
 
-/// make(request) for each of them; if there are several, its index stands in the message of what it throws.
+/// make(request) for each of them; see for_request().
 template <class Made, class Make>
 std::vector<Made> made_of(std::span<const Request> requests, const std::function<void(const Request&)>& check,
                           const Make& make) {
     std::vector<Made> all;
     all.reserve(requests.size());
-    for (std::size_t n = 0; n < requests.size(); ++n) {
-        try {
+    for (std::size_t n = 0; n < requests.size(); ++n)
+        for_request(n, requests.size(), [&] {
             requests[n].grid.validate();
             requests[n].band.validate();
             if (check) check(requests[n]);
             all.push_back(make(requests[n]));
-        } catch (const Error& error) {
-            if (requests.size() == 1) throw;  // a call for one grid has no numbers
-            throw Error(error.code(), fmt::format("request {} of {}: {}", n, requests.size(), error.what()),
-                        error.opencl_code());
-        }
-    }
+        });
     return all;
 }
 
@@ -140,6 +131,12 @@ std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, 
     return made_of<DeviceTargets>(requests, check, [&](const Request& request) {
         return device::guarded([&] { return DeviceTargets(request.targets, request.grid, context); });
     });
+}
+
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const Outputs& outputs,
+                                             const std::function<void(const Request&)>& check) {
+    return made_of<DeviceTargets>(requests, check,
+                                  [&](const Request& request) { return DeviceTargets(outputs, request.grid); });
 }
 
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box) {

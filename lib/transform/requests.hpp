@@ -1,8 +1,11 @@
 #pragma once
 
 #include <clsdf/distance_transform.hpp>
+#include <clsdf/error.hpp>
 
 #include "scan/output_targets.hpp"
+
+#include <fmt/format.h>
 
 #include <cstddef>
 #include <functional>
@@ -20,12 +23,27 @@ struct Batch {
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
 
+/// Returns what `of_request` does for request number n of `count`. If there are several, the number stands in the
+/// message of the Error that it throws.
+template <class Function>
+auto for_request(std::size_t n, std::size_t count, const Function& of_request) {
+    try {
+        return of_request();
+    } catch (const Error& error) {
+        if (count == 1) throw;  // a call for one grid has no numbers
+        throw Error(error.code(), fmt::format("request {} of {}: {}", n, count, error.what()), error.opencl_code());
+    }
+}
+
 /// The targets of each request. Throws what a call for the request alone would throw, or what `check` throws; if there
 /// are several, with its index in the message.
 std::vector<HostTargets> targets_of(std::span<const Request> requests,
                                     const std::function<void(const Request&)>& check = {});
 std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
                                              const std::function<void(const Request&)>& check = {});
+/// The same without memory yet.
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const Outputs& outputs,
+                                             const std::function<void(const Request&)>& check);
 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
 /// asks for, and a call for each request has a cost of its own: requests of a lattice are divided where that is

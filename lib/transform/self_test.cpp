@@ -2,8 +2,8 @@
 
 #include "points/point_query.hpp"
 #include "scan/layout_of.hpp"
+#include "transform/grid_plan.hpp"
 #include "transform/known_field.hpp"
-#include "transform/plan_state.hpp"
 
 #include <fmt/format.h>
 
@@ -118,8 +118,8 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     Stages stages(context, pool, known.mesh(), {test_case.method, {programs.mesh_records, programs.mesh_lanes()}});
     Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
     if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true, false);
-    PlanState plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
-                   {test_case.variant.count, test_case.method}, watch.begins);
+    GridPlan plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
+                  {test_case.variant.count, test_case.method}, watch.begins);
     return device::guarded([&] {
         std::vector<float> distance(known.grid().sample_count());
         std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);

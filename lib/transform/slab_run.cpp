@@ -22,7 +22,8 @@ public:
           wanted_(wanted),
           pipeline_(pipeline),
           call_(call),
-          compiling_(call, state.options.log) {}
+          caller_(call),
+          compiling_(caller_, state.options.log) {}
 
     /// Into the arrays or, if not in place, to the sink.
     void run(std::vector<Grid> slabs, const scan::HostArrays& arrays, bool in_place) {
@@ -42,7 +43,7 @@ public:
             } catch (const Error& error) {
                 // The length of a slab's lists is known only when they are made.
                 const bool is_divisible = scan::is_divisible(slab);
-                if (error.code() != ErrorCode::out_of_memory || in_callback_ || (!is_divisible && has_room_)) throw;
+                if (!caller_.is_short_of_memory(error) || (!is_divisible && has_room_)) throw;
                 if (is_divisible) {
                     const auto [lower, upper] = scan::halves_of(slab);
                     slabs.insert(slabs.end(), {upper, lower});
@@ -63,7 +64,7 @@ private:
     /// Compiles, and takes a plan of an earlier call or makes the inputs of new ones.
     void prepare(bool is_whole) {
         const std::scoped_lock lock(state_.mutex);
-        transform::throw_if_stopped(call_);
+        caller_.throw_if_stopped();
         state_.compile(grid_, band_, outputs_, call_.count, compiling_);
         state_.pool->restart_peak();
         if (is_whole) plan_ = state_.take_plan(grid_, band_, outputs_, wanted_, call_.count);
@@ -74,7 +75,7 @@ private:
         const Stopwatch watch;
         inputs_ = state_.inputs(grid_, band_, outputs_);
         statistics_.polyhedra_seconds = watch.seconds();
-        transform::throw_if_stopped(call_);
+        caller_.throw_if_stopped();
     }
 
     /// The caller's arrays from a sample on.
@@ -92,9 +93,9 @@ private:
             // A part of the grid needs a part of what the grid needs.
             transform::Inputs inputs = inputs_;
             if (is_part) state_.stages->select(slab, scan::layout_of(slab, band_, state_.sign), inputs);
-            plan_ = state_.make_plan(std::move(inputs), slab, band_, outputs_, wanted_, call_, compiling_);
+            plan_ = state_.make_plan(std::move(inputs), slab, band_, outputs_, wanted_, caller_, compiling_);
         }
-        transform::throw_if_stopped(call_);
+        caller_.throw_if_stopped();
         const auto share = [&](std::size_t samples) {
             return static_cast<double>(samples) / static_cast<double>(grid_.sample_count());
         };
@@ -108,12 +109,10 @@ private:
         const Stopwatch watch;
         const device::Context& context = device::context_of(state_.device);
         std::function<void(double)> between;
-        if (call_.progress || call_.should_stop)
+        if (caller_.is_watching())
             between = [&](double fraction) {
-                in_callback_ = true;
-                transform::throw_if_stopped(call_);
-                if (call_.progress) call_.progress(begin + (end - begin) * fraction);
-                in_callback_ = false;
+                caller_.throw_if_stopped();
+                caller_.progress(begin + (end - begin) * fraction);
             };
         device::guarded([&] {
             try {
@@ -153,7 +152,7 @@ private:
             inputs_ = {};
             if (plan_) state_.keep(std::move(plan_), call_.count);
         }
-        if (call_.progress) call_.progress(1.0);
+        caller_.progress(1.0);
         if (call_.statistics != nullptr) *call_.statistics = statistics_;
     }
 
@@ -165,13 +164,13 @@ private:
     std::span<const Grid> wanted_;
     scan::SlabPipeline& pipeline_;
     const CallOptions& call_;
+    transform::Caller caller_;
     transform::Compiling compiling_;
     transform::Inputs inputs_;  ///< of the whole grid
-    std::unique_ptr<transform::PlanState> plan_;
+    std::unique_ptr<transform::GridPlan> plan_;
     TransformStatistics statistics_;
-    std::size_t done_ = 0;      ///< samples
-    bool in_callback_ = false;  ///< also after a function of the caller's has thrown
-    bool has_room_ = false;     ///< a slab that cannot be divided was tried again
+    std::size_t done_ = 0;   ///< samples
+    bool has_room_ = false;  ///< a slab that cannot be divided was tried again
 };
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,

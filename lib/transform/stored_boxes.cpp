@@ -6,9 +6,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 namespace clsdf::transform {
 
@@ -49,10 +52,24 @@ std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, cons
     return box;
 }
 
+namespace {
+
+bool is_same(const StoredBox& a, const StoredBox& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+std::vector<StoredBox> boxes_of(std::span<const Place> places) {
+    std::vector<StoredBox> boxes;
+    for (const Place& place : places) boxes.push_back(place.box);
+    return boxes;
+}
+
+}  // namespace
+
 BoxStore::BoxStore(const device::Context& context, const cl::Program& program, const Grid& block,
-                   const StoredElements& elements, const cl::Buffer& samples, cl_mem memory,
-                   const std::vector<StoredBox>& boxes)
-    : kernel_(program, "store_boxes"), boxes_(device::copied(context, boxes)), box_count_(boxes.size()) {
+                   const StoredElements& elements, const cl::Buffer& samples, std::vector<Place> places)
+    : kernel_(program, "store_boxes"), planned_(std::move(places)), written_(boxes_of(planned_)) {
+    boxes_ = device::copied(context, written_);
     const device::Context::Capabilities& device = context.capabilities();
     pieces_ = device.is_processor ? 1 : pieces_of_gpu;
     group_rows_ = std::clamp<std::size_t>(device.largest_group / pieces_, 1, 8);
@@ -63,38 +80,51 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
     kernel_.setArg(store_element_bytes, static_cast<cl_int>(elements.bytes));
     kernel_.setArg(store_widened, static_cast<cl_int>(elements.are_widened));
     kernel_.setArg(store_from, samples);
-    if (memory != nullptr) kernel_.setArg(store_to, cl::Buffer(memory, true));
-    for (const StoredBox& box : boxes)
+    for (const StoredBox& box : written_)
         rows_ = std::max(rows_, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
     rows_ = in_whole_groups(rows_, group_rows_);
 }
 
-void BoxStore::move(cl_mem memory, const StoredBox& box) {
-    kernel_.setArg(store_to, cl::Buffer(memory, true));
-    moved_ = box;
+void BoxStore::write(CommandChain& chain, std::span<const Place> places) {
+    // A write that failed, with the run it belonged to, left the boxes of before, or some of them.
+    const bool is_known =
+        last_write_() == nullptr || last_write_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() >= CL_COMPLETE;
+    for (std::size_t n = 0; n < places.size(); ++n) {
+        if (is_known && is_same(places[n].box, written_[n])) continue;
+        chain.then([&](auto& queue, auto* wait, auto* event) {
+            // A fill copies its pattern at once.
+            queue.enqueueFillBuffer(boxes_, places[n].box, n * sizeof(StoredBox), sizeof(StoredBox), wait, event);
+        });
+        last_write_ = chain.last();
+        written_[n] = places[n].box;
+    }
 }
 
-void BoxStore::enqueue(CommandChain& chain) {
-    if (moved_)
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueFillBuffer(boxes_, *moved_, 0, sizeof(StoredBox), wait, event);  // which copies the box
-        });
-    moved_.reset();
+void BoxStore::enqueue(CommandChain& chain, std::span<const Place> places) {
+    if (places.empty()) places = planned_;
+    write(chain, places);
     // NVIDIA's GPUs have 65,535 groups along y and z at most.
     constexpr std::size_t most = 32768;
     const std::size_t most_rows = most * group_rows_;
-    for (std::size_t box = 0; box < box_count_; box += most)
+    for (std::size_t box = 0, count = 0; box < places.size(); box += count) {
+        const cl_mem memory = places[box].memory;
+        const std::span<const Place> rest = places.subspan(box, std::min(most, places.size() - box));
+        const auto end = std::ranges::find_if(rest, [&](const Place& place) { return place.memory != memory; });
+        count = static_cast<std::size_t>(end - rest.begin());
+        kernel_.setArg(store_to, cl::Buffer(memory, true));
         for (std::size_t row = 0; row < rows_; row += most_rows)
             chain.then([&](auto& queue, auto* wait, auto* event) {
-                const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), std::min(most, box_count_ - box));
+                const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), count);
                 queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, row, box), all, cl::NDRange(pieces_, group_rows_, 1),
                                            wait, event);
             });
+    }
 }
 
 namespace {
 
-/// Boxes of samples of type From, in blocks of rows, to targets of type To with strides; the second box after a move.
+/// Boxes of samples of type From, in blocks of rows, to targets of type To with strides; the third to another place
+/// than it was planned for.
 template <typename From, typename To>
 bool stores_right(const device::Context& context, const cl::Program& program) {
     const cl::CommandQueue& queue = context.queue();
@@ -108,40 +138,37 @@ bool stores_right(const device::Context& context, const cl::Program& program) {
     target.offset = 7 * sizeof(To);
     target.strides = {2 * stride, 90 * stride, 400 * stride};
     target.component_stride = 1800 * stride;
-    StoredBox box = *stored_box(block, request, target);
-    std::vector<StoredBox> boxes(1, box);
-    box.to += 6000 * stride;
-    boxes.push_back(box);
-    box.to += stride;
+    const StoredBox box = *stored_box(block, request, target);
+    const auto place_at = [&](std::ptrdiff_t elements_on) {
+        StoredBox moved = box;
+        moved.to += elements_on * stride;
+        return moved;
+    };
+    const std::array stored{box, place_at(6000), place_at(6001)};
     std::vector<From> from(block.sample_count() * components);
     std::vector<To> to(12000, To{});
     for (std::size_t i = 0; i < from.size(); ++i) from[i] = static_cast<From>(1 + i * 7 % 251);
     std::vector<To> expected = to;
-    const auto expect = [&](const StoredBox& stored) {
-        for (int z = 0; z < stored.size[2]; ++z)
-            for (int y = 0; y < stored.size[1]; ++y)
-                for (int x = 0; x < stored.size[0]; ++x)
+    for (const StoredBox& of : stored)
+        for (int z = 0; z < of.size[2]; ++z)
+            for (int y = 0; y < of.size[1]; ++y)
+                for (int x = 0; x < of.size[0]; ++x)
                     for (std::size_t c = 0; c < components; ++c) {
-                        const std::size_t sample = static_cast<std::size_t>(stored.from) + block.offset(x, y, z);
-                        const std::int64_t place = stored.to + x * stored.strides[0] + y * stored.strides[1] +
-                                                   z * stored.strides[2] +
-                                                   static_cast<std::int64_t>(c) * stored.component_stride;
+                        const std::size_t sample = static_cast<std::size_t>(of.from) + block.offset(x, y, z);
+                        const std::int64_t place = of.to + x * of.strides[0] + y * of.strides[1] + z * of.strides[2] +
+                                                   static_cast<std::int64_t>(c) * of.component_stride;
                         expected[static_cast<std::size_t>(place / stride)] =
                             static_cast<To>(from[sample * components + c]);
                     }
-    };
-    for (const StoredBox& stored : boxes) expect(stored);
-    expect(box);
     const cl::Buffer samples = device::copied(context, from);
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, to.size() * sizeof(To),
                             to.data());
     const StoredElements elements{components, sizeof(From), !std::is_same_v<From, To>};
     CommandChain chain(queue, {});
-    BoxStore both(context, program, block, elements, samples, memory(), boxes);
+    BoxStore both(context, program, block, elements, samples, {{memory(), stored[0]}, {memory(), stored[1]}});
     both.enqueue(chain);
-    BoxStore moved(context, program, block, elements, samples, memory(), {boxes.front()});
-    moved.move(memory(), box);
-    moved.enqueue(chain);
+    BoxStore moved(context, program, block, elements, samples, {{memory(), stored[0]}});
+    moved.enqueue(chain, std::array{Place{memory(), stored[2]}});
     queue.enqueueReadBuffer(memory, CL_TRUE, 0, to.size() * sizeof(To), to.data());
     return to == expected;
 }

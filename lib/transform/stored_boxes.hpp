@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace clsdf::transform {
@@ -30,29 +31,36 @@ struct StoredElements {
     bool are_widened = false;  ///< they are floats, and the target's are doubles of the same values
 };
 
-/// The launch that stores boxes of a block's packed samples in one of the caller's buffers.
+/// A box of a block's samples in one of the caller's buffers. Without memory there is none yet.
+struct Place {
+    cl_mem memory = nullptr;
+    StoredBox box{};
+};
+
+/// The launches that store boxes of a block's packed samples in the caller's buffers.
 class BoxStore {
 public:
-    /// Without memory it must be moved before it is enqueued. Throws cl::Error.
+    /// There must be one box at least; boxes of one buffer should follow one another. Throws cl::Error.
     BoxStore(const device::Context& context, const cl::Program& program, const Grid& block,
-             const StoredElements& elements, const cl::Buffer& samples, cl_mem memory,
-             const std::vector<StoredBox>& boxes);
+             const StoredElements& elements, const cl::Buffer& samples, std::vector<Place> places);
 
-    /// Other memory, and another place of the only box, from the next launch on.
-    void move(cl_mem memory, const StoredBox& box);
+    /// places: of this run alone, as many and as large as those before; empty: those it was made with. Allocates no
+    /// device memory. Throws cl::Error.
+    void enqueue(CommandChain& chain, std::span<const Place> places = {});
 
-    /// Allocates no device memory. Throws cl::Error.
-    void enqueue(CommandChain& chain);
-
-    std::size_t bytes() const { return box_count_ * sizeof(StoredBox); }
+    std::size_t bytes() const { return written_.size() * sizeof(StoredBox); }
 
 private:
+    /// Writes to the device what differs from there.
+    void write(CommandChain& chain, std::span<const Place> places);
+
     cl::Kernel kernel_;
     cl::Buffer boxes_;
-    std::size_t box_count_;
+    std::vector<Place> planned_;
+    std::vector<StoredBox> written_;     ///< the device's boxes, if all writes succeed
+    cl::Event last_write_;               ///< null before the first
     std::size_t pieces_ = 1, rows_ = 0;  ///< of the launch: pieces of a row, rows of the largest box
     std::size_t group_rows_ = 1;         ///< rows of a work-group
-    std::optional<StoredBox> moved_;
 };
 
 }  // namespace clsdf::transform

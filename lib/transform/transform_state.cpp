@@ -69,7 +69,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(c
     };
     refuse(half_width, "half widths");
     refuse(spacing, "spacings");
-    const KeepsBudget keeps_budget{*this};
+    const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     if (stages->restriction() != nullptr)
         throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
@@ -86,11 +86,12 @@ DistanceTransform::State::~State() {
 }
 
 scan::Programs DistanceTransform::State::build_programs(const CallOptions& call) {
-    transform::throw_if_stopped(call);
+    transform::Caller caller(call);
+    caller.throw_if_stopped();
     const Stopwatch watch;
     transform::TestCase any;
     any.method = options.method;
-    transform::Compiling compiling(call, options.log);
+    transform::Compiling compiling(caller, options.log);
     scan::Programs result = device::guarded([&] {
         return scan::Programs(device::context_of(device), options.body, compiling.watch(transform::step_count(any)));
     });
@@ -180,17 +181,17 @@ transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const 
     return inputs;
 }
 
-std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
     transform::Inputs inputs, const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
-    const CallOptions& call, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
+    transform::Caller& caller, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
     if (!from) from = pool;
-    auto plan = std::make_unique<transform::PlanState>(
+    auto plan = std::make_unique<transform::GridPlan>(
         device, from, programs, std::move(inputs), grid, band, sign, outputs,
-        transform::PlanOptions{call.count, options.method, {wanted.begin(), wanted.end()}},
-        [&call] { transform::throw_if_stopped(call); });
+        transform::PlanOptions{caller.options().count, options.method, {wanted.begin(), wanted.end()}},
+        [&caller] { caller.throw_if_stopped(); });
     // Only the sweep sees whether triangles are large.
     if (plan->has_large_triangles) {
-        transform::TestCase large = test_case_of(grid, band, outputs, call.count);
+        transform::TestCase large = test_case_of(grid, band, outputs, caller.options().count);
         large.is_large = true;
         test(large, compiling);
     }
@@ -198,27 +199,27 @@ std::unique_ptr<transform::PlanState> DistanceTransform::State::make_plan(
     return plan;
 }
 
-std::unique_ptr<transform::PlanState> DistanceTransform::State::take_plan(const Grid& grid, const Band& band,
-                                                                          const Outputs& outputs,
-                                                                          std::span<const Grid> wanted, bool count) {
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const Grid& grid, const Band& band,
+                                                                         const Outputs& outputs,
+                                                                         std::span<const Grid> wanted, bool count) {
     const auto found = std::find_if(plans.begin(), plans.end(), [&](const KeptPlan& kept) {
         return kept.fits(grid, band, outputs, wanted, count);
     });
     if (found == plans.end()) return nullptr;
-    std::unique_ptr<transform::PlanState> plan = std::move(found->plan);
+    std::unique_ptr<transform::GridPlan> plan = std::move(found->plan);
     plans.erase(found);
     // The time of its set-up belongs to the call that made it.
     plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
     return plan;
 }
 
-void DistanceTransform::State::keep(std::unique_ptr<transform::PlanState> plan, bool count) {
+void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan, bool count) {
     if (!options.method) plans.push_front({count, std::move(plan)});
     plan.reset();
     if (plans.size() > most_plans) plans.pop_back();
 }
 
-std::size_t DistanceTransform::State::bytes_of(const transform::PlanState& plan) const {
+std::size_t DistanceTransform::State::bytes_of(const transform::GridPlan& plan) const {
     return plan.own_bytes() + stages->bytes_beside(plan.inputs);
 }
 

@@ -7,8 +7,8 @@
 #include "scan/programs.hpp"
 #include "scan/slab_pipeline.hpp"
 #include "transform/call.hpp"
+#include "transform/grid_plan.hpp"
 #include "transform/plan_state.hpp"
-#include "transform/request_plan.hpp"
 #include "transform/requests.hpp"
 #include "transform/self_test.hpp"
 #include "transform/stages.hpp"
@@ -18,6 +18,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace clsdf {
@@ -27,7 +28,7 @@ struct DistanceTransform::State {
     /// A plan of an earlier call, which the next call of the same kind takes.
     struct KeptPlan {
         bool count;
-        std::unique_ptr<transform::PlanState> plan;
+        std::unique_ptr<transform::GridPlan> plan;
 
         bool fits(const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
                   bool counts) const;
@@ -53,36 +54,43 @@ struct DistanceTransform::State {
     /// lone: see Stages::inputs().
     transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone = false);
     /// wanted: see PlanOptions. from: where its buffers are taken; null: the transform's pool.
-    std::unique_ptr<transform::PlanState> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
-                                                    const Outputs& outputs, std::span<const Grid> wanted,
-                                                    const CallOptions& call, transform::Compiling& compiling,
-                                                    std::shared_ptr<device::BufferPool> from = nullptr);
+    std::unique_ptr<transform::GridPlan> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
+                                                   const Outputs& outputs, std::span<const Grid> wanted,
+                                                   transform::Caller& caller, transform::Compiling& compiling,
+                                                   std::shared_ptr<device::BufferPool> from = nullptr);
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
-    std::unique_ptr<transform::PlanState> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
-                                                    std::span<const Grid> wanted, bool count);
+    std::unique_ptr<transform::GridPlan> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
+                                                   std::span<const Grid> wanted, bool count);
     /// Keeps a plan for the next call.
-    void keep(std::unique_ptr<transform::PlanState> plan, bool count);
+    void keep(std::unique_ptr<transform::GridPlan> plan, bool count);
     /// Drops kept plans and prepared data beyond the budget.
     void keep_within_budget();
     /// Calls keep_within_budget() when a call returns or throws. It is made before the mutex is locked.
     struct KeepsBudget {
         State& state;
+        /// Throws as CallMutex::lock() does, so that the destructor does not.
+        explicit KeepsBudget(State& state_in) : state(state_in) { state.mutex.check_thread(); }
+        KeepsBudget(const KeepsBudget&) = delete;
+        KeepsBudget& operator=(const KeepsBudget&) = delete;
         ~KeepsBudget() {
             const std::scoped_lock lock(state.mutex);
             state.keep_within_budget();
         }
     };
     /// Device memory that a kept plan holds, beside what the stages keep themselves.
-    std::size_t bytes_of(const transform::PlanState& plan) const;
+    std::size_t bytes_of(const transform::GridPlan& plan) const;
     /// Releases what is kept for later calls. Returns whether there was something.
     bool forget();
-    /// Returns what make() returns. If memory is short, calls it again when nothing is kept.
+    /// Returns what make() returns. If memory is short, calls it again when nothing is kept. caller: whose functions it
+    /// calls; null: none.
     template <typename Make>
-    auto make_room_for(const Make& make) {
+    auto make_room_for(const Make& make, const transform::Caller* caller = nullptr) {
         try {
             return make();
         } catch (const Error& error) {
-            if (error.code() != ErrorCode::out_of_memory || !forget()) throw;
+            const bool is_short =
+                caller != nullptr ? caller->is_short_of_memory(error) : error.code() == ErrorCode::out_of_memory;
+            if (!is_short || !forget()) throw;
         }
         return make();
     }
@@ -117,13 +125,18 @@ struct DistanceTransform::State {
                  const CallOptions& call);
 
     // plans.cpp
-    /// A plan of one request. targets_of: makes its targets, when its grid and band have been checked.
-    std::unique_ptr<transform::RequestPlanState> plan(const Request& request,
-                                                      const std::function<scan::DeviceTargets()>& targets_of,
-                                                      const CallOptions& call);
-    /// Makes the blocks of a plan that has none, for the targets of its requests.
-    void plan(transform::RequestPlanState& made, std::vector<Request> requests, const CallOptions& call);
-    void plan(transform::RequestPlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
+    /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
+    /// outputs_without_targets: see PlanState.
+    std::unique_ptr<transform::PlanState> plan(bool has_own_pool, std::vector<Request> requests,
+                                               std::optional<Outputs> outputs_without_targets, const CallOptions& call);
+    /// Makes the blocks of a plan anew, for these requests.
+    void plan(transform::PlanState& made, std::vector<Request> requests, std::optional<Outputs> outputs_without_targets,
+              const CallOptions& call);
+    void plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
+    /// Adds the plans of all blocks, and what they take to its statistics.
+    void add_blocks(transform::PlanState& made, std::span<const transform::PlanState::Block> blocks,
+                    std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
+                    transform::Compiling& compiling);
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();
@@ -141,7 +154,7 @@ struct DistanceTransform::State {
     scan::Programs programs;
     std::shared_ptr<device::BufferPool> pool;
 
-    std::mutex mutex;  // for what follows, and for the work on the device
+    transform::CallMutex mutex;  // for what follows, and for the work on the device
     std::unique_ptr<transform::Stages> stages;
     std::list<KeptPlan> plans;          // that was used last first
     std::vector<Vec3> first_positions;  // of the transform's mesh, from the first move on

@@ -222,7 +222,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
         target.offset = sizeof(float) * slice.sample_count() * static_cast<std::size_t>(z);
         requests.push_back({slice, band(), {.distance = target}});
     }
-    RequestPlan plan = transform.plan(requests);
+    Plan plan = transform.plan(requests);
     disguise::restart();
     const cl::Event first(plan.enqueue(nullptr));
     const cl::Event second(plan.enqueue(nullptr));

@@ -73,7 +73,7 @@ BOOST_AUTO_TEST_CASE(boxes_of_a_plan_with_strides) {
             target.strides = {sizeof(float), row, slice};
             requests.push_back({boxes[n], band, {.distance = target}});
         }
-        RequestPlan plan = transform.plan(requests);
+        Plan plan = transform.plan(requests);
         cl::Event(plan.enqueue(queue())).wait();
         std::vector<float> values(4 * slice / sizeof(float));
         queue.enqueueReadBuffer(memory, CL_TRUE, 0, 4 * slice, values.data());

@@ -131,7 +131,7 @@ BOOST_AUTO_TEST_CASE(queues_events_and_memory_that_are_of_no_use_are_refused) {
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
     const OutputTargets targets{.distance = OutputTarget(memory())};
     Plan plan = transform.plan(grid, band);
-    RequestPlan of_requests = transform.plan(std::vector<Request>{{grid, band, targets}});
+    Plan of_requests = transform.plan(std::vector<Request>{{grid, band, targets}});
     const auto refused = [&](cl_command_queue queue, const std::vector<cl_event>& events,
                              const std::vector<std::string>& words) {
         check_throws(ErrorCode::invalid_argument, words, [&] { plan.enqueue(queue, targets, events); });
@@ -241,11 +241,11 @@ BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error
     Plan from = transform.plan(unit_grid(), Band::symmetric(0.2));
     const Plan to = std::move(from);
     // NOLINTBEGIN(bugprone-use-after-move)
-    for (const std::function<void()>& call :
-         std::vector<std::function<void()>>{[&] { from.grid(); }, [&] { from.band(); }, [&] { from.sign(); },
-                                            [&] { from.statistics(); }, [&] { from.enqueue(nullptr, {}); }})
+    for (const std::function<void()>& call : std::vector<std::function<void()>>{
+             [&] { from.requests(); }, [&] { from.sign(); }, [&] { from.statistics(); }, [&] { from.enqueue(nullptr); },
+             [&] { from.enqueue(nullptr, OutputTargets{}); }})
         check_throws(ErrorCode::invalid_argument, {"Plan", "moved from"}, call);
-    BOOST_TEST((to.grid() == unit_grid()));
+    BOOST_TEST((to.requests().front().grid == unit_grid()));
 
     Device device = test_device();
     const Device other = std::move(device);
@@ -297,7 +297,7 @@ BOOST_AUTO_TEST_CASE(an_event_of_the_caller_that_fails_ends_the_run_and_nothing_
     spread.strides[1] = spread.strides[0] * grid.size[0];
     spread.strides[2] = spread.strides[1] * grid.size[1];
     for (const OutputTarget& target : {OutputTarget(memory()), spread}) {
-        RequestPlan plan = transform.plan(std::vector<Request>{{grid, band, {.distance = target}}});
+        Plan plan = transform.plan(std::vector<Request>{{grid, band, {.distance = target}}});
         cl::UserEvent gate(context.context());
         const std::array wait_list{gate()};
         const cl::Event failed(plan.enqueue(nullptr, wait_list)), after(plan.enqueue(nullptr));

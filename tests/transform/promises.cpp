@@ -130,6 +130,65 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
                 BOOST_TEST(called.contains(function + " of " + name), function << " of " << name << " was not called");
 }
 
+// It would wait for itself.
+BOOST_AUTO_TEST_CASE(a_callers_function_that_uses_the_same_transform_is_refused) {
+    const Box box{{0, 0, 0}, {1, 1, 1}};
+    const std::vector<Vec3> points(1, Vec3{});
+    std::vector<float> distance(1);
+    std::vector<BoxPlace> places(1);
+    for (const auto& [name, call] : all_calls()) {
+        DistanceTransform transform(test_device(), noisy_sphere());
+        const std::vector<std::pair<std::string, std::function<void()>>> uses{
+            {"a field", [&] { transform(grid(), band()); }},
+            {"a query", [&] { transform.query(points, 1, {.distance = distance}); }},
+            {"classify",
+             [&] {
+                 transform.classify({&box, 1}, 0.1, places);
+             }},
+            {"a plan", [&] { static_cast<void>(transform.plan(grid(), band())); }},
+            {"move", [&] { transform.move(noisy_sphere().vertices()); }},
+            {"restrict_to", [&] { static_cast<void>(transform.restrict_to(box, 0.1, 0.1)); }},
+            {"memory", [&] { static_cast<void>(transform.memory()); }}};
+        for (const auto& [use_name, use] : uses) BOOST_TEST_CONTEXT(use_name << " in should_stop of " << name) {
+                CallOptions options;
+                options.should_stop = [&use = use] {
+                    use();
+                    return false;
+                };
+                check_throws(ErrorCode::invalid_argument, {"used the transform that makes the call"},
+                             [&, &call = call] { call(transform, options); });
+            }
+        check_exact(noisy_sphere(), transform(grid(), band()));
+    }
+}
+
+BOOST_AUTO_TEST_CASE(work_is_counted_wherever_the_field_goes) {
+    const DistanceTransform transform(test_device(), noisy_sphere());
+    const DeviceMemory memory(test_device().context(), grid().sample_count());
+    TransformStatistics on_host, on_device;
+    transform(grid(), band(), {}, {.count = true, .statistics = &on_host});
+    transform.compute(grid(), band(), {.distance = memory.handle()}, {.count = true, .statistics = &on_device});
+    BOOST_TEST(on_host.band_samples > 0U);
+    for (const auto counter : {&TransformStatistics::brick_pairs, &TransformStatistics::lanes_evaluated,
+                               &TransformStatistics::samples_covered, &TransformStatistics::band_samples})
+        BOOST_TEST((on_device.*counter) == (on_host.*counter));
+}
+
+BOOST_AUTO_TEST_CASE(a_component_stride_alone_stores_all_x_before_all_y) {
+    const DistanceTransform transform(test_device(), noisy_sphere());
+    const Field field = transform(grid(), band(), {.gradient = true});
+    const std::size_t samples = grid().sample_count();
+    std::vector<float> distance(samples), gradient(3 * samples);
+    OutputTarget planes = gradient;
+    planes.component_stride = static_cast<std::ptrdiff_t>(samples * sizeof(float));
+    transform.compute(grid(), band(), {.distance = distance, .gradient = planes});
+    std::vector<float> expected(3 * samples);
+    for (std::size_t sample = 0; sample < samples; ++sample)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            expected[axis * samples + sample] = field.gradient[3 * sample + axis];
+    BOOST_TEST((bits_of(gradient) == bits_of(expected)));
+}
+
 BOOST_AUTO_TEST_CASE(what_the_log_throws_is_passed_on) {
     const Mesh open = without_triangle(cube(1), 3);
     const auto transform_with = [&](const std::function<void()>& fail) {
@@ -157,7 +216,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_another_lattice) {
             memory.emplace_back(test_device().context(), one.sample_count());
             requests.push_back({one, band(), {.distance = memory.back().handle()}});
         }
-        RequestPlan plan = transform.plan(requests);
+        Plan plan = transform.plan(requests);
         const auto check = [&] {
             cl::Event(plan.enqueue(nullptr)).wait();
             for (std::size_t n = 0; n < grids.size(); ++n) {

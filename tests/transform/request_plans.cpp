@@ -111,6 +111,10 @@ struct Boxes {
         Band band;
         Outputs outputs;
         std::vector<Target> targets;  // distance, then those of the outputs
+
+        bool has_elements_of(const Box& other) const {
+            return targets.front().target.element == other.targets.front().target.element;
+        }
     };
     std::vector<Box> boxes;
     Device device = test_device();
@@ -151,6 +155,22 @@ struct Boxes {
             result.push_back({box.grid, box.band, targets});
         }
         return result;
+    }
+
+    /// The same boxes with targets of the same elements in other memory, at other places in it.
+    Boxes elsewhere(Random& random) const {
+        Boxes others{{}, device};
+        for (const Box& box : boxes) do {
+                if (others.boxes.size() > static_cast<std::size_t>(&box - boxes.data())) others.boxes.pop_back();
+                others.add(box.grid, box.band, box.outputs, random);
+            } while (!others.boxes.back().has_elements_of(box));
+        return others;
+    }
+
+    std::vector<OutputTargets> targets() const {
+        std::vector<OutputTargets> all;
+        for (const Request& request : requests()) all.push_back(request.targets);
+        return all;
     }
 
     void expect(const DistanceTransform& transform) {
@@ -198,7 +218,7 @@ Boxes boxes_of_three_levels(const Mesh& mesh, Random& random) {
     return boxes;
 }
 
-void run(RequestPlan& plan, cl_command_queue queue) {
+void run(Plan& plan, cl_command_queue queue) {
     const cl::Event end(plan.enqueue(queue));
     end.wait();
 }
@@ -214,7 +234,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_writes_the_bytes_of_calls_of_their_own) {
         const DistanceTransform transform(test_device(), mesh, {.body = body});
         Boxes boxes = boxes_of_three_levels(mesh, random);
         boxes.expect(transform);
-        RequestPlan plan = transform.plan(boxes.requests());
+        Plan plan = transform.plan(boxes.requests());
         BOOST_TEST(plan.requests().size() == boxes.boxes.size());
         for (const cl_command_queue_properties properties : {0U, unsigned{CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE}}) {
             const cl::CommandQueue queue = callers_queue(properties);
@@ -250,18 +270,15 @@ BOOST_AUTO_TEST_CASE(a_plan_of_one_request_takes_other_targets_from_run_to_run) 
                 first.boxes.clear();
                 first.add(grid, band, outputs, random);
             }
-            const bool in_double = first.boxes.front().targets.front().target.element == OutputTarget::Element::float64;
             while (others.boxes.size() < 3) {
                 others.add(grid, band, outputs, random);
-                const OutputTarget& target = others.boxes.back().targets.front().target;
-                if ((target.element == OutputTarget::Element::float64) != in_double) others.boxes.pop_back();
+                if (!others.boxes.back().has_elements_of(first.boxes.front())) others.boxes.pop_back();
             }
             others.boxes.insert(others.boxes.begin(), first.boxes.front());
             others.expect(DistanceTransform(test_device(), mesh, {.body = body}));
             others.clear();
             const std::vector<Request> requests = others.requests();
             Plan plan = transform.plan(requests.front());
-            BOOST_TEST((plan.grid() == grid));
             BOOST_TEST((plan.statistics().slabs > 1) == is_small);
             const cl::CommandQueue queue = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, device);
             std::vector<cl::Event> ends;
@@ -269,6 +286,124 @@ BOOST_AUTO_TEST_CASE(a_plan_of_one_request_takes_other_targets_from_run_to_run) 
             cl::Event::waitForEvents(ends);
             others.check();
         }
+}
+
+// Codes that keep the old and the new state of a step swap two sets of arrays.
+BOOST_AUTO_TEST_CASE(a_plan_of_boxes_takes_other_targets_from_run_to_run) {
+    constexpr std::uint64_t seed = 20261124;
+    BOOST_TEST_MESSAGE("seed " << seed);
+    Random random(seed);
+    const Mesh mesh = make_shape("knot");
+    for (const KernelBody body : both_bodies) {
+        DistanceTransform transform(test_device(), mesh, {.body = body});
+        Boxes planned = boxes_of_three_levels(mesh, random);
+        // All are copied: a box that is computed in place takes packed targets only.
+        for (Boxes::Box& box : planned.boxes)
+            while (box.targets.front().target.offset == 0) {
+                Boxes again{{}, planned.device};
+                again.add(box.grid, box.band, box.outputs, random);
+                box = again.boxes.front();
+            }
+        Boxes other = planned.elsewhere(random);
+        Plan plan = transform.plan(planned.requests());
+        const cl::CommandQueue queue = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
+        for (int turn = 0; turn < 2; ++turn) {
+            for (Boxes* boxes : {&planned, &other}) {
+                boxes->expect(transform);
+                boxes->clear();
+            }
+            // Both are under way at once.
+            const cl::Event first(plan.enqueue(queue(), other.targets()));
+            const cl::Event second(plan.enqueue(queue()));
+            cl::Event::waitForEvents({first, second});
+            other.check();
+            planned.check();
+            std::vector<Vec3> positions = mesh.vertices();
+            for (Vec3& p : positions) p[0] += 0.1 * p[1];
+            transform.move(positions);
+            plan.move(transform);
+        }
+
+        // A run that fails stores nothing, and leaves no place behind for the next one.
+        cl::UserEvent gate(context().context());
+        const std::array wait_list{gate()};
+        const cl::Event failed(plan.enqueue(queue(), other.targets(), wait_list));
+        gate.setStatus(-5);
+        const cl_event handle = failed();
+        BOOST_TEST(clWaitForEvents(1, &handle) == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST);
+        check_throws(ErrorCode::device_failure, {"event 0 of the wait list's 1 has failed"},
+                     [&] { plan.enqueue(queue(), wait_list); });
+        for (Boxes* boxes : {&other, &planned}) {
+            boxes->clear();
+            boxes->expect(transform);
+        }
+        cl::Event(plan.enqueue(queue(), other.targets())).wait();
+        other.check();
+        run(plan, queue());
+        planned.check();
+    }
+}
+
+BOOST_AUTO_TEST_CASE(a_plan_of_a_grid_moves_and_takes_its_targets_from_run_to_run) {
+    const Mesh mesh = make_shape("knot");
+    DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 40, 4);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    Plan plan = transform.plan(grid, band, {.triangle = true});
+    check_throws(ErrorCode::invalid_argument, {"has no targets", "give enqueue() targets"},
+                 [&] { plan.enqueue(nullptr); });
+    std::vector<Vec3> positions = mesh.vertices();
+    for (Vec3& p : positions) p = {p[0], 1.1 * p[1], p[2] + 0.2 * p[0]};
+    transform.move(positions);
+    const std::array places{grid.block({5, -3, 2}, grid.size).grown(1)};
+    plan.move(transform, places);
+    BOOST_TEST((plan.requests().front().grid == places.front()));
+    const DeviceMemory distance(test_device().context(), places.front().sample_count()),
+        triangle(test_device().context(), places.front().sample_count());
+    cl::Event(plan.enqueue(nullptr, {.distance = distance.handle(), .triangle = triangle.handle()})).wait();
+    const Field expected = transform(places.front(), band, {.triangle = true});
+    BOOST_TEST((distance.read(callers_queue()) == bits_of(expected.distance)));
+    BOOST_TEST(std::ranges::equal(triangle.read(callers_queue()), expected.triangle));
+    // With targets of its own from now on.
+    plan.replan(transform, std::vector<Request>{{grid, band, {.distance = distance.handle()}}});
+    run(plan, nullptr);
+    std::vector<std::uint32_t> bits = distance.read(callers_queue());
+    bits.resize(grid.sample_count());
+    BOOST_TEST((bits == bits_of(transform(grid, band).distance)));
+}
+
+BOOST_AUTO_TEST_CASE(targets_that_a_run_of_a_plan_of_boxes_cannot_write_to_are_named) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const Grid grid = grid_around(mesh, 20, 2), fine = grid.refined(2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    const DeviceMemory of_grid(test_device().context(), 2 * grid.sample_count()),
+        of_fine(test_device().context(), 2 * fine.sample_count());
+    const OutputTarget packed = of_grid.handle(), doubles(of_fine.handle(), OutputTarget::Element::float64);
+    OutputTarget shifted = packed;
+    shifted.offset = sizeof(float);
+    // Two lattices: the first box is computed in place, the second is copied.
+    Plan plan =
+        transform.plan(std::vector<Request>{{grid, band, {.distance = packed}}, {fine, band, {.distance = doubles}}});
+    const auto enqueue = [&](const OutputTargets& first, const OutputTargets& second) {
+        const std::array targets{first, second};
+        cl::Event(plan.enqueue(nullptr, targets)).wait();
+    };
+    check_throws(ErrorCode::unsupported, {"request 0 of 2", "begins at byte 4"},
+                 [&] { enqueue({.distance = shifted}, {.distance = doubles}); });
+    check_throws(ErrorCode::unsupported, {"request 1 of 2", "other elements"},
+                 [&] { enqueue({.distance = packed}, {.distance = of_fine.handle()}); });
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "distance has no target"},
+                 [&] { enqueue({.distance = packed}, {}); });
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "triangle has a target"},
+                 [&] { enqueue({.distance = packed}, {.distance = doubles, .triangle = of_fine.handle()}); });
+    check_throws(ErrorCode::invalid_argument, {"2 requests", "the targets of 1"},
+                 [&] { plan.enqueue(nullptr, OutputTargets{.distance = packed}); });
+    // Nothing was enqueued; the plan still works.
+    enqueue({.distance = packed}, {.distance = doubles});
+    std::vector<std::uint32_t> bits = of_grid.read(callers_queue());
+    bits.resize(grid.sample_count());
+    BOOST_TEST((bits == bits_of(transform(grid, band).distance)));
 }
 
 BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_one_grid_cannot_write_to_are_named) {
@@ -304,7 +439,7 @@ BOOST_AUTO_TEST_CASE(runs_of_a_plan_of_boxes_follow_one_another_and_the_callers_
     const DistanceTransform transform(test_device(), mesh);
     Boxes boxes = boxes_of_three_levels(mesh, random);
     boxes.expect(transform);
-    RequestPlan plan = transform.plan(boxes.requests());
+    Plan plan = transform.plan(boxes.requests());
     boxes.clear();
     const cl::CommandQueue out_of_order = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE),
                            in_order = callers_queue();
@@ -327,7 +462,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_with_the_vertices_and_to_other_places
     const Mesh mesh = make_shape("knot");
     DistanceTransform transform(test_device(), mesh);
     Boxes boxes = boxes_of_three_levels(mesh, random);
-    RequestPlan plan = transform.plan(boxes.requests());
+    Plan plan = transform.plan(boxes.requests());
     std::vector<Vec3> positions = mesh.vertices();
     for (Vec3& p : positions) p = {1.1 * p[0] + 0.1, p[1] - 0.05 * p[0], 0.9 * p[2]};
     transform.move(positions);
@@ -363,7 +498,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_any_number_of_other_boxes) {
     Boxes few = boxes_of_three_levels(mesh, random), many = boxes_of_three_levels(mesh, random);
     few.boxes.resize(5);
     for (Boxes* boxes : {&few, &many}) boxes->expect(transform);
-    RequestPlan plan = transform.plan(few.requests());
+    Plan plan = transform.plan(few.requests());
     for (const Boxes* boxes : {&many, &few, &many}) {
         plan.replan(transform, boxes->requests());
         BOOST_TEST(plan.requests().size() == boxes->boxes.size());
@@ -422,7 +557,7 @@ BOOST_AUTO_TEST_CASE(the_memory_of_a_plan_of_boxes_is_known_before) {
     const DistanceTransform transform(test_device(), mesh);
     const Boxes boxes = boxes_of_three_levels(mesh, random);
     const std::size_t bytes = transform.plan_bytes(boxes.requests());
-    const RequestPlan plan = transform.plan(boxes.requests());
+    const Plan plan = transform.plan(boxes.requests());
     // A plan may take free buffers that are a little larger.
     BOOST_TEST(static_cast<double>(plan.statistics().device_bytes) == static_cast<double>(bytes),
                boost::test_tools::tolerance(0.1));
@@ -437,13 +572,13 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_outlives_its_transform) {
     Boxes boxes = boxes_of_three_levels(mesh, random);
     boxes.expect(DistanceTransform(test_device(), mesh));
     std::optional<DistanceTransform> transform(std::in_place, test_device(), mesh);
-    RequestPlan first = transform->plan(boxes.requests());
+    Plan first = transform->plan(boxes.requests());
     transform.reset();
-    RequestPlan plan = std::move(first);
+    Plan plan = std::move(first);
     boxes.clear();
     run(plan, nullptr);
     boxes.check();
-    check_throws(ErrorCode::invalid_argument, {"RequestPlan was moved from"}, [&] { first.enqueue(nullptr); });
+    check_throws(ErrorCode::invalid_argument, {"Plan was moved from"}, [&] { first.enqueue(nullptr); });
 }
 
 BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
@@ -470,7 +605,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
     check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "distance has no target"}, [&] { plan_with({}); });
 
     const std::vector<Request> one{{grid, band, {.distance = memory.handle()}}};
-    RequestPlan plan = transform.plan(one);
+    Plan plan = transform.plan(one);
     const std::vector<Grid> two(2, grid);
     check_throws(ErrorCode::invalid_argument, {"1 requests", "2 grids"}, [&] { plan.move(transform, two); });
     // A move to grids that are refused changes nothing.
@@ -484,7 +619,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
     stopped.should_stop = [calls = 0]() mutable { return ++calls > 1; };
     const std::vector<Grid> other(1, grid.block({1, 0, 0}, grid.size));
     check_throws(ErrorCode::cancelled, {}, [&] { plan.move(transform, other, stopped); });
-    check_throws(ErrorCode::invalid_argument, {"move() failed"}, [&] { plan.enqueue(nullptr); });
+    check_throws(ErrorCode::invalid_argument, {"move() or replan() failed"}, [&] { plan.enqueue(nullptr); });
     plan.move(transform);
     run(plan, nullptr);
     BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
@@ -512,7 +647,7 @@ BOOST_AUTO_TEST_CASE(memory_that_values_would_share_or_kernels_may_not_write_is_
 
 BOOST_AUTO_TEST_CASE(a_plan_without_requests_waits_for_the_callers_events) {
     const DistanceTransform transform(test_device(), make_shape("tetrahedron"));
-    RequestPlan plan = transform.plan(std::span<const Request>());
+    Plan plan = transform.plan(std::span<const Request>());
     const cl::UserEvent before(context().context());
     const cl_event event = before();
     const cl::CommandQueue queue = callers_queue();
@@ -537,7 +672,7 @@ BOOST_AUTO_TEST_CASE(more_boxes_than_a_launch_has_groups_are_all_stored) {
                 requests.push_back({grid.part({x, y, z}, {1, 1, 1}), band, {.distance = target}});
             }
     BOOST_REQUIRE(requests.size() > 32768U);
-    RequestPlan plan = transform.plan(requests);
+    Plan plan = transform.plan(requests);
     run(plan, nullptr);
     BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
 }
@@ -549,7 +684,7 @@ BOOST_AUTO_TEST_CASE(plans_take_the_memory_that_their_transform_may_take) {
     const Grid grid = grid_around(mesh, 150, 2);
     const Band band = Band::symmetric(2 * grid.voxel());
     std::vector<cl::Buffer> memory;
-    std::vector<RequestPlan> plans;
+    std::vector<Plan> plans;
     const auto add = [&] {
         memory.emplace_back(cl::Context(device.context(), true), CL_MEM_READ_WRITE,
                             2 * grid.sample_count() * sizeof(float));

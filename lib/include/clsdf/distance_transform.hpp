@@ -97,9 +97,11 @@ struct TransformStatistics {
     double fill_seconds = 0;
 };
 
-/// Options of one call. Its functions run on the calling thread; they must not make or use transforms of the device.
+/// Options of one call. Its functions run on the calling thread. They must not make or use transforms of the device; a
+/// call of the same transform is refused with Error(invalid_argument).
 struct CallOptions {
-    std::function<void(double fraction)> progress{};  ///< called between launches
+    /// Called between launches of calls that compute. A plan has no progress: its runs do not return to the host.
+    std::function<void(double fraction)> progress{};
     /// Called before each step of building, loading and testing programs; while another process compiles them, again
     /// and again.
     std::function<void(const Compilation& compilation)> compiling{};
@@ -136,61 +138,44 @@ struct SlabOptions {
 class DistanceTransform;
 
 namespace transform {
-struct RequestPlanState;
+struct PlanState;
 }  // namespace transform
 
-/// Everything that depends on a grid and a band, computed once: polyhedra, lists, the sign's crossings, buffers.
-/// Holds its own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued.
-/// One thread at a time. Once moved from, every member but assignment and the destructor throws
-/// Error(invalid_argument).
+/// Boxes that are computed again and again into the caller's device memory: DistanceTransform::plan(). A plan holds all
+/// that depends on positions, grids and bands: polyhedra, lists, the sign's crossings, buffers. It has its own copy of
+/// what it needs and may outlive the transform; its destructor waits for what it has enqueued. One thread at a time.
+/// Once moved from, every member but assignment and the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT Plan {
 public:
     Plan(Plan&&) noexcept;
     Plan& operator=(Plan&&) noexcept;
     ~Plan();
 
-    const Grid& grid() const;
-    const Band& band() const;
-    SignRule sign() const;
-
-    /// Enqueues the field's computation into the caller's device memory on the caller's queue (null: the device's own),
-    /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
-    /// which the caller releases. May be called again at once, on any queue of the device's context: computations of a
-    /// plan follow one another.
-    ///
-    /// The targets may change from call to call; the outputs are those of the plan. Targets must be packed and aligned
-    /// (OutputTarget::offset), unless plan() got a request with a target that is not. Then targets may have any offset
-    /// and strides, with elements as in the request. Throws Error(invalid_argument) for memory that is missing,
-    /// read-only, too small or no buffer, and for memory, a queue or an event of another context; Error(unsupported)
-    /// for other targets, and Error(device_failure).
-    cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
-
-    const TransformStatistics& statistics() const;
-
-private:
-    friend class DistanceTransform;
-    explicit Plan(std::unique_ptr<transform::RequestPlanState> state);
-    transform::RequestPlanState& state() const;
-    std::unique_ptr<transform::RequestPlanState> state_;
-};
-
-/// Many boxes that are computed again and again into the caller's device memory: DistanceTransform::plan(). Holds its
-/// own copy of what it needs and may outlive the transform; its destructor waits for what it has enqueued. One thread
-/// at a time. Once moved from, every member but assignment and the destructor throws Error(invalid_argument).
-class CLSDF_EXPORT RequestPlan {
-public:
-    RequestPlan(RequestPlan&&) noexcept;
-    RequestPlan& operator=(RequestPlan&&) noexcept;
-    ~RequestPlan();
-
+    /// One without targets if the plan was made from a grid.
     std::span<const Request> requests() const;
+    SignRule sign() const;
 
     /// Enqueues the computation of all requests into their targets on the caller's queue (null: the device's own),
     /// after the events of `wait_list`. Never blocks and never allocates device memory. Returns the event of its end,
     /// which the caller releases. May be called again at once, on any queue of the device's context, in order or not:
-    /// runs of a plan follow one another. Throws Error(device_failure), Error(invalid_argument) after a failed move()
-    /// and for a queue or an event of another context.
+    /// runs of a plan follow one another.
+    ///
+    /// Throws Error(device_failure), also for an event that has failed; Error(invalid_argument) for a plan that was
+    /// made without targets, after a failed move() or replan(), and for a queue or an event of another context.
     cl_event enqueue(cl_command_queue queue, std::span<const cl_event> wait_list = {});
+
+    /// The same into other targets, one for each request, in this run only: for codes with two sets of arrays. The
+    /// outputs are those of the plan. If a request's target was packed and aligned (OutputTarget::offset), as it is for
+    /// a plan without targets, the other one must be, too. Instead of any other target there may be one of any offset
+    /// and strides, with the same elements; each box whose place in its buffer differs from the run before costs a
+    /// small command.
+    ///
+    /// Also throws Error(invalid_argument) if there are not as many targets as requests, and for memory that is
+    /// missing, read-only, too small or no buffer; Error(unsupported) for other targets. Then nothing is enqueued.
+    cl_event enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,
+                     std::span<const cl_event> wait_list = {});
+    /// The same of a plan with one request.
+    cl_event enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list = {});
 
     /// Prepares the next runs for the present positions of `transform`, which made the plan or has its Device. If
     /// `grids` is not empty, it has a grid for each request, of any lattice, whose samples fit the request's target.
@@ -207,9 +192,9 @@ public:
 
 private:
     friend class DistanceTransform;
-    explicit RequestPlan(std::unique_ptr<transform::RequestPlanState> state);
-    transform::RequestPlanState& state() const;
-    std::unique_ptr<transform::RequestPlanState> state_;
+    explicit Plan(std::unique_ptr<transform::PlanState> state);
+    transform::PlanState& state() const;
+    std::unique_ptr<transform::PlanState> state_;
 };
 
 /// Memory that a transform keeps between calls, in bytes, beside the mesh itself and the free buffers that it uses
@@ -365,7 +350,8 @@ public:
 
     KeptMemory memory() const;
 
-    /// May block; sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
+    /// A plan of one grid, without targets: each Plan::enqueue() gets them. They must be packed and aligned. Blocks;
+    /// sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
     /// The same for the request's targets, buffers of the device's context. Offsets and strides are multiples of the
@@ -376,13 +362,13 @@ public:
     /// The same for many boxes, as compute() has them. The targets must not overlap, and must outlive the plan. Boxes
     /// that share a block with other boxes are copied, too. Throws Error(invalid_argument, unsupported, out_of_memory
     /// or cancelled), with the request's index.
-    RequestPlan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
+    Plan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
 
     /// The statistics().device_bytes of such a plan, which is made and given back. Takes as long as plan().
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
 
 private:
-    friend class RequestPlan;
+    friend class Plan;
     DistanceTransform() = default;
     /// Into memory of the device, by way of a plan.
     void compute_on_device(std::span<const Request> requests, const CallOptions& call,

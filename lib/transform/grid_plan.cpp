@@ -1,0 +1,115 @@
+#include "transform/grid_plan.hpp"
+
+#include "core/lifetime.hpp"
+#include "core/stopwatch.hpp"
+#include "device/opencl.hpp"
+#include "scan/brick_scan.hpp"
+#include "scan/layout_of.hpp"
+#include "scan/programs.hpp"
+#include "scan/sign_sweep.hpp"
+#include "transform/field_method.hpp"
+
+namespace clsdf::transform {
+
+GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs,
+                   Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
+                   const Outputs& outputs_in, const PlanOptions& options, const std::function<void()>& between_launches)
+    : device(std::move(device_in)),
+      pool(std::move(pool_in)),
+      inputs(std::move(inputs_in)),
+      grid(grid_in),
+      band(band_in),
+      sign(sign_in),
+      outputs(outputs_in),
+      wanted(options.wanted) {
+    const Stopwatch watch;
+    device::Context& context = device::context_of(device);
+    const Layout layout = layout_of(grid, band, sign);
+    const ShortLaunches launches(context, between_launches);
+    Stopwatch sign_watch;
+    SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches);
+    statistics.sign_seconds = sign_watch.seconds();
+    const cl::Buffer sign_bits = sweep.bits();
+    const PreparedMesh& records = *inputs.records;
+    if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
+    device::guarded([&] {
+        const BrickVariant variant{outputs != Outputs{}, options.count, has_long_bricks(grid)};
+        scan_ =
+            options.method
+                ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
+                : make_brick_scan(context, programs, pool, layout, records, inputs.selection, inputs.points, sign_bits,
+                                  finishing_ ? &*finishing_ : nullptr, variant, options.wanted, launches);
+        // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
+        sign_watch = Stopwatch();
+        SignBits signs = sweep.finish();
+        sign_bits_ = std::move(signs.bits);
+        has_large_triangles = signs.has_large_triangles;
+        statistics.sign_seconds += sign_watch.seconds();
+        context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
+        context.queue().flush();
+        runs_.add(ready_);
+    });
+
+    statistics.triangles = records.triangle_count;
+    statistics.polyhedra = records.polyhedron_count;
+    statistics.box_polyhedra = records.boxes;
+    statistics.saddle_vertices = records.saddle_vertices;
+    statistics.point_sites = records.point_sites;
+    statistics.method_counts = records.method_counts;
+    statistics.lists_seconds = watch.seconds();
+    statistics.device_bytes = records.device_bytes() + sign_bits_.bytes();
+    scan_->describe(statistics);
+}
+
+GridPlan::~GridPlan() {
+    if (runs_.wait() == CL_SUCCESS) return;
+    // Whatever takes them next must not share them with what may be under way.
+    keep_for_good(scan_);
+    keep_for_good(sign_bits_);
+    keep_for_good(inputs);
+}
+
+cl::Event GridPlan::enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
+                            const std::vector<cl::Event>& wait_list,
+                            const std::function<void(double)>& between_launches) {
+    std::vector<cl::Event> before = wait_list;
+    const cl::Event latest = runs_.latest();  // which has the same buffers
+    before.push_back(latest() != nullptr ? latest : ready_);
+    CommandChain chain(queue, std::move(before));
+    try {
+        scan_->enqueue_begin(chain, buffers);
+        before_launches_ = chain.last();
+        for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
+            if (between_launches) {
+                chain.wait();
+                between_launches(scan_->fraction_before(launch));
+            }
+            scan_->enqueue_launch(chain, launch);
+        }
+        after_launches_ = chain.last();
+        scan_->enqueue_end(chain);
+    } catch (...) {
+        if (chain.has_begun()) runs_.add(chain.last(), chain.events());
+        throw;
+    }
+    last_ = chain.last();
+    runs_.add(last_, chain.events());
+    queue.flush();
+    return last_;
+}
+
+void GridPlan::read_counters() {
+    scan_->read_counters(device::context_of(device).queue(), statistics);
+}
+
+void GridPlan::read_times(const cl::CommandQueue& queue) {
+    if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
+    const auto seconds = [](const cl::Event& from, const cl::Event& to) {
+        const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();
+        return 1e-9 * static_cast<double>(to.getProfilingInfo<CL_PROFILING_COMMAND_END>() - begin);
+    };
+    statistics.bricks_seconds = seconds(before_launches_, after_launches_);
+    statistics.fill_seconds = seconds(after_launches_, last_);
+}
+
+}  // namespace clsdf::transform
