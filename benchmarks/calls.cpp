@@ -4,6 +4,8 @@
 
 #include <clsdf/reference.hpp>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -185,10 +187,10 @@ CallCost measure_again(const Job& job, Judge& judge) {
 /// Of a band of 10% on 256 samples a side: from the mesh's arrays, or with a transform that is kept.
 CallCost measure_outputs(const Job& job, Judge& judge, bool is_kept) {
     const char* const what =
-        "distance, closest point and gradient, both in floats / the distance; a band of 10% on 256";
+        "distance, closest point and gradient, both in floats / the distance; a band of 10% on 256 samples on the "
+        "longest side";
     CallCost cost{is_kept ? "outputs_again" : "outputs",
-                  std::string(what) +
-                      (is_kept ? " samples a side, on a kept transform" : " samples a side, from the mesh's arrays")};
+                  std::string(what) + (is_kept ? ", on a kept transform" : ", from the mesh's arrays")};
     if (!is_kept) cost.limit = 1.5;
     const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
     const Grid grid = Grid::around(job.mesh, job.scaled(256), wide);
@@ -229,8 +231,8 @@ std::vector<Index3> chosen_samples(const Field& field, std::size_t count, std::u
 
 CallCost measure_one_sample(const Job& job, Judge& judge) {
     CallCost cost{"one_sample",
-                  "a grid of one sample, half of 64 in the band / a band of 10% on 256 samples a side, "
-                  "from the mesh's arrays"};
+                  "a grid of one sample, half of 64 in the band / a band of 10% on 256 samples on the "
+                  "longest side, from the mesh's arrays"};
     cost.limit = 1.0 / 50;
     const Grid grid = job.grid(256);
     const DistanceTransform transform = job.transform();
@@ -382,11 +384,13 @@ std::vector<Vec3> twisted(const Mesh& mesh) {
     return positions;
 }
 
-CallCost measure_moved(const Job& job) {
-    CallCost cost{"moved", "vertices move, and a field / a transform is made, and its first field"};
-    cost.limit = 0.7;
+CallCost measure_moved(const Job& job, const char* name, std::int64_t resolution) {
+    CallCost cost{name, fmt::format("vertices move, and a field of {0} samples on the longest side / a transform is "
+                                    "made, and its first field",
+                                    resolution)};
+    cost.limit = 0.5;
     const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
-    const Grid grid = job.grid(256);
+    const Grid grid = job.grid(resolution);
     const Band band = Job::band(grid);
     Field field = job.transform()(grid, band);
     DistanceTransform transform = job.transform();
@@ -484,11 +488,10 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     Judge judge(mesh, options.seed);
-    return {measure_again(job, judge),          measure_outputs(job, judge, false),
-            measure_outputs(job, judge, true),  measure_one_sample(job, judge),
-            measure_patches(job, judge, false), measure_patches(job, judge, true),
-            measure_band_boxes(job, judge),     measure_moved(job),
-            measure_classify(job, judge),       measure_small_meshes(job)};
+    return {measure_again(job, judge),      measure_outputs(job, judge, false), measure_outputs(job, judge, true),
+            measure_one_sample(job, judge), measure_patches(job, judge, false), measure_patches(job, judge, true),
+            measure_band_boxes(job, judge), measure_moved(job, "moved", 256),   measure_moved(job, "moved_128", 128),
+            measure_classify(job, judge),   measure_small_meshes(job)};
 }
 
 }  // namespace clsdf::bench

@@ -12,10 +12,10 @@ namespace clsdf::points {
 
 /// The sign on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
 ///
-/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign, if
-/// the face lies apart from all that it shares no vertex with, by more than all rounding, and folds onto none: its
-/// front is then the same place as the fronts beside it, and one point's crossings tell for all of them.
-/// docs/method.md, 'Sides of faces', proves it.
+/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign. A
+/// face has known sides if all faces that share no vertex with it are farther away than all rounding, and if it is not
+/// folded onto a neighbour. Then the fronts of neighbouring faces belong to one region, and the crossings of one point
+/// decide the sign of all of them. docs/method.md, 'Sides of faces', proves it.
 struct FaceSides {
     device::BufferPool::Lease sides;
     std::size_t known = 0;  ///< faces whose sides are

@@ -29,9 +29,9 @@ Kernel::Point_3 point(const Vec3& v) {
 __extension__ using Integer = __int128;
 using Integers = std::array<std::int64_t, 3>;
 
-/// Differences of coordinates, where a power of two makes all of them integers below 2^59: so it does those of a mesh's
-/// neighbouring vertices, except where a coordinate is near 0, whose last digit is far smaller then. That a difference
-/// is exact is told by adding and subtracting it again: its error would be a multiple of the last digit of the smaller
+/// Differences of coordinates as integers below 2^59, if one power of two scales all of them. Those of a mesh's
+/// neighbouring vertices have one, unless a coordinate is near 0: then its last digit is far smaller. A difference is
+/// exact if adding it back gives the other coordinate; an error would be a multiple of the last digit of the smaller
 /// number.
 class IntegerDifferences {
 public:

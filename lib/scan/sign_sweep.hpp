@@ -21,8 +21,7 @@ struct SignBits {
     bool has_large_triangles = false;  ///< a triangle of the sweep has more than CLSDF_LARGE_ROWS rows
 };
 
-/// The sweep, in two steps: between them the host may enqueue other work and wait for it, and so for the first step
-/// too.
+/// The sweep. It has two steps: between them the host may enqueue other work, and one wait covers both.
 class SignSweep {
 public:
     /// Enqueues the search for the crossings. Without a mesh all bits are 0. The arguments must outlive this.

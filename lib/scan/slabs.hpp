@@ -10,8 +10,8 @@
 
 namespace clsdf::scan {
 
-/// How a grid is divided along z. Whole coarse bricks are best, because their lists are made for each slab; a slab of
-/// whole bricks repeats no sample's work; and what is less still has the same bytes.
+/// How a grid is divided along z. Slabs end at coarse bricks if possible, because each slab makes its own lists.
+/// Otherwise they end at bricks, so that no sample is computed twice. Any division gives the same bytes.
 struct SlabLimits {
     std::size_t preferred;  ///< bytes of distances: slabs of whole coarse bricks up to it, one of them at least,
     std::size_t tolerated;  ///< as long as that takes no more than this; whole bricks else

@@ -29,22 +29,65 @@ Grid block_of(const Grid& grid, std::int64_t place) {
     return grid.block(first, size);
 }
 
-/// Samples of a block that differ from those of the whole field.
-std::size_t differences(const Field& field, const Grid& block, std::span<const float> values) {
-    std::size_t count = 0, i = 0;
-    for (std::int64_t z = 0; z < block.size[2]; ++z)
-        for (std::int64_t y = 0; y < block.size[1]; ++y)
-            for (std::int64_t x = 0; x < block.size[0]; ++x, ++i) {
-                const std::size_t at = field.grid.offset(block.first[0] - field.grid.first[0] + x,
-                                                         block.first[1] - field.grid.first[1] + y,
-                                                         block.first[2] - field.grid.first[2] + z);
-                count += std::memcmp(&field.distance[at], &values[i], sizeof(float)) != 0 ? 1U : 0U;
+/// Values of a block, in any output, that differ from those of the whole field.
+std::size_t differences(const Field& field, const Field& part) {
+    std::size_t count = 0;
+    visit_outputs(
+        [&](const char*, const auto& of_field, const auto& of_part) {
+            const std::size_t components = of_field.size() / field.distance.size();
+            const Grid& block = part.grid;
+            if (of_part.size() != components * block.sample_count()) {
+                ++count;
+                return;
             }
+            std::size_t i = 0;
+            for (std::int64_t z = 0; z < block.size[2]; ++z)
+                for (std::int64_t y = 0; y < block.size[1]; ++y)
+                    for (std::int64_t x = 0; x < block.size[0]; ++x, i += components) {
+                        const std::size_t at = field.grid.offset(block.first[0] - field.grid.first[0] + x,
+                                                                 block.first[1] - field.grid.first[1] + y,
+                                                                 block.first[2] - field.grid.first[2] + z);
+                        if (components > 0 &&
+                            std::memcmp(&of_field[components * at], &of_part[i], components * sizeof(of_part[0])) != 0)
+                            ++count;
+                    }
+        },
+        field, part);
     return count;
 }
 
+/// Room for the field's outputs on a block.
+Field like(const Field& field, const Grid& block) {
+    Field part;
+    part.grid = block;
+    part.band = field.band;
+    part.sign = field.sign;
+    visit_outputs(
+        [&](const char*, const auto& of_field, auto& of_part) {
+            of_part.resize(of_field.size() / field.distance.size() * block.sample_count());
+        },
+        field, part);
+    return part;
+}
+
+Outputs outputs_of(const Field& field) {
+    Outputs outputs;
+    visit_extras([](const char*, const auto& values, bool& wanted) { wanted = !values.empty(); }, field, outputs);
+    return outputs;
+}
+
+OutputTargets targets_of(Field& field) {
+    OutputTargets targets;
+    visit_outputs(
+        [](const char*, auto& values, OutputTarget& target) {
+            if (!values.empty()) target = values;
+        },
+        field, targets);
+    return targets;
+}
+
 std::string difference(const char* call, std::size_t count) {
-    return count == 0 ? std::string() : fmt::format("{}: {} samples have other bytes than the field", call, count);
+    return count == 0 ? std::string() : fmt::format("{}: {} values have other bytes than the field's", call, count);
 }
 
 std::string finding(const char* call, const reference::CheckReport& report) {
@@ -56,16 +99,15 @@ std::string finding(const char* call, const reference::CheckReport& report) {
 }
 
 std::string wrong_requests(const DistanceTransform& transform, const Problem& problem, const Field& field) {
-    std::array<std::vector<float>, 3> values;
+    std::array<Field, 3> parts;
     std::vector<Request> requests;
-    for (std::size_t n = 0; n < values.size(); ++n) {
-        const Grid block = block_of(problem.grid, static_cast<std::int64_t>(n));
-        values[n].resize(block.sample_count());
-        requests.push_back({block, problem.band, {.distance = values[n]}});
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+        parts[n] = like(field, block_of(problem.grid, static_cast<std::int64_t>(n)));
+        requests.push_back({parts[n].grid, problem.band, targets_of(parts[n])});
     }
     transform.compute(requests);
     std::size_t count = 0;
-    for (std::size_t n = 0; n < values.size(); ++n) count += differences(field, requests[n].grid, values[n]);
+    for (const Field& part : parts) count += differences(field, part);
     return difference("requests", count);
 }
 
@@ -75,21 +117,18 @@ std::string wrong_part(const DistanceTransform& transform, const Problem& proble
     const Box box{block.position(0, 0, 0), block.position(block.size[0] - 1, block.size[1] - 1, block.size[2] - 1)};
     const double spacing = *std::max_element(block.spacing.begin(), block.spacing.end());
     const DistanceTransform part = transform.restrict_to(box, problem.band.widest(), spacing);
-    return difference("restricted", differences(field, block, part(block, problem.band).distance));
+    return difference("restricted", differences(field, part(block, problem.band, outputs_of(field))));
 }
 
-std::string wrong_points(const DistanceTransform& transform, const Problem& problem) {
-    Field field;
-    field.grid = block_of(problem.grid, 1);
+std::string wrong_points(const DistanceTransform& transform, const Problem& problem, const Field& whole) {
+    Field field = like(whole, block_of(problem.grid, 1));
     field.band = Band::symmetric(problem.band.outside);
     field.sign = transform.sign();
     std::vector<Vec3> points;
     for (std::int64_t z = 0; z < field.grid.size[2]; ++z)
         for (std::int64_t y = 0; y < field.grid.size[1]; ++y)
             for (std::int64_t x = 0; x < field.grid.size[0]; ++x) points.push_back(field.grid.position(x, y, z));
-    field.distance.resize(points.size());
-    field.triangle.resize(points.size());
-    transform.query(points, field.band.outside, {.distance = field.distance, .triangle = field.triangle});
+    transform.query(points, field.band.outside, targets_of(field));
     // A voxel of points is 1/256 of the mesh.
     const double voxel = problem.mesh.box().longest_side() / 256;
     reference::CheckOptions options;
@@ -98,7 +137,7 @@ std::string wrong_points(const DistanceTransform& transform, const Problem& prob
     return finding("points", reference::check(problem.mesh, field, options));
 }
 
-std::string wrong_move(DistanceTransform& transform, const Problem& problem) {
+std::string wrong_move(DistanceTransform& transform, const Problem& problem, const Field& first) {
     const Box& box = problem.mesh.box();
     std::vector<Vec3> positions = problem.mesh.vertices();
     const double c = std::cos(0.3), s = std::sin(0.3);
@@ -110,7 +149,7 @@ std::string wrong_move(DistanceTransform& transform, const Problem& problem) {
     Mesh turned = problem.mesh;
     turned.move(positions);
     transform.move(positions);
-    const Field field = transform(block_of(problem.grid, 1), problem.band, {.triangle = true});
+    const Field field = transform(block_of(problem.grid, 1), problem.band, outputs_of(first));
     reference::CheckOptions options;
     options.samples = 0;
     options.tolerance_voxels = judged_voxels;
@@ -126,8 +165,8 @@ std::string wrong_calls(DistanceTransform& transform, const Problem& problem, co
     };
     add(wrong_requests(transform, problem, field));
     add(wrong_part(transform, problem, field));
-    add(wrong_points(transform, problem));
-    add(wrong_move(transform, problem));
+    add(wrong_points(transform, problem, field));
+    add(wrong_move(transform, problem, field));
     return wrong;
 }
 
