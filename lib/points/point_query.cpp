@@ -6,6 +6,7 @@
 #include "device/buffer_pool.hpp"
 #include "points/point_mesh.hpp"
 #include "points/point_signs.hpp"
+#include "scan/commands.hpp"
 #include "scan/short_launches.hpp"
 
 #include <fmt/format.h>
@@ -25,34 +26,6 @@ constexpr std::size_t fewest_sorted = 128;
 constexpr std::size_t most_run = 64;
 // First estimate for a search on a core; later launches use the measured time.
 constexpr double seconds_per_search = 2e-5;
-
-enum NearestArgument : cl_uint {
-    nearest_tree,
-    nearest_nodes,
-    nearest_leaves,
-    nearest_frames,
-    nearest_points,
-    nearest_begin,
-    nearest_end,
-    nearest_run,
-    nearest_most,
-    nearest_faces,
-    nearest_squared
-};
-enum FinishArgument : cl_uint {
-    finish_points,
-    finish_places,
-    finish_faces,
-    finish_sides,
-    finish_by_sides,
-    finish_signs,
-    finish_begin,
-    finish_end,
-    finish_within,
-    finish_polyhedra,
-    finish_distance,
-    finish_rest  // those of scan::Finishing
-};
 
 /// A buffer for a value of each point.
 template <typename Value>
@@ -108,23 +81,15 @@ public:
     void search_tree(const std::function<void(double)>& between) {
         const PointMesh& mesh = *inputs_.mesh;
         cl::Kernel kernel(program_, "nearest_of_points");
-        kernel.setArg(nearest_tree, mesh.tree);
-        kernel.setArg(nearest_nodes, *mesh.device_nodes);
-        kernel.setArg(nearest_leaves, *mesh.leaves);
-        kernel.setArg(nearest_frames, *mesh.frames);
-        kernel.setArg(nearest_points, *device_points_);
-        kernel.setArg(nearest_run, static_cast<cl_uint>(run()));
-        kernel.setArg(nearest_most, most());
-        kernel.setArg(nearest_faces, *device_faces_);
-        kernel.setArg(nearest_squared, *device_squared_);
         // How long a search takes depends on the mesh and the point.
-        scan::measured_launches(context_, count(), seconds_per_search,
-                                most_run * scan::cores_of(context_.capabilities()), between,
-                                [&](std::size_t begin, std::size_t end) {
-                                    kernel.setArg(nearest_begin, static_cast<cl_uint>(begin));
-                                    kernel.setArg(nearest_end, static_cast<cl_uint>(end));
-                                    enqueue(kernel, chunk_count(end - begin, run()));
-                                });
+        scan::measured_launches(
+            context_, count(), seconds_per_search, most_run * scan::cores_of(context_.capabilities()), between,
+            [&](std::size_t begin, std::size_t end) {
+                scan::set_arguments(kernel, 0, mesh.tree, *mesh.device_nodes, *mesh.leaves, *mesh.frames,
+                                    *device_points_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                                    static_cast<cl_uint>(run()), cl_double{most()}, *device_faces_, *device_squared_);
+                enqueue(kernel, chunk_count(end - begin, run()));
+            });
     }
 
     /// Signs and outputs. Returns the seconds spent on signs that the sides of faces do not tell.
@@ -137,19 +102,12 @@ public:
         const scan::OutputBuffers outputs = memories.buffers();
         const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
-        kernel.setArg(finish_points, *device_points_);
-        kernel.setArg(finish_places, *places);
-        kernel.setArg(finish_faces, *device_faces_);
-        kernel.setArg(finish_sides, inputs_.sides ? *inputs_.sides->sides : *places);  // or unused
-        kernel.setArg(finish_signs, *signs);
-        kernel.setArg(finish_begin, cl_uint{0});
-        kernel.setArg(finish_end, static_cast<cl_uint>(count()));
-        kernel.setArg(finish_within, cl_double{within_});
-        kernel.setArg(finish_polyhedra, *inputs_.mesh->polyhedra);
-        kernel.setArg(finish_distance, outputs.distance);
-        finishing.set_arguments(kernel, finish_rest, outputs);
         const auto launch = [&](cl_uint by_sides) {
-            kernel.setArg(finish_by_sides, by_sides);
+            const cl_uint last = scan::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
+                                                     inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
+                                                     by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()),
+                                                     cl_double{within_}, *inputs_.mesh->polyhedra, outputs.distance);
+            finishing.set_arguments(kernel, last, outputs);
             queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scan::in_whole_groups(count())),
                                         cl::NDRange(scan::common_group));
         };

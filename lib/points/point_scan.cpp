@@ -26,50 +26,6 @@ constexpr std::size_t marked_together = 4096, bound_stride = 16;
 // First estimates for a core; later launches use the measured time.
 constexpr double seconds_per_mark = 5e-8, seconds_per_scanned_point = 1e-6;
 
-enum BoundArgument : cl_uint {
-    bound_superblocks,
-    bound_first,
-    bound_stride_argument,
-    bound_counts,
-    bound_records,
-    bound_squares
-};
-enum MarkArgument : cl_uint {
-    mark_superblocks,
-    mark_first,
-    mark_run,
-    mark_counts,
-    mark_records,
-    mark_polyhedra,
-    mark_most,
-    mark_squares,
-    mark_marks
-};
-enum ScanArgument : cl_uint {
-    scan_begin,
-    scan_end,
-    scan_next_block,
-    scan_blocks,
-    scan_bricks,
-    scan_points_argument,
-    scan_point_count,
-    scan_most,
-    scan_counts,
-    scan_records,
-    scan_polyhedra,
-    scan_frames,
-    scan_neighbours,
-    scan_ring_starts,
-    scan_ring_faces,
-    scan_site_vertices,
-    scan_marks_of_blocks,
-    scan_lists,
-    scan_marks,
-    scan_brick_memory,
-    scan_faces,
-    scan_squared
-};
-
 /// A box that grows.
 struct Extent {
     Vec3 lower{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
@@ -246,28 +202,19 @@ public:
         const std::size_t records = job_.scanned.counts.records;
         marks_ = job_.pool.lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
         cl::Kernel bound(program_, "bound_blocks");
-        bound.setArg(bound_superblocks, *superblocks_);
-        bound.setArg(bound_first, cl_uint{0});
-        bound.setArg(bound_stride_argument,
-                     static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1));
-        bound.setArg(bound_counts, job_.scanned.counts);
-        bound.setArg(bound_records, *job_.scanned.records);
-        bound.setArg(bound_squares, *squares);
+        scan::set_arguments(bound, 0, *superblocks_, cl_uint{0},
+                            static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
+                            job_.scanned.counts, *job_.scanned.records, *squares);
         enqueue(bound, superblock_count_);
         cl::Kernel mark(program_, "mark_blocks");
-        mark.setArg(mark_superblocks, *superblocks_);
-        mark.setArg(mark_run, static_cast<cl_uint>(marked_together));
-        mark.setArg(mark_counts, job_.scanned.counts);
-        mark.setArg(mark_records, *job_.scanned.records);
-        mark.setArg(mark_polyhedra, *job_.mesh.polyhedra);
-        mark.setArg(mark_most, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)));
-        mark.setArg(mark_squares, *squares);
-        mark.setArg(mark_marks, *marks_);
         const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
         const auto before_each = between ? [&] { between(0); } : std::function<void()>();
         scan::ShortLaunches(job_.context, before_each)
             .over(items, seconds_per_mark * marked_together, [&](std::size_t begin, std::size_t end) {
-                mark.setArg(mark_first, static_cast<cl_uint>(begin));
+                scan::set_arguments(mark, 0, *superblocks_, static_cast<cl_uint>(begin),
+                                    static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
+                                    *job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)),
+                                    *squares, *marks_);
                 enqueue(mark, end - begin);
             });
     }
@@ -281,31 +228,16 @@ public:
         const auto memory = job_.pool.lease(items * sizeof(PointBrick), "bricks of points in work");
         const auto next_block = job_.pool.lease(sizeof(cl_uint), "next block");
         cl::Kernel kernel(program_, "nearest_by_groups");
-        kernel.setArg(scan_next_block, *next_block);
-        kernel.setArg(scan_blocks, *blocks_);
-        kernel.setArg(scan_bricks, *bricks_);
-        kernel.setArg(scan_points_argument, job_.points);
-        kernel.setArg(scan_point_count, static_cast<cl_uint>(job_.count));
-        kernel.setArg(scan_most, cl_double{job_.most});
-        kernel.setArg(scan_counts, job_.scanned.counts);
-        kernel.setArg(scan_records, *job_.scanned.records);
-        kernel.setArg(scan_polyhedra, *job_.mesh.polyhedra);
-        kernel.setArg(scan_frames, *job_.mesh.frames);
-        kernel.setArg(scan_neighbours, *job_.scanned.neighbours);
-        kernel.setArg(scan_ring_starts, *job_.scanned.ring_starts);
-        kernel.setArg(scan_ring_faces, *job_.scanned.ring_faces);
-        kernel.setArg(scan_site_vertices, *job_.scanned.site_vertices);
-        kernel.setArg(scan_marks_of_blocks, *marks_);
-        kernel.setArg(scan_lists, *lists);
-        kernel.setArg(scan_marks, *marks);
-        kernel.setArg(scan_brick_memory, *memory);
-        kernel.setArg(scan_faces, faces);
-        kernel.setArg(scan_squared, squared);
         scan::measured_launches(job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items,
                                 between, [&](std::size_t begin, std::size_t end) {
                                     queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
-                                    kernel.setArg(scan_begin, static_cast<cl_uint>(begin));
-                                    kernel.setArg(scan_end, static_cast<cl_uint>(end));
+                                    scan::set_arguments(
+                                        kernel, 0, static_cast<cl_uint>(begin), static_cast<cl_uint>(end), *next_block,
+                                        *blocks_, *bricks_, job_.points, static_cast<cl_uint>(job_.count),
+                                        cl_double{job_.most}, job_.scanned.counts, *job_.scanned.records,
+                                        *job_.mesh.polyhedra, *job_.mesh.frames, *job_.scanned.neighbours,
+                                        *job_.scanned.ring_starts, *job_.scanned.ring_faces,
+                                        *job_.scanned.site_vertices, *marks_, *lists, *marks, *memory, faces, squared);
                                     enqueue(kernel, items);
                                 });
     }

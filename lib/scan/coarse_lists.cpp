@@ -42,8 +42,6 @@ double seconds_of_a_cluster(const Layout& layout) {
     return groups * seconds_per_cluster;
 }
 
-enum BoundsArgument : cl_uint { bounds_layout, bounds_count, bounds_points, bounds_bounds, bounds_first };
-
 device::BufferPool::Lease find_bounds(const ListJob& job, const SurfacePoints* surface_points) {
     const std::size_t groups = coarse_group_count(job.layout), bricks = groups * CLSDF_COARSE_GROUP;
     auto bounds = job.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
@@ -56,16 +54,13 @@ device::BufferPool::Lease find_bounds(const ListJob& job, const SurfacePoints* s
     job.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), surface_points->data());
 
     cl::Kernel kernel(job.programs.coarse_lists, "coarse_bounds");
-    kernel.setArg(bounds_layout, job.layout);
-    kernel.setArg(bounds_count, static_cast<cl_uint>(count));
-    kernel.setArg(bounds_points, *points);
-    kernel.setArg(bounds_bounds, *bounds);
     const double seconds = seconds_per_surface_point * static_cast<double>(count);
     // PoCL compiles a kernel anew for each size of a group: one size for all grids.
     const cl::NDRange alone = job.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
     job.launches.over(groups * CLSDF_COARSE_COLUMNS / job.programs.lanes, seconds,
                       [&](std::size_t begin, std::size_t end) {
-                          kernel.setArg(bounds_first, static_cast<cl_uint>(begin));
+                          set_arguments(kernel, 0, job.layout, static_cast<cl_uint>(count), *points, *bounds,
+                                        static_cast<cl_uint>(begin));
                           job.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
                       });
     return bounds;
@@ -110,35 +105,6 @@ private:
     static constexpr const char* pairs_purpose = "pairs of the coarse lists";
     static constexpr std::size_t vector = 16;  // kernels read whole ones at a list's end
 
-    enum CountArgument : cl_uint {
-        count_layout,
-        count_count,
-        count_clusters,
-        count_polyhedra,
-        count_has_groups,
-        count_groups,
-        count_bounds,
-        count_uniform_bounds,
-        count_pair_starts,
-        count_pairs,
-        count_pair_counts,
-        count_histograms,
-        count_counts,
-        count_step,
-        count_steps
-    };
-    enum FillArgument : cl_uint {
-        fill_layout,
-        fill_pair_starts,
-        fill_pairs,
-        fill_pair_counts,
-        fill_starts,
-        fill_histograms,
-        fill_entries,
-        fill_step,
-        fill_steps
-    };
-
     /// Counts the entries, where those of each coarse brick and part start, and keeps the pairs; returns how
     /// many passes that took.
     std::size_t find_pairs(const cl::Buffer& bounds, const cl::Buffer& starts) {
@@ -148,17 +114,6 @@ private:
             has_groups ? job_.selection.group_count * polyhedra::record_group : job_.records.record_count;
         const std::size_t clusters = chunk_count(records, job_.programs.lanes);
         cl::Kernel kernel(job_.programs.coarse_lists, "coarse_count");
-        kernel.setArg(count_layout, job_.layout);
-        kernel.setArg(count_count, static_cast<cl_uint>(job_.records.record_count));
-        kernel.setArg(count_clusters, static_cast<cl_uint>(clusters));
-        kernel.setArg(count_polyhedra, *job_.records.polyhedra);
-        kernel.setArg(count_has_groups, cl_int{has_groups ? 1 : 0});
-        kernel.setArg(count_groups, has_groups ? job_.selection.groups : *job_.records.polyhedra);
-        kernel.setArg(count_bounds, bounds);
-        kernel.setArg(count_uniform_bounds, cl_int{has_uniform_bounds(job_.layout) ? 1 : 0});
-        kernel.setArg(count_pair_counts, *pair_counts_);
-        kernel.setArg(count_histograms, *histograms_);
-        kernel.setArg(count_counts, *counts);
         const double seconds = seconds_of_a_cluster(job_.layout) * static_cast<double>(clusters);
         const std::size_t expected = std::min(expected_pairs(job_.layout, job_.programs.lanes) * records,
                                               job_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2);
@@ -171,9 +126,11 @@ private:
         std::size_t passes = 1;
         for (;; ++passes) {
             place_parts(room);
-            kernel.setArg(count_pair_starts, *pair_starts_);
-            kernel.setArg(count_pairs, *pairs_);
-            launch(kernel, count_step, count_steps, seconds);
+            launch(kernel, seconds, job_.layout, static_cast<cl_uint>(job_.records.record_count),
+                   static_cast<cl_uint>(clusters), *job_.records.polyhedra, cl_int{has_groups ? 1 : 0},
+                   has_groups ? job_.selection.groups : *job_.records.polyhedra, bounds,
+                   cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, *pair_starts_, *pairs_, *pair_counts_, *histograms_,
+                   *counts);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
             PrefixSums sums(job_.context, job_.programs, job_.pool, *counts, starts, counters_,
                             "pairs of a triangle and a coarse brick");
@@ -217,22 +174,17 @@ private:
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
         cl::Kernel kernel(job_.programs.coarse_lists, "coarse_fill");
-        kernel.setArg(fill_layout, job_.layout);
-        kernel.setArg(fill_pair_starts, *pair_starts_);
-        kernel.setArg(fill_pairs, *pairs_);
-        kernel.setArg(fill_pair_counts, *pair_counts_);
-        kernel.setArg(fill_starts, starts);
-        kernel.setArg(fill_histograms, *histograms_);
-        kernel.setArg(fill_entries, entries);
-        launch(kernel, fill_step, fill_steps, seconds_per_pair * static_cast<double>(pair_count_));
+        launch(kernel, seconds_per_pair * static_cast<double>(pair_count_), job_.layout, *pair_starts_, *pairs_,
+               *pair_counts_, starts, *histograms_, entries);
     }
 
-    /// All parts, in steps, that take a core so many seconds together.
-    void launch(cl::Kernel& kernel, cl_uint step_argument, cl_uint steps_argument, double core_seconds) const {
+    /// All parts, in steps, that take a core so many seconds together. The step and the number of steps follow the
+    /// other arguments.
+    template <class... Arguments>
+    void launch(cl::Kernel& kernel, double core_seconds, const Arguments&... arguments) const {
         const std::size_t steps = job_.launches.steps(core_seconds);
-        kernel.setArg(steps_argument, static_cast<cl_uint>(steps));
         job_.launches.one_by_one(steps, [&](std::size_t step) {
-            kernel.setArg(step_argument, static_cast<cl_uint>(step));
+            set_arguments(kernel, 0, arguments..., static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
             job_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(parts_),
                                               cl::NDRange(job_.programs.part_group()));
         });

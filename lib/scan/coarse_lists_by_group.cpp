@@ -90,10 +90,11 @@ private:
         const std::size_t counters = bricks_ * segments_;
         queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
         queue.enqueueFillBuffer(*taken_, cl_uint{0}, 0, sizeof(cl_uint));
-        set_arguments(pair_kernel_, 0, job_.layout, cl_uint{0}, cl_uint{0}, *job_.records.polyhedra, *lists.bounds,
-                      cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
-                      static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
-        job_.launches.over_items(pair_kernel_, 1, job_.records.record_count, seconds_);
+        job_.launches.over_items(pair_kernel_, job_.records.record_count, seconds_, [&](cl_uint begin, cl_uint end) {
+            set_arguments(pair_kernel_, 0, job_.layout, begin, end, *job_.records.polyhedra, *lists.bounds,
+                          cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
+                          static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
+        });
         PrefixSums sums(job_.context, job_.programs, job_.pool, *counts_, *lists.starts, counters, listed);
         sums.enqueue();
         cl::Kernel gather(job_.programs.coarse_lists, "coarse_list_starts");
@@ -116,13 +117,16 @@ private:
         lists.entries = job_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
         cl::Kernel scatter(job_.programs.coarse_lists, "coarse_scatter"),
             sort(job_.programs.coarse_lists, "coarse_sort");
-        for (cl::Kernel* kernel : {&scatter, &sort})
-            set_arguments(*kernel, 2, *pairs_, static_cast<cl_uint>(per_segment_), static_cast<cl_uint>(segments_),
-                          *lists.starts, *scattered);
-        sort.setArg(7, *lists.entries);
-        job_.launches.over_items(scatter, 0, taken, seconds_per_pair);
-        job_.launches.over_items(sort, 0, taken,
-                                 seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_));
+        const auto per_segment = static_cast<cl_uint>(per_segment_), segments = static_cast<cl_uint>(segments_);
+        job_.launches.over_items(scatter, taken, seconds_per_pair, [&](cl_uint begin, cl_uint end) {
+            set_arguments(scatter, 0, begin, end, *pairs_, per_segment, segments, *lists.starts, *scattered);
+        });
+        job_.launches.over_items(sort, taken,
+                                 seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_),
+                                 [&](cl_uint begin, cl_uint end) {
+                                     set_arguments(sort, 0, begin, end, *pairs_, per_segment, segments, *lists.starts,
+                                                   *scattered, *lists.entries);
+                                 });
     }
 
     const ListJob& job_;

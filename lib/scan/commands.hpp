@@ -8,11 +8,13 @@
 
 namespace clsdf::scan {
 
-/// Sets a kernel's arguments from `first` on. Each must have the type of the kernel's parameter exactly, such as
-/// cl_uint: a number of another type has other bytes.
+/// Sets a kernel's arguments from number `first` on, in the order of its parameters. Each must have the parameter's
+/// type exactly, such as cl_uint: a number of another type has other bytes.
+/// Returns the number of the next one.
 template <class... Arguments>
-void set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arguments) {
+cl_uint set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arguments) {
     (kernel.setArg(first++, arguments), ...);
+    return first;
 }
 
 /// Commands of which each waits for the one before: the caller's queue may be out of order.

@@ -18,33 +18,13 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
                    const std::vector<cl_uint>& groups, const cl::Buffer& records) {
     const auto group_numbers = job.upload(groups, "numbers of the faces");
     cl::Kernel kernel(job.program, "face_records");
-    enum Argument : cl_uint {
-        in_lattice,
-        begins,
-        ends,
-        count,
-        item_records,
-        of_groups,
-        triangles,
-        positions,
-        slopes,
-        names,
-        out
-    };
-    kernel.setArg(in_lattice, face_lattice(lattice));
-    kernel.setArg(count, static_cast<cl_uint>(faces.names->face_count()));
-    kernel.setArg(item_records, static_cast<cl_uint>(job.item_faces()));
-    kernel.setArg(of_groups, *group_numbers);
-    kernel.setArg(triangles, *faces.names->triangles);
-    kernel.setArg(positions, *faces.positions);
-    kernel.setArg(slopes, *faces.slopes);
-    kernel.setArg(names, *faces.names->names);
-    kernel.setArg(out, records);
     ShortLaunches(job.context, {})
         .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
-            kernel.setArg(begins, static_cast<cl_uint>(first));
-            kernel.setArg(ends, static_cast<cl_uint>(last));
+            set_arguments(kernel, 0, face_lattice(lattice), static_cast<cl_uint>(first), static_cast<cl_uint>(last),
+                          static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
+                          *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
+                          records);
             job.enqueue(kernel, last - first);
         });
 }

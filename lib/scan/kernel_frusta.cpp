@@ -1,4 +1,5 @@
 #include "scan/kernel_frusta.hpp"
+#include "scan/commands.hpp"
 
 #include "core/lifetime.hpp"
 #include "core/parallel.hpp"
@@ -107,59 +108,27 @@ private:
 
     void enqueue_slopes() const {
         cl::Kernel kernel(job_.program, "face_slopes");
-        enum Argument : cl_uint {
-            in_lattice,
-            shortest,
-            begins,
-            ends,
-            face_count,
-            faces_of_item,
-            triangles,
-            opposite,
-            positions,
-            names,
-            slopes,
-            signs,
-            answers,
-            out
-        };
-        kernel.setArg(in_lattice, face_lattice(view_));
-        kernel.setArg(shortest, least_length_);
-        kernel.setArg(face_count, static_cast<cl_uint>(count_));
-        kernel.setArg(faces_of_item, static_cast<cl_uint>(job_.item_faces()));
-        kernel.setArg(triangles, *made_.faces.names->triangles);
-        kernel.setArg(opposite, *sources_->opposite);
-        kernel.setArg(positions, *made_.faces.positions);
-        kernel.setArg(names, *made_.faces.names->names);
-        kernel.setArg(slopes, *made_.faces.slopes);
-        kernel.setArg(signs, *signs_);
-        kernel.setArg(answers, *face_answers_);
-        kernel.setArg(out, *records_);
         const std::size_t all = in_record_groups(count_);
         const std::size_t unit = CLSDF_FAN_ITEM;  // a multiple of the faces of a work-item
         ShortLaunches(job_.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                kernel.setArg(begins, static_cast<cl_uint>(begin * unit));
-                kernel.setArg(ends, static_cast<cl_uint>(last));
+                set_arguments(kernel, 0, face_lattice(view_), cl_double{least_length_},
+                              static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
+                              static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()),
+                              *made_.faces.names->triangles, *sources_->opposite, *made_.faces.positions,
+                              *made_.faces.names->names, *made_.faces.slopes, *signs_, *face_answers_, *records_);
                 job_.enqueue(kernel, last - begin * unit);
             });
     }
 
     void enqueue_fans() const {
         cl::Kernel kernel(job_.program, "vertex_fans");
-        enum Argument : cl_uint { begins, ends, per_unit, items, words, triangles, positions, signs, answers };
-        kernel.setArg(per_unit, 1 / view_.unit);
-        kernel.setArg(items, *sources_->fan_items);
-        kernel.setArg(words, *sources_->fan_words);
-        kernel.setArg(triangles, *made_.faces.names->triangles);
-        kernel.setArg(positions, *made_.faces.positions);
-        kernel.setArg(signs, *signs_);
-        kernel.setArg(answers, *vertex_answers_);
         ShortLaunches(job_.context, {})
             .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
-                kernel.setArg(begins, static_cast<cl_uint>(begin));
-                kernel.setArg(ends, static_cast<cl_uint>(end));
+                set_arguments(kernel, 0, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                              cl_double{1 / view_.unit}, *sources_->fan_items, *sources_->fan_words,
+                              *made_.faces.names->triangles, *made_.faces.positions, *signs_, *vertex_answers_);
                 job_.enqueue(kernel, (end - begin) * CLSDF_FAN_ITEM);
             });
     }

@@ -64,11 +64,11 @@ public:
                    [&](std::size_t number) { enqueue(number * step, std::min((number + 1) * step, items)); });
     }
 
-    /// Launches a kernel for [0, items), one item per work-item. Arguments `begin`, `begin` + 1 are the range's ends.
-    void over_items(cl::Kernel& kernel, cl_uint begin, std::size_t items, double core_seconds) const {
+    /// Launches a kernel for [0, items), one item per work-item. set(begin, end) sets its arguments for a range.
+    template <class Set>
+    void over_items(const cl::Kernel& kernel, std::size_t items, double core_seconds, const Set& set) const {
         over(items, core_seconds, [&](std::size_t first, std::size_t end) {
-            kernel.setArg(begin, static_cast<cl_uint>(first));
-            kernel.setArg(begin + 1, static_cast<cl_uint>(end));
+            set(static_cast<cl_uint>(first), static_cast<cl_uint>(end));
             queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - first)),
                                         cl::NDRange(common_group));
         });

@@ -42,6 +42,9 @@ public:
           queue_(context.queue()),
           programs_(programs),
           pool_(pool),
+          mesh_(mesh),
+          selection_(selection),
+          seen_(layout),
           row_count_(sign_row_count(layout)),
           triangle_count_(selection.triangles() != nullptr ? selection.count : mesh.triangle_count),
           parts_(programs.parallel_parts(context, 1)),
@@ -51,21 +54,7 @@ public:
           large_(pool->lease(triangle_count_ * sizeof(cl_uint), "large triangles of the sign's sweep")),
           small_kernel_(programs.sign_sweep, "sign_crossings"),
           large_kernel_(programs.sign_sweep, "sign_crossings_of_large") {
-        Layout seen = layout;  // from where the mesh's x is counted
-        seen.brick_first[0] -= mesh.first_x / CLSDF_BRICK;
-        for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(arg_layout, seen);
-            kernel->setArg(arg_triangles, mesh.triangles());
-            kernel->setArg(arg_vertices, *mesh.vertices);
-            kernel->setArg(arg_bits_y, cl_int{mesh.bits_y});
-            kernel->setArg(arg_bits_z, cl_int{mesh.bits_z});
-            kernel->setArg(arg_row_counts, *row_counts_);
-            kernel->setArg(arg_totals, *totals_);
-            kernel->setArg(arg_large, *large_);
-        }
-        const bool has_chosen = selection.triangles() != nullptr;
-        small_kernel_.setArg(arg_has_chosen, cl_int{has_chosen ? 1 : 0});
-        small_kernel_.setArg(arg_chosen, has_chosen ? selection.triangles : mesh.triangles());
+        seen_.brick_first[0] -= mesh.first_x / CLSDF_BRICK;
     }
 
     Launches(const Launches&) = delete;
@@ -85,12 +74,11 @@ public:
         is_under_way_ = true;
         queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
-        for (cl::Kernel* kernel : {&small_kernel_, &large_kernel_}) {
-            kernel->setArg(arg_capacity, static_cast<cl_uint>(capacity));
-            kernel->setArg(arg_records, *crossings.records);
-        }
+        capacity_ = static_cast<cl_uint>(capacity);
+        const bool has_chosen = selection_.triangles() != nullptr;
         launches_.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
-            enqueue(small_kernel_, begin, end, cl::NDRange(parts_), cl::NDRange(programs_.part_group()));
+            launch(small_kernel_, cl::NDRange(parts_), cl::NDRange(programs_.part_group()), begin, end, crossings,
+                   cl_int{has_chosen ? 1 : 0}, has_chosen ? selection_.triangles : mesh_.triangles());
         });
         add_up(crossings);
     }
@@ -100,7 +88,7 @@ public:
         SweepTotals totals = wait_for_totals(crossings);
         crossings.has_large_triangles = totals.large > 0;
         if (totals.large > 0) {
-            find_large(totals);
+            find_large(totals, crossings);
             add_up(crossings);
             totals = wait_for_totals(crossings);
         }
@@ -109,38 +97,23 @@ public:
     }
 
 private:
-    /// Arguments of both kernels; only one has the last two.
-    enum Argument : cl_uint {
-        arg_layout,
-        arg_begin,
-        arg_end,
-        arg_triangles,
-        arg_vertices,
-        arg_bits_y,
-        arg_bits_z,
-        arg_row_counts,
-        arg_capacity,
-        arg_records,
-        arg_totals,
-        arg_large,
-        arg_has_chosen,
-        arg_chosen
-    };
-
-    void find_large(const SweepTotals& totals) {
+    void find_large(const SweepTotals& totals, const Crossings& crossings) {
         const std::size_t strips = std::min(totals.largest_rows / rows_of_a_strip + 1, most_strips);
         const double mean_rows = CLSDF_LARGE_ROWS * (static_cast<double>(totals.large_blocks) / totals.large + 1);
         const double seconds = seconds_per_row * mean_rows + seconds_per_triangle * static_cast<double>(strips);
         launches_.over(totals.large, seconds, [&](std::size_t begin, std::size_t end) {
-            enqueue(large_kernel_, begin, end, cl::NDRange(in_whole_groups(end - begin), strips),
-                    cl::NDRange(common_group, 1));
+            launch(large_kernel_, cl::NDRange(in_whole_groups(end - begin), strips), cl::NDRange(common_group, 1),
+                   begin, end, crossings);
         });
     }
 
-    void enqueue(cl::Kernel& kernel, std::size_t begin, std::size_t end, const cl::NDRange& items,
-                 const cl::NDRange& group) const {
-        kernel.setArg(arg_begin, static_cast<cl_uint>(begin));
-        kernel.setArg(arg_end, static_cast<cl_uint>(end));
+    /// With the arguments that both kernels have, and those that only one has.
+    template <class... Arguments>
+    void launch(cl::Kernel& kernel, const cl::NDRange& items, const cl::NDRange& group, std::size_t begin,
+                std::size_t end, const Crossings& crossings, const Arguments&... others) const {
+        set_arguments(kernel, 0, seen_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end), mesh_.triangles(),
+                      *mesh_.vertices, cl_int{mesh_.bits_y}, cl_int{mesh_.bits_z}, *row_counts_, capacity_,
+                      *crossings.records, *totals_, *large_, others...);
         queue_.enqueueNDRangeKernel(kernel, cl::NullRange, items, group);
     }
 
@@ -165,6 +138,10 @@ private:
     const cl::CommandQueue& queue_;
     const Programs& programs_;
     const std::shared_ptr<device::BufferPool>& pool_;
+    const SweepMesh& mesh_;
+    const SweepSelection& selection_;
+    Layout seen_;  ///< from where the mesh's x is counted
+    cl_uint capacity_ = 0;
     std::size_t row_count_;
     std::size_t triangle_count_;
     std::size_t parts_;

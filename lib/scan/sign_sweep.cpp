@@ -1,4 +1,5 @@
 #include "scan/sign_sweep.hpp"
+#include "scan/commands.hpp"
 
 #include "scan/layout_of.hpp"
 #include "scan/programs.hpp"
@@ -14,27 +15,14 @@ constexpr double seconds_per_word = 5e-9;  // of sign bits
 // Rows that lie together, most of which meet no surface, of one work-item on a processor.
 constexpr std::size_t rows_of_a_core = 64;
 
-enum ScatterArgument : cl_uint { scatter_begin, scatter_end, scatter_records, scatter_starts, scatter_keys };
-enum RowsArgument : cl_uint {
-    rows_layout,
-    rows_begin,
-    rows_end,
-    rows_per_item,
-    rows_parity,
-    rows_starts,
-    rows_keys,
-    rows_sign_bits
-};
-
 /// The keys of the crossings, row by row.
 device::BufferPool::Lease keys_by_row(const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                                       const Crossings& crossings, const ShortLaunches& launches) {
     auto keys = pool->lease(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
     cl::Kernel scatter(programs.sign_sweep, "sign_scatter");
-    scatter.setArg(scatter_records, *crossings.records);
-    scatter.setArg(scatter_starts, *crossings.starts);
-    scatter.setArg(scatter_keys, *keys);
-    launches.over_items(scatter, scatter_begin, crossings.record_count, seconds_per_record);
+    launches.over_items(scatter, crossings.record_count, seconds_per_record, [&](cl_uint begin, cl_uint end) {
+        set_arguments(scatter, 0, begin, end, *crossings.records, *crossings.starts, *keys);
+    });
     return keys;
 }
 
@@ -73,17 +61,12 @@ void SignSweep::sweep_rows(const Crossings& crossings) {
     const std::size_t rows = sign_row_count(layout_);
     cl::Kernel sweep(programs_.sign_sweep, "sign_rows");
     const std::size_t item_rows = programs_.body == KernelBody::by_group ? 1 : rows_of_a_core;
-    sweep.setArg(rows_layout, layout_);
-    sweep.setArg(rows_per_item, static_cast<cl_uint>(item_rows));
-    sweep.setArg(rows_parity, cl_int{rule_ == SignRule::parity ? 1 : 0});
-    sweep.setArg(rows_starts, *crossings.starts);
-    sweep.setArg(rows_keys, *keys);
-    sweep.setArg(rows_sign_bits, *result_.bits);
     const double words_and_keys =
         layout_.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
     launches_.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
-        sweep.setArg(rows_begin, static_cast<cl_uint>(begin));
-        sweep.setArg(rows_end, static_cast<cl_uint>(end));
+        set_arguments(sweep, 0, layout_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
+                      static_cast<cl_uint>(item_rows), cl_int{rule_ == SignRule::parity ? 1 : 0}, *crossings.starts,
+                      *keys, *result_.bits);
         const std::size_t items = chunk_count(end - begin, item_rows);
         const std::size_t items_of_group = programs_.part_group();
         context_.queue().enqueueNDRangeKernel(sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)),

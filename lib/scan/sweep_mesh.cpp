@@ -1,4 +1,5 @@
 #include "scan/sweep_mesh.hpp"
+#include "scan/commands.hpp"
 
 #include "core/parallel.hpp"
 #include "device/buffer_pool.hpp"
@@ -145,13 +146,10 @@ device::BufferPool::Lease vertices_on_device(const DeviceSetUp& job, const Sweep
     const std::size_t count = faces.names->vertex_count();
     auto vertices = job.pool->lease(count * sizeof(SweepVertex), vertices_purpose);
     cl::Kernel kernel(job.program, "sweep_vertices");
-    enum Argument : cl_uint { in_lattice, scale_y, scale_z, begins, ends, positions, out };
-    kernel.setArg(in_lattice, face_lattice(lattice.view));
-    kernel.setArg(scale_y, lattice.scale_y);
-    kernel.setArg(scale_z, lattice.scale_z);
-    kernel.setArg(positions, *faces.positions);
-    kernel.setArg(out, *vertices);
-    ShortLaunches(job.context, {}).over_items(kernel, begins, count, seconds_per_vertex);
+    ShortLaunches(job.context, {}).over_items(kernel, count, seconds_per_vertex, [&](cl_uint begin, cl_uint end) {
+        set_arguments(kernel, 0, face_lattice(lattice.view), cl_double{lattice.scale_y}, cl_double{lattice.scale_z},
+                      begin, end, *faces.positions, *vertices);
+    });
     return vertices;
 }
 

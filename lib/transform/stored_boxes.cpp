@@ -17,17 +17,6 @@ namespace clsdf::transform {
 
 namespace {
 
-enum StoreArgument : cl_uint {
-    store_boxes,
-    store_row,
-    store_slice,
-    store_components,
-    store_element_bytes,
-    store_widened,
-    store_from,
-    store_to
-};
-
 // On a GPU so many work-items store a row together.
 constexpr std::size_t pieces_of_gpu = 32;
 
@@ -73,13 +62,9 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
     const device::Context::Capabilities& device = context.capabilities();
     pieces_ = device.is_processor ? 1 : pieces_of_gpu;
     group_rows_ = std::clamp<std::size_t>(device.largest_group / pieces_, 1, 8);
-    kernel_.setArg(store_boxes, boxes_);
-    kernel_.setArg(store_row, static_cast<cl_int>(block.size[0]));
-    kernel_.setArg(store_slice, static_cast<cl_long>(block.size[0] * block.size[1]));
-    kernel_.setArg(store_components, static_cast<cl_int>(elements.components));
-    kernel_.setArg(store_element_bytes, static_cast<cl_int>(elements.bytes));
-    kernel_.setArg(store_widened, static_cast<cl_int>(elements.are_widened));
-    kernel_.setArg(store_from, samples);
+    to_ = set_arguments(kernel_, 0, boxes_, static_cast<cl_int>(block.size[0]),
+                        static_cast<cl_long>(block.size[0] * block.size[1]), static_cast<cl_int>(elements.components),
+                        static_cast<cl_int>(elements.bytes), static_cast<cl_int>(elements.are_widened), samples);
     for (const StoredBox& box : written_)
         rows_ = std::max(rows_, static_cast<std::size_t>(box.size[1]) * static_cast<std::size_t>(box.size[2]));
     rows_ = in_whole_groups(rows_, group_rows_);
@@ -111,7 +96,7 @@ void BoxStore::enqueue(CommandChain& chain, std::span<const Place> places) {
         const std::span<const Place> rest = places.subspan(box, std::min(most, places.size() - box));
         const auto end = std::ranges::find_if(rest, [&](const Place& place) { return place.memory != memory; });
         count = static_cast<std::size_t>(end - rest.begin());
-        kernel_.setArg(store_to, cl::Buffer(memory, true));
+        kernel_.setArg(to_, cl::Buffer(memory, true));
         for (std::size_t row = 0; row < rows_; row += most_rows)
             chain.then([&](auto& queue, auto* wait, auto* event) {
                 const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), count);

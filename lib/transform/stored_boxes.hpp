@@ -55,6 +55,7 @@ private:
     void write(CommandChain& chain, std::span<const Place> places);
 
     cl::Kernel kernel_;
+    cl_uint to_ = 0;  ///< the number of its argument for the target
     cl::Buffer boxes_;
     std::vector<Place> planned_;
     std::vector<StoredBox> written_;     ///< the device's boxes, if all writes succeed
