@@ -212,7 +212,8 @@ struct KeptMemory {
 /// that is computed, on other calls or on threads.
 ///
 /// Members that are const may be called from several threads at once; their work takes turns on the device. move(),
-/// assignment and the destructor need the transform for themselves. Once moved from, every member but assignment and
+/// assignment and the destructor need the transform for themselves. Calls that return results wait for earlier commands
+/// of the device's queue. If one of these waits for an event of the caller's, another thread must set it. Once moved from, every member but assignment and
 /// the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT DistanceTransform {
 public:
@@ -238,8 +239,7 @@ public:
     ///
     /// Positions in memory of the device are read after the events of `wait_list`. All of them come to the host, whose
     /// exact decisions and tables need every position: mapped, 12 or 24 bytes each. They may change when move()
-    /// returns. move() waits for earlier commands of the device's queue: an event of the caller's that one of them
-    /// waits for must be set by another thread.
+    /// returns.
     ///
     /// Throws Error(invalid_argument) if the number of positions differs, for memory that is missing, too small or of
     /// another context, or if vertices that had equal coordinates, and count as one, move apart; Error(invalid_mesh) if
