@@ -84,10 +84,12 @@ std::string platform_name(const cl::Device& device) {
     return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
 }
 
-/// Environment variables that change what PoCL compiles.
+/// Environment variables that change what PoCL, AMD's and Intel's compilers make.
 std::string compiler_environment() {
     std::string values;
-    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION"})
+    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION",
+                             "POCL_PREGION_VALUE_REMAT", "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS",
+                             "AMD_OCL_BUILD_OPTIONS_APPEND", "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings"})
         if (const char* value = std::getenv(name)) values += fmt::format("{}={}\n", name, value);
     return values;
 }
