@@ -1,5 +1,6 @@
 #include "device/context.hpp"
 
+#include "device/requirements.hpp"
 #include "kernel_sources.hpp"
 
 #include <clsdf/error.hpp>
@@ -114,6 +115,18 @@ cl_int build(const cl::Program& program, const cl::Device& device, const std::st
     return clBuildProgram(program(), 1, &device(), options.c_str(), nullptr, nullptr);
 }
 
+/// What the compiler said, as the end of a sentence; a remedy if it said nothing.
+std::string build_log(const cl::Program& program, const cl::Device& device) {
+    std::string log;
+    try {
+        log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
+    } catch (const cl::Error&) {
+        // As good as an empty one.
+    }
+    if (log.find_first_not_of(" \t\r\n") != std::string::npos) return ":\n" + log;
+    return " nothing; update the driver, or choose another device (clsdf devices lists them)";
+}
+
 /// Nothing if there is no binary, or the driver does not take it.
 std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Device& device,
                                        std::optional<ProgramCache::Binary> binary, const std::string& options) {
@@ -181,6 +194,9 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
       queue_(callers_queue_),
       pinned_(context_, device_) {
     guarded([&] {
+        if (const std::string reason = missing_feature(device_); !reason.empty())
+            throw Error(ErrorCode::unsupported, fmt::format("the device \"{}\" cannot be used: {}; choose another one",
+                                                            device_.getInfo<CL_DEVICE_NAME>(), reason));
         capabilities_ = capabilities_of(device_);
         cache_ = ProgramCache(default_cache_folder(keeps_programs(device_)));
         records_ = BuildRecords(default_cache_folder(false));
@@ -188,12 +204,6 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
             queue_ = cl::CommandQueue(context_, device_);
     });
-    if (device_.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format(
-                "the device \"{}\" has no double precision (cl_khr_fp64), which exact offsets need; choose another one",
-                device_.getInfo<CL_DEVICE_NAME>()));
 }
 
 void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const {
@@ -319,17 +329,11 @@ cl::Program Context::compile(std::string_view kernel_file, const std::string& so
     cl::Program program(context_, source);
     const cl_int code = clsdf::device::build(program, device_, options);
     if (code == CL_SUCCESS) return program;
-    std::string log;
-    try {
-        log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_);
-    } catch (const cl::Error&) {
-        log = "nothing";
-    }
     throw Error(
         ErrorCode::device_failure,
-        fmt::format(
-            "the OpenCL call clBuildProgram failed for {}: {}; options \"{}\" on \"{}\"; the compiler said:\n{}",
-            kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(), log),
+        fmt::format("the OpenCL call clBuildProgram failed for {}: {}; options \"{}\" on \"{}\"; the compiler said{}",
+                    kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(),
+                    build_log(program, device_)),
         code);
 }
 
