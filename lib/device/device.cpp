@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <compare>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -185,20 +186,44 @@ Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& inf
     return {ErrorCode::no_device, fmt::format("{}; the devices are {}", reason, list)};
 }
 
-/// GPUs before everything else, then by compute units times clock, a stand-in for speed.
-bool is_stronger(const DeviceInfo& one, const DeviceInfo& other) {
-    const bool gpu = one.kind == DeviceKind::gpu;
-    if (gpu != (other.kind == DeviceKind::gpu)) return gpu;
-    const auto rate = [](const DeviceInfo& info) { return 1.0 * info.compute_units * info.clock_megahertz; };
-    return rate(one) > rate(other);
+/// A stand-in for speed: a larger one is stronger.
+struct Strength {
+    int kind;     ///< GPUs with memory of their own, other GPUs, processors, other devices
+    double rate;  ///< lanes times clock
+
+    auto operator<=>(const Strength&) const = default;
+};
+
+/// Throws cl::Error.
+Strength strength_of(const DeviceInfo& info) {
+    // A compute unit of Intel's GPUs is an execution unit with eight lanes, of others a multiprocessor.
+    constexpr cl_uint intel = 0x8086;
+    constexpr unsigned lanes_of_intel = 8, lanes_of_others = 64;
+    const cl::Device device(info.id, true);
+    const double units = 1.0 * info.compute_units * std::max(info.clock_megahertz, 1U);  // some report no clock
+    switch (info.kind) {
+        case DeviceKind::gpu: {
+            const bool has_own_memory = device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>() == CL_FALSE;
+            const bool is_intel = device.getInfo<CL_DEVICE_VENDOR_ID>() == intel;
+            return {has_own_memory ? 3 : 2, units * (is_intel ? lanes_of_intel : lanes_of_others)};
+        }
+        case DeviceKind::processor:
+            return {1, units};
+        default:
+            return {0, units};
+    }
 }
 
-/// Usable devices, the strongest first.
-std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
-    infos.erase(std::remove_if(infos.begin(), infos.end(), [](const DeviceInfo& info) { return !info.usable(); }),
-                infos.end());
-    std::stable_sort(infos.begin(), infos.end(), is_stronger);
-    return infos;
+/// Usable devices, the strongest first. Throws cl::Error.
+std::vector<DeviceInfo> candidates(const std::vector<DeviceInfo>& infos) {
+    std::vector<std::pair<Strength, DeviceInfo>> usable;
+    for (const DeviceInfo& info : infos)
+        if (info.usable()) usable.emplace_back(strength_of(info), info);
+    std::stable_sort(usable.begin(), usable.end(),
+                     [](const auto& one, const auto& other) { return one.first > other.first; });
+    std::vector<DeviceInfo> sorted;
+    for (auto& [strength, info] : usable) sorted.push_back(std::move(info));
+    return sorted;
 }
 
 /// Changes ASCII letters only, in every locale.
@@ -240,7 +265,7 @@ Device Device::best() {
     std::string failures;
     for (const DeviceInfo& info : infos)
         if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
-    for (const DeviceInfo& info : candidates(infos)) {
+    for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
         try {
             return open(info);
         } catch (const cl::Error& error) {

@@ -31,6 +31,27 @@ public:
     Drivers& operator=(const Drivers&) = delete;
 };
 
+constexpr unsigned intel = 0x8086, nvidia = 0x10DE;
+
+Answers gpu(const std::string& name, unsigned vendor, unsigned units, unsigned megahertz, bool has_own_memory) {
+    return {{{CL_DEVICE_NAME, name}},
+            {{CL_DEVICE_TYPE, CL_DEVICE_TYPE_GPU},
+             {CL_DEVICE_VENDOR_ID, vendor},
+             {CL_DEVICE_MAX_COMPUTE_UNITS, units},
+             {CL_DEVICE_MAX_CLOCK_FREQUENCY, megahertz},
+             {CL_DEVICE_HOST_UNIFIED_MEMORY, has_own_memory ? CL_FALSE : CL_TRUE}}};
+}
+
+/// Device::best() of two devices, in either order.
+void check_best(const Answers& best, const Answers& other) {
+    const std::string name = best.texts.at(CL_DEVICE_NAME);
+    for (const bool is_first : {true, false}) {
+        const Drivers drivers({.devices = is_first ? std::vector{best, other} : std::vector{other, best}});
+        BOOST_TEST_REQUIRE(Device::all().size() == 2U);
+        BOOST_TEST(Device::best().name() == name);
+    }
+}
+
 /// Both devices have these answers, so none is usable.
 void check_unusable(const Answers& answers, const std::string& why_not, const Answers& platform = {}) {
     // As the caller's handles, from before the driver's answers.
@@ -95,6 +116,32 @@ BOOST_AUTO_TEST_CASE(a_platform_without_devices_is_named_with_a_remedy) {
         check_throws(ErrorCode::no_device, fragments, [] { Device::best(); });
         check_throws(ErrorCode::no_device, fragments, [] { Device::select("0"); });
     }
+}
+
+BOOST_AUTO_TEST_CASE(gpus_with_memory_of_their_own_are_the_strongest) {
+    const Answers integrated = gpu("Intel(R) Arc(TM) Graphics", intel, 128, 2250, false);
+    check_best(gpu("NVIDIA GeForce RTX 4070 Laptop GPU", nvidia, 36, 2175, true), integrated);
+    check_best(gpu("NVIDIA T500", nvidia, 14, 1125, true), integrated);
+}
+
+BOOST_AUTO_TEST_CASE(an_execution_unit_of_intel_counts_eight_lanes_and_a_multiprocessor_sixty_four) {
+    const Answers small_nvidia = gpu("NVIDIA T1000", nvidia, 14, 1395, true);
+    const Answers large_nvidia = gpu("NVIDIA GeForce RTX 4090", nvidia, 128, 2520, true);
+    const Answers arc = gpu("Intel(R) Arc(TM) A770 Graphics", intel, 512, 2400, true);
+    check_best(arc, small_nvidia);
+    check_best(large_nvidia, arc);
+}
+
+BOOST_AUTO_TEST_CASE(processors_come_before_accelerators_also_without_a_clock) {
+    const Answers processor{{{CL_DEVICE_NAME, "Intel(R) Xeon(R) Processor"}}, {{CL_DEVICE_MAX_CLOCK_FREQUENCY, 0}}};
+    const Answers emulator{{{CL_DEVICE_NAME, "Intel(R) FPGA Emulation Device"}},
+                           {{CL_DEVICE_TYPE, CL_DEVICE_TYPE_ACCELERATOR}}};
+    check_best(processor, emulator);
+    const Answers large{{{CL_DEVICE_NAME, "larger"}},
+                        {{CL_DEVICE_MAX_CLOCK_FREQUENCY, 0}, {CL_DEVICE_MAX_COMPUTE_UNITS, 3000}}};
+    const Answers small{{{CL_DEVICE_NAME, "smaller"}},
+                        {{CL_DEVICE_MAX_CLOCK_FREQUENCY, 2000}, {CL_DEVICE_MAX_COMPUTE_UNITS, 1}}};
+    check_best(large, small);
 }
 
 BOOST_AUTO_TEST_CASE(a_compiler_that_says_nothing_is_an_error_with_a_remedy) {
