@@ -174,8 +174,9 @@ std::string reason_of_choice(const Devices& devices) {
     if (std::count_if(devices.all.begin(), devices.all.end(), [](const DeviceInfo& info) { return info.usable(); }) ==
         1)
         return "no other one is usable";
-    return devices.taken->kind == DeviceKind::gpu ? "it is the strongest GPU that works, by compute units times clock"
-                                                  : "no GPU works here, and it is the strongest of the others";
+    return devices.taken->kind == DeviceKind::gpu
+               ? "it is the strongest GPU that works: memory of its own first, then lanes times clock"
+               : "no GPU works here, and it is the strongest of the others";
 }
 
 ordered_json describe(const DeviceInfo& info) {

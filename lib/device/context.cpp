@@ -1,5 +1,6 @@
 #include "device/context.hpp"
 
+#include "device/requirements.hpp"
 #include "kernel_sources.hpp"
 
 #include <clsdf/error.hpp>
@@ -84,10 +85,12 @@ std::string platform_name(const cl::Device& device) {
     return cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
 }
 
-/// Environment variables that change what PoCL compiles.
+/// Environment variables that change what PoCL, AMD's and Intel's compilers make.
 std::string compiler_environment() {
     std::string values;
-    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION"})
+    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION",
+                             "POCL_PREGION_VALUE_REMAT", "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS",
+                             "AMD_OCL_BUILD_OPTIONS_APPEND", "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings"})
         if (const char* value = std::getenv(name)) values += fmt::format("{}={}\n", name, value);
     return values;
 }
@@ -110,6 +113,18 @@ bool keeps_programs(const cl::Device& device) {
 /// Not the binding's build(), which asks for a log in any case, and reports that there is none in place of the failure.
 cl_int build(const cl::Program& program, const cl::Device& device, const std::string& options) {
     return clBuildProgram(program(), 1, &device(), options.c_str(), nullptr, nullptr);
+}
+
+/// What the compiler said, as the end of a sentence; a remedy if it said nothing.
+std::string build_log(const cl::Program& program, const cl::Device& device) {
+    std::string log;
+    try {
+        log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
+    } catch (const cl::Error&) {
+        // As good as an empty one.
+    }
+    if (log.find_first_not_of(" \t\r\n") != std::string::npos) return ":\n" + log;
+    return " nothing; update the driver, or choose another device (clsdf devices lists them)";
 }
 
 /// Nothing if there is no binary, or the driver does not take it.
@@ -179,6 +194,9 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
       queue_(callers_queue_),
       pinned_(context_, device_) {
     guarded([&] {
+        if (const std::string reason = missing_feature(device_); !reason.empty())
+            throw Error(ErrorCode::unsupported, fmt::format("the device \"{}\" cannot be used: {}; choose another one",
+                                                            device_.getInfo<CL_DEVICE_NAME>(), reason));
         capabilities_ = capabilities_of(device_);
         cache_ = ProgramCache(default_cache_folder(keeps_programs(device_)));
         records_ = BuildRecords(default_cache_folder(false));
@@ -186,12 +204,6 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
             queue_ = cl::CommandQueue(context_, device_);
     });
-    if (device_.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() == 0)
-        throw Error(
-            ErrorCode::unsupported,
-            fmt::format(
-                "the device \"{}\" has no double precision (cl_khr_fp64), which exact offsets need; choose another one",
-                device_.getInfo<CL_DEVICE_NAME>()));
 }
 
 void Context::read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const {
@@ -317,17 +329,11 @@ cl::Program Context::compile(std::string_view kernel_file, const std::string& so
     cl::Program program(context_, source);
     const cl_int code = clsdf::device::build(program, device_, options);
     if (code == CL_SUCCESS) return program;
-    std::string log;
-    try {
-        log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_);
-    } catch (const cl::Error&) {
-        log = "nothing";
-    }
     throw Error(
         ErrorCode::device_failure,
-        fmt::format(
-            "the OpenCL call clBuildProgram failed for {}: {}; options \"{}\" on \"{}\"; the compiler said:\n{}",
-            kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(), log),
+        fmt::format("the OpenCL call clBuildProgram failed for {}: {}; options \"{}\" on \"{}\"; the compiler said{}",
+                    kernel_file, code_name(code), options, device_.getInfo<CL_DEVICE_NAME>(),
+                    build_log(program, device_)),
         code);
 }
 

@@ -4,12 +4,14 @@
 #include "core/lifetime.hpp"
 #include "device/context.hpp"
 #include "device/opencl.hpp"
+#include "device/requirements.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <compare>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -126,12 +128,55 @@ cl_command_queue Device::queue() const {
 
 namespace {
 
+/// Throws cl::Error.
+std::vector<cl::Platform> all_platforms() {
+    std::vector<cl::Platform> platforms;
+    try {
+        cl::Platform::get(&platforms);
+    } catch (const cl::Error& error) {
+        constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR
+        if (error.err() != no_platform) throw;
+    }
+    return platforms;
+}
+
+/// Throws cl::Error.
+std::vector<cl::Device> devices_of(const cl::Platform& platform) {
+    std::vector<cl::Device> devices;
+    try {
+        platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+    } catch (const cl::Error& error) {
+        if (error.err() != CL_DEVICE_NOT_FOUND) throw;
+    }
+    return devices;
+}
+
 constexpr const char* how_to_install =
     "install an OpenCL driver: for any processor PoCL (Debian: apt install pocl-opencl-icd); for a GPU its maker's, "
-    "nvidia-opencl-icd (NVIDIA), mesa-opencl-icd or ROCm (AMD), intel-opencl-icd (Intel)";
+    "nvidia-opencl-icd (NVIDIA), intel-opencl-icd (Intel), rocm-opencl-icd (AMD, from Debian 13 on) or AMD's own ROCm";
+
+/// Platforms without devices, each with a remedy, as the end of a sentence; empty if there are none.
+std::string empty_platforms() {
+    std::string text;
+    try {
+        for (const cl::Platform& platform : all_platforms()) {
+            if (!devices_of(platform).empty()) continue;
+            const std::string name = platform.getInfo<CL_PLATFORM_NAME>();
+            text += fmt::format("; the platform \"{}\" has no devices", name);
+            if (name == "rusticl")
+                text +=
+                    ": it shows GPUs if RUSTICL_ENABLE=radeonsi (AMD), iris (Intel) or nouveau (NVIDIA) is in the "
+                    "environment";
+        }
+    } catch (const cl::Error&) {
+        // The others are not named.
+    }
+    if (text.empty()) return text;
+    return text + "; a GPU needs access to the files in /dev/dri (AMD's also /dev/kfd), often by the group render";
+}
 
 Error no_device_found() {
-    return {ErrorCode::no_device, fmt::format("no OpenCL device was found; {}", how_to_install)};
+    return {ErrorCode::no_device, fmt::format("no OpenCL device was found{}; {}", empty_platforms(), how_to_install)};
 }
 
 Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& infos) {
@@ -141,20 +186,44 @@ Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& inf
     return {ErrorCode::no_device, fmt::format("{}; the devices are {}", reason, list)};
 }
 
-/// GPUs before everything else, then by compute units times clock, a stand-in for speed.
-bool is_stronger(const DeviceInfo& one, const DeviceInfo& other) {
-    const bool gpu = one.kind == DeviceKind::gpu;
-    if (gpu != (other.kind == DeviceKind::gpu)) return gpu;
-    const auto rate = [](const DeviceInfo& info) { return 1.0 * info.compute_units * info.clock_megahertz; };
-    return rate(one) > rate(other);
+/// A stand-in for speed: a larger one is stronger.
+struct Strength {
+    int kind;     ///< GPUs with memory of their own, other GPUs, processors, other devices
+    double rate;  ///< lanes times clock
+
+    auto operator<=>(const Strength&) const = default;
+};
+
+/// Throws cl::Error.
+Strength strength_of(const DeviceInfo& info) {
+    // A compute unit of Intel's GPUs is an execution unit with eight lanes, of others a multiprocessor.
+    constexpr cl_uint intel = 0x8086;
+    constexpr unsigned lanes_of_intel = 8, lanes_of_others = 64;
+    const cl::Device device(info.id, true);
+    const double units = 1.0 * info.compute_units * std::max(info.clock_megahertz, 1U);  // some report no clock
+    switch (info.kind) {
+        case DeviceKind::gpu: {
+            const bool has_own_memory = device.getInfo<CL_DEVICE_HOST_UNIFIED_MEMORY>() == CL_FALSE;
+            const bool is_intel = device.getInfo<CL_DEVICE_VENDOR_ID>() == intel;
+            return {has_own_memory ? 3 : 2, units * (is_intel ? lanes_of_intel : lanes_of_others)};
+        }
+        case DeviceKind::processor:
+            return {1, units};
+        default:
+            return {0, units};
+    }
 }
 
-/// Usable devices, the strongest first.
-std::vector<DeviceInfo> candidates(std::vector<DeviceInfo> infos) {
-    infos.erase(std::remove_if(infos.begin(), infos.end(), [](const DeviceInfo& info) { return !info.usable(); }),
-                infos.end());
-    std::stable_sort(infos.begin(), infos.end(), is_stronger);
-    return infos;
+/// Usable devices, the strongest first. Throws cl::Error.
+std::vector<DeviceInfo> candidates(const std::vector<DeviceInfo>& infos) {
+    std::vector<std::pair<Strength, DeviceInfo>> usable;
+    for (const DeviceInfo& info : infos)
+        if (info.usable()) usable.emplace_back(strength_of(info), info);
+    std::stable_sort(usable.begin(), usable.end(),
+                     [](const auto& one, const auto& other) { return one.first > other.first; });
+    std::vector<DeviceInfo> sorted;
+    for (auto& [strength, info] : usable) sorted.push_back(std::move(info));
+    return sorted;
 }
 
 /// Changes ASCII letters only, in every locale.
@@ -196,7 +265,7 @@ Device Device::best() {
     std::string failures;
     for (const DeviceInfo& info : infos)
         if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
-    for (const DeviceInfo& info : candidates(infos)) {
+    for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
         try {
             return open(info);
         } catch (const cl::Error& error) {
@@ -205,8 +274,8 @@ Device Device::best() {
         }
     }
     throw Error(ErrorCode::no_device,
-                fmt::format("no usable OpenCL device with double precision and a compiler was found{}; {}", failures,
-                            how_to_install));
+                fmt::format("no usable OpenCL device with double precision and a compiler was found{}{}; {}", failures,
+                            empty_platforms(), how_to_install));
 }
 
 Device Device::select(const std::string& index_or_substring) {
@@ -237,31 +306,8 @@ std::string Device::environment_choice() {
 
 namespace {
 
-/// Throws cl::Error.
-std::vector<cl::Platform> all_platforms() {
-    std::vector<cl::Platform> platforms;
-    try {
-        cl::Platform::get(&platforms);
-    } catch (const cl::Error& error) {
-        constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR of the loader
-        if (error.err() != no_platform) throw;
-    }
-    return platforms;
-}
-
 std::string failure(const cl::Error& error) {
     return fmt::format("it fails at {}: {}", device::call_name(error), device::code_name(error.err()));
-}
-
-/// Throws cl::Error.
-std::vector<cl::Device> devices_of(const cl::Platform& platform) {
-    std::vector<cl::Device> devices;
-    try {
-        platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
-    } catch (const cl::Error& error) {
-        if (error.err() != CL_DEVICE_NOT_FOUND) throw;
-    }
-    return devices;
 }
 
 /// In place of the devices that a platform does not tell.
@@ -286,10 +332,6 @@ DeviceKind kind_of(const cl::Device& device) {
     return DeviceKind::other;
 }
 
-bool has_extension(const cl::Device& device, const std::string& name) {
-    return (' ' + device.getInfo<CL_DEVICE_EXTENSIONS>() + ' ').find(' ' + name + ' ') != std::string::npos;
-}
-
 /// Throws cl::Error, as devices with a broken driver do; what was learnt until then stays.
 void ask(const cl::Device& device, DeviceInfo& info) {
     info.name = device.getInfo<CL_DEVICE_NAME>();
@@ -297,17 +339,18 @@ void ask(const cl::Device& device, DeviceInfo& info) {
     info.version = device.getInfo<CL_DEVICE_VERSION>();
     info.driver = device.getInfo<CL_DRIVER_VERSION>();
     info.kind = kind_of(device);
+    info.why_not = device::too_old(device);
     const device::Context::Capabilities capabilities = device::capabilities_of(device);
     info.compute_units = capabilities.compute_units;
     info.clock_megahertz = device.getInfo<CL_DEVICE_MAX_CLOCK_FREQUENCY>();
     info.memory = capabilities.memory;
     info.largest_allocation = capabilities.largest_allocation;
     info.float_width = capabilities.float_width;
-    info.atomics64 = has_extension(device, "cl_khr_int64_base_atomics");
-    info.fp64 = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
-    if (!info.fp64)
-        info.why_not = "it has no double precision (cl_khr_fp64)";
-    else if (capabilities.largest_group < 64)
+    info.atomics64 = device::has_extension(device, "cl_khr_int64_base_atomics");
+    info.fp64 = device::has_double_precision(device);
+    info.why_not = device::missing_feature(device);
+    if (!info.why_not.empty()) return;
+    if (capabilities.largest_group < 64)
         info.why_not =
             fmt::format("its work-groups have {} items at most, and kernels need 64", capabilities.largest_group);
     else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
@@ -326,7 +369,7 @@ DeviceInfo info_of(const cl::Device& device) {
     try {
         ask(device, info);
     } catch (const cl::Error& error) {
-        info.why_not = failure(error);
+        if (info.why_not.empty()) info.why_not = failure(error);  // a driver that is too old knows fewer properties
     }
     return info;
 }

@@ -6,4 +6,5 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/mapped_memory.cpp
           ${CMAKE_CURRENT_LIST_DIR}/opencl.cpp
           ${CMAKE_CURRENT_LIST_DIR}/pinned_reads.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/program_cache.cpp)
+          ${CMAKE_CURRENT_LIST_DIR}/program_cache.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/requirements.cpp)

@@ -106,7 +106,7 @@ BOOST_AUTO_TEST_CASE(are_none_and_the_message_says_what_to_install) {
     BOOST_TEST(found["devices"].dump() == "[]");
     BOOST_TEST(found["taken"].is_null());
     BOOST_TEST(found["error"]["code"] == "no_device");
-    for (const char* fragment : {"pocl-opencl-icd", "nvidia-opencl-icd", "mesa-opencl-icd", "intel-opencl-icd"})
+    for (const char* fragment : {"pocl-opencl-icd", "nvidia-opencl-icd", "rocm-opencl-icd", "intel-opencl-icd"})
         BOOST_TEST(outcome.error.find(fragment) != std::string::npos, "no '" << fragment << "' in " << outcome.error);
 }
 

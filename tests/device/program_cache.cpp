@@ -267,6 +267,18 @@ BOOST_AUTO_TEST_CASE(is_what_a_device_begins_with) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(knows_programs_by_the_variables_that_change_what_compilers_make) {
+    const auto identity = [] { return device::context_of(Device::best()).identity(); };
+    const std::string plain = identity();
+    for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION",
+                             "POCL_PREGION_VALUE_REMAT", "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS",
+                             "AMD_OCL_BUILD_OPTIONS_APPEND", "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings"}) {
+        const Variable variable(name, "1");
+        BOOST_TEST(identity() != plain, name);
+    }
+    BOOST_TEST(identity() == plain);
+}
+
 BOOST_AUTO_TEST_CASE(gets_each_program_once_and_gives_it_to_the_next_process) {
     const TemporaryFolder folder;
     for (const bool first : {true, false}) {

@@ -19,6 +19,13 @@ std::size_t product(cl_uint dimensions, const std::size_t* sizes) {
     return items;
 }
 
+/// Along y or z; a driver that chooses the size of the groups may choose one work-item.
+bool has_too_many_groups(cl_uint dimensions, const std::size_t* items, const std::size_t* group) {
+    for (cl_uint d = 1; d < dimensions; ++d)
+        if (items[d] / (group == nullptr ? 1 : group[d]) > most_groups) return true;
+    return false;
+}
+
 }  // namespace
 
 }  // namespace clsdf::disguise
@@ -76,16 +83,12 @@ CLSDF_PASS_OBJECT(cl_program, clCreateProgramWithBinary,
                   (cl_context context, cl_uint count, const cl_device_id* devices, const std::size_t* lengths,
                    const unsigned char** binaries, cl_int* status, cl_int* error),
                   context, count, devices, lengths, binaries, status, error)
-CLSDF_PASS_OBJECT(cl_kernel, clCreateKernel, (cl_program program, const char* name, cl_int* error), program, name,
-                  error)
 CLSDF_PASS_OBJECT(cl_event, clCreateUserEvent, (cl_context context, cl_int* error), context, error)
 CLSDF_PASS(clCreateSubDevices,
            (cl_device_id device, const cl_device_partition_property* properties, cl_uint room, cl_device_id* parts,
             cl_uint* found),
            device, properties, room, parts, found)
 
-CLSDF_PASS(clSetKernelArg, (cl_kernel kernel, cl_uint index, std::size_t bytes, const void* value), kernel, index,
-           bytes, value)
 CLSDF_PASS(clSetUserEventStatus, (cl_event event, cl_int status), event, status)
 CLSDF_PASS(clSetEventCallback,
            (cl_event event, cl_int status, void(CL_CALLBACK* notify)(cl_event, cl_int, void*), void* user), event,
@@ -103,6 +106,19 @@ cl_int clBuildProgram(cl_program program, cl_uint count_of_devices, const cl_dev
     if (const cl_int code = begin("clBuildProgram")) return code;
     count([](Counts& counts) { ++counts.programs_built; });
     return CLSDF_NEXT(clBuildProgram)(program, count_of_devices, devices, options, notify, user);
+}
+
+cl_kernel clCreateKernel(cl_program program, const char* name, cl_int* error) {
+    if (const cl_int code = begin("clCreateKernel")) return refused(code, error);
+    const cl_kernel kernel = CLSDF_NEXT(clCreateKernel)(program, name, error);
+    forget_arguments(kernel);
+    return kernel;
+}
+
+cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, std::size_t bytes, const void* value) {
+    if (const cl_int code = begin("clSetKernelArg")) return code;
+    note_argument(kernel, index, bytes, value);
+    return CLSDF_NEXT(clSetKernelArg)(kernel, index, bytes, value);
 }
 
 cl_int clFinish(cl_command_queue queue) {
@@ -123,6 +139,7 @@ cl_int clWaitForEvents(cl_uint events, const cl_event* list) {
 cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, std::size_t offset,
                            std::size_t bytes, void* target, cl_uint waits, const cl_event* wait_list, cl_event* event) {
     if (const cl_int code = begin("clEnqueueReadBuffer")) return code;
+    if (const cl_int code = use(buffer)) return code;
     if (blocking != CL_FALSE) count_wait();
     count_down(bytes);
     const cl_int code =
@@ -135,6 +152,7 @@ cl_int clEnqueueWriteBuffer(cl_command_queue queue, cl_mem buffer, cl_bool block
                             std::size_t bytes, const void* source, cl_uint waits, const cl_event* wait_list,
                             cl_event* event) {
     if (const cl_int code = begin("clEnqueueWriteBuffer")) return code;
+    if (const cl_int code = use(buffer)) return code;
     if (blocking != CL_FALSE) count_wait();
     count_up(bytes);
     return CLSDF_NEXT(clEnqueueWriteBuffer)(queue, buffer, blocking, offset, bytes, source, waits, wait_list, event);
@@ -144,6 +162,7 @@ cl_int clEnqueueFillBuffer(cl_command_queue queue, cl_mem buffer, const void* pa
                            std::size_t offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
                            cl_event* event) {
     if (const cl_int code = begin("clEnqueueFillBuffer")) return code;
+    if (const cl_int code = use(buffer)) return code;
     count([](Counts& counts) { ++counts.fills; });
     return CLSDF_NEXT(clEnqueueFillBuffer)(queue, buffer, pattern, pattern_bytes, offset, bytes, waits, wait_list,
                                            event);
@@ -153,6 +172,8 @@ cl_int clEnqueueCopyBuffer(cl_command_queue queue, cl_mem from, cl_mem to, std::
                            std::size_t to_offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
                            cl_event* event) {
     if (const cl_int code = begin("clEnqueueCopyBuffer")) return code;
+    for (cl_mem buffer : {from, to})
+        if (const cl_int code = use(buffer)) return code;
     count([](Counts& counts) { ++counts.copies; });
     return CLSDF_NEXT(clEnqueueCopyBuffer)(queue, from, to, from_offset, to_offset, bytes, waits, wait_list, event);
 }
@@ -161,7 +182,12 @@ cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint 
                               const std::size_t* items, const std::size_t* group, cl_uint waits,
                               const cl_event* wait_list, cl_event* event) {
     if (const cl_int code = begin("clEnqueueNDRangeKernel")) return code;
-    if (is_gpu() && group != nullptr && product(dimensions, group) > largest_group) return CL_INVALID_WORK_GROUP_SIZE;
+    if (is_gpu()) {
+        if (group != nullptr && product(dimensions, group) > largest_group) return CL_INVALID_WORK_GROUP_SIZE;
+        if (has_too_many_groups(dimensions, items, group) || product(dimensions, items) > most_items)
+            return CL_INVALID_VALUE;
+        if (const cl_int code = use_arguments(kernel)) return code;
+    }
     count_launch(name_of(kernel), product(dimensions, items));
     return CLSDF_NEXT(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offsets, items, group, waits, wait_list,
                                               event);

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
+#include <vector>
 
 /// A library between a program and the loader of OpenCL, by LD_PRELOAD or linked before it. It makes processors answer
 /// as GPUs with memory of their own, counts calls and bytes, and makes calls fail on purpose. Thread-safe.
@@ -16,14 +18,27 @@
 ///   CLSDF_DISGUISE_CODE=CODE      as Fault::code
 namespace clsdf::disguise {
 
-/// The properties of the simulated GPU: its type, vectors of one float, groups of at most 1,024 work-items, 48 KiB of
-/// local memory, and memory that is not the host's. New buffers, and memory that is mapped to be overwritten, hold
-/// bytes of 0xFF. Mapped memory is a copy, which ends with the mapping; CL_MEM_USE_HOST_PTR copies at creation and
-/// while it is mapped.
+/// Answers in place of a driver's own, by the number of the question, e.g. CL_DEVICE_NAME.
+struct Answers {
+    std::map<unsigned, std::string> texts{};
+    std::map<unsigned, std::uint64_t> numbers{};
+    std::set<unsigned> refused{};  ///< with CL_INVALID_VALUE
+};
+
+/// The properties of the simulated GPU: its type, vectors of one float, groups of at most 128 work-items, launches of
+/// at most 65,535 groups along y and z and fewer than 2^32 work-items, 48 KiB of local memory, and memory that is not
+/// the host's, which a buffer gets at its first use by a command, as NVIDIA's do. New buffers, and memory that is
+/// mapped to be overwritten, hold bytes of 0xFF. Mapped memory is a copy, which ends with the mapping;
+/// CL_MEM_USE_HOST_PTR copies at creation and while it is mapped.
 struct Settings {
     bool gpu = false;
-    unsigned compute_units = 0;  ///< of a GPU; 0: as many as the processor has
-    bool pocl_3_0 = false;       ///< names and versions are those of PoCL 3.0 on a Zen 4, whose compiler crashes
+    unsigned compute_units = 0;      ///< of a GPU; 0: as many as the processor has
+    bool pocl_3_0 = false;           ///< names and versions are those of PoCL 3.0 on a Zen 4, whose compiler crashes
+    Answers platform{};              ///< of every platform
+    std::vector<Answers> devices{};  ///< of the first device, the second, ...
+    bool without_devices = false;    ///< platforms have none
+    std::uint64_t memory =
+        UINT64_MAX;  ///< bytes of a GPU; a first use beyond fails with CL_MEM_OBJECT_ALLOCATION_FAILURE
 };
 
 /// To be called before the first call of OpenCL.
@@ -57,6 +72,7 @@ struct Counts {
     std::uint64_t transfers_up = 0, transfers_down = 0;
     std::uint64_t bytes_up = 0, bytes_down = 0;
     std::uint64_t allocations = 0;  ///< buffers
+    std::uint64_t first_uses = 0;   ///< commands that are the first to use a buffer of a GPU
     std::uint64_t allocated_bytes = 0;
     std::uint64_t programs_built = 0;
     std::string failed;  ///< the first call that failed on purpose; empty: none

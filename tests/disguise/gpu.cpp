@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <string_view>
+#include <vector>
 
 namespace clsdf::disguise {
 
@@ -66,6 +68,25 @@ void disguise(cl_device_id device, cl_device_info name, void* value) {
     }
 }
 
+/// Devices in the order in which they were told.
+struct Devices {
+    std::mutex mutex;
+    std::vector<cl_device_id> ids;
+};
+Devices& devices() {
+    static auto* const only = new Devices;
+    return *only;
+}
+
+/// Null if it has none.
+const Answers* answers_of(cl_device_id device) {
+    const std::scoped_lock lock(devices().mutex);
+    const auto found = std::find(devices().ids.begin(), devices().ids.end(), device);
+    const auto index = static_cast<std::size_t>(found - devices().ids.begin());
+    const std::vector<Answers>& all = record().settings.devices;
+    return found != devices().ids.end() && index < all.size() ? &all[index] : nullptr;
+}
+
 /// The answer of PoCL 3.0; empty if it does not differ.
 std::string_view platform_of_pocl_3_0(cl_platform_info name) {
     if (name == CL_PLATFORM_NAME) return "Portable Computing Language";
@@ -80,6 +101,21 @@ cl_int answer(std::string_view text, std::size_t size, void* value, std::size_t*
     std::memcpy(value, text.data(), text.size());
     static_cast<char*>(value)[text.size()] = 0;
     return CL_SUCCESS;
+}
+
+/// Nothing if the driver is to answer.
+std::optional<cl_int> answer(const Answers& answers, unsigned question, std::size_t size, void* value,
+                             std::size_t* needed) {
+    if (answers.refused.contains(question)) return CL_INVALID_VALUE;
+    if (const auto text = answers.texts.find(question); text != answers.texts.end())
+        return answer(text->second, size, value, needed);
+    return std::nullopt;
+}
+
+/// Replaces a driver's number, of as many bytes.
+void replace_number(const Answers& answers, unsigned question, std::size_t bytes, void* value) {
+    if (const auto number = answers.numbers.find(question); number != answers.numbers.end())
+        std::memcpy(value, &number->second, std::min(bytes, sizeof number->second));
 }
 
 /// The devices of a type when processors count as GPUs.
@@ -103,6 +139,7 @@ cl_int clGetPlatformInfo(cl_platform_id platform, cl_platform_info name, std::si
     if (record().settings.pocl_3_0)
         if (const std::string_view text = platform_of_pocl_3_0(name); !text.empty())
             return answer(text, size, value, needed);
+    if (const auto code = answer(record().settings.platform, name, size, value, needed)) return *code;
     return CLSDF_NEXT(clGetPlatformInfo)(platform, name, size, value, needed);
 }
 
@@ -110,18 +147,36 @@ cl_int clGetDeviceInfo(cl_device_id device, cl_device_info name, std::size_t siz
     if (const cl_int code = begin("clGetDeviceInfo")) return code;
     const bool pocl_3_0 = record().settings.pocl_3_0;
     if (pocl_3_0 && name == CL_DEVICE_NAME) return answer("pthread-AMD EPYC", size, value, needed);
-    const cl_int code = CLSDF_NEXT(clGetDeviceInfo)(device, name, size, value, needed);
+    const Answers* const answers = answers_of(device);
+    if (answers != nullptr)
+        if (const auto code = answer(*answers, name, size, value, needed)) return *code;
+    std::size_t bytes = 0;
+    const cl_int code = CLSDF_NEXT(clGetDeviceInfo)(device, name, size, value, &bytes);
+    if (needed != nullptr) *needed = bytes;
     if (code != CL_SUCCESS || value == nullptr) return code;
     if (is_gpu()) disguise(device, name, value);
+    if (answers != nullptr) replace_number(*answers, name, bytes, value);
     if (pocl_3_0 && name == CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT) write(cl_uint{16}, value);
     return code;
 }
 
-cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id* devices,
+cl_int clGetDeviceIDs(cl_platform_id platform, cl_device_type type, cl_uint room, cl_device_id* devices_found,
                       cl_uint* found) {
     if (const cl_int code = begin("clGetDeviceIDs")) return code;
     const cl_device_type meant = is_gpu() ? undisguised(type) : type;
-    if (meant == 0 && type != 0) return CL_DEVICE_NOT_FOUND;
-    return CLSDF_NEXT(clGetDeviceIDs)(platform, meant, room, devices, found);
+    if (record().settings.without_devices || (meant == 0 && type != 0)) {
+        if (found != nullptr) *found = 0;
+        return CL_DEVICE_NOT_FOUND;
+    }
+    cl_uint all = 0;
+    const cl_int code = CLSDF_NEXT(clGetDeviceIDs)(platform, meant, room, devices_found, &all);
+    if (found != nullptr) *found = all;
+    if (code == CL_SUCCESS && devices_found != nullptr) {
+        const std::scoped_lock lock(devices().mutex);
+        for (cl_uint i = 0; i < std::min(room, all); ++i)
+            if (std::find(devices().ids.begin(), devices().ids.end(), devices_found[i]) == devices().ids.end())
+                devices().ids.push_back(devices_found[i]);
+    }
+    return code;
 }
 }

@@ -26,8 +26,18 @@ struct Mapping {
     std::unique_ptr<std::byte[]> copy;  ///< none if the buffer has memory of the host's
 };
 
+/// A buffer of a GPU.
+struct Buffer {
+    std::size_t bytes;
+    bool is_used = false;  ///< by a command: it has memory
+};
+
 struct Memory {
     std::mutex mutex;
+    std::map<cl_mem, Buffer> buffers;
+    std::map<cl_mem, cl_mem> wholes;  ///< of sub-buffers
+    std::map<cl_kernel, std::map<cl_uint, cl_mem>> arguments;
+    std::uint64_t bytes = 0;                   ///< of the buffers that are used
     std::map<cl_mem, std::byte*> host_memory;  ///< of buffers that were made with CL_MEM_USE_HOST_PTR
     std::multimap<const void*, Mapping> mappings;
     std::set<cl_event> pinned_reads;  ///< that nobody has waited for
@@ -49,6 +59,23 @@ void check_out(cl_mem buffer) {
     if (owners != 1) return;
     const std::scoped_lock lock(memory().mutex);
     memory().host_memory.erase(buffer);
+    memory().wholes.erase(buffer);
+    if (const auto found = memory().buffers.find(buffer); found != memory().buffers.end()) {
+        if (found->second.is_used) memory().bytes -= found->second.bytes;
+        memory().buffers.erase(found);
+    }
+}
+
+/// Under the mutex.
+cl_int use_under_lock(cl_mem buffer) {
+    if (const auto whole = memory().wholes.find(buffer); whole != memory().wholes.end()) buffer = whole->second;
+    const auto found = memory().buffers.find(buffer);
+    if (found == memory().buffers.end() || found->second.is_used) return CL_SUCCESS;
+    if (memory().bytes + found->second.bytes > record().settings.memory) return CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    memory().bytes += found->second.bytes;
+    found->second.is_used = true;
+    count([](Counts& counts) { ++counts.first_uses; });
+    return CL_SUCCESS;
 }
 
 std::byte* host_memory_of(cl_mem buffer) {
@@ -70,6 +97,11 @@ cl_mem create_on_gpu(cl_context context, cl_mem_flags flags, std::size_t bytes, 
     // The driver only reads it.
     const cl_mem buffer = CLSDF_NEXT(clCreateBuffer)(context, flags, bytes, const_cast<void*>(from), error);
     if (buffer != nullptr && uses_host) check_in(buffer, static_cast<std::byte*>(host));
+    if (buffer == nullptr) return buffer;
+    const std::scoped_lock lock(memory().mutex);
+    const bool is_used = host != nullptr;  // it holds the host's data
+    memory().buffers[buffer] = {bytes, is_used};
+    if (is_used) memory().bytes += bytes;
     return buffer;
 }
 
@@ -142,6 +174,34 @@ cl_int unmap_on_gpu(cl_command_queue queue, cl_mem buffer, void* mapped, cl_uint
 
 }  // namespace
 
+cl_int use(cl_mem buffer) {
+    const std::scoped_lock lock(memory().mutex);
+    return use_under_lock(buffer);
+}
+
+cl_int use_arguments(cl_kernel kernel) {
+    const std::scoped_lock lock(memory().mutex);
+    for (const auto& [index, buffer] : memory().arguments[kernel])
+        if (const cl_int code = use_under_lock(buffer)) return code;
+    return CL_SUCCESS;
+}
+
+void note_argument(cl_kernel kernel, cl_uint index, std::size_t bytes, const void* value) {
+    if (!is_gpu()) return;
+    cl_mem buffer = nullptr;
+    if (value != nullptr && bytes == sizeof buffer) std::memcpy(&buffer, value, bytes);
+    const std::scoped_lock lock(memory().mutex);
+    if (memory().buffers.contains(buffer) || memory().wholes.contains(buffer))
+        memory().arguments[kernel][index] = buffer;
+    else
+        memory().arguments[kernel].erase(index);
+}
+
+void forget_arguments(cl_kernel kernel) {
+    const std::scoped_lock lock(memory().mutex);
+    memory().arguments.erase(kernel);
+}
+
 void note_read(cl_event event, const void* target) {
     const std::scoped_lock lock(memory().mutex);
     if (memory().mappings.contains(target))
@@ -180,6 +240,10 @@ cl_mem clCreateSubBuffer(cl_mem buffer, cl_mem_flags flags, cl_buffer_create_typ
     const cl_mem part = CLSDF_NEXT(clCreateSubBuffer)(buffer, flags, type, region, error);
     if (std::byte* const host = host_memory_of(buffer); host != nullptr && part != nullptr)
         check_in(part, host + static_cast<const cl_buffer_region*>(region)->origin);
+    if (is_gpu() && part != nullptr) {
+        const std::scoped_lock lock(memory().mutex);
+        memory().wholes[part] = buffer;
+    }
     return part;
 }
 
@@ -192,6 +256,7 @@ void* clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking
                          std::size_t offset, std::size_t bytes, cl_uint waits, const cl_event* wait_list,
                          cl_event* event, cl_int* error) {
     if (const cl_int code = begin("clEnqueueMapBuffer")) return refused(code, error);
+    if (const cl_int code = use(buffer)) return refused(code, error);
     if (blocking != CL_FALSE) count_wait();
     if (is_gpu())
         return map_on_gpu(queue, buffer, blocking != CL_FALSE, flags, offset, bytes, waits, wait_list, event, error);

@@ -116,6 +116,7 @@ std::string to_json(const Counts& counts) {
     json["fills"] = counts.fills;
     json["copies"] = counts.copies;
     json["allocations"] = counts.allocations;
+    json["first_uses"] = counts.first_uses;
     json["allocated_bytes"] = counts.allocated_bytes;
     json["programs_built"] = counts.programs_built;
     json["all_calls"] = counts.all_calls;

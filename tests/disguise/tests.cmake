@@ -18,6 +18,11 @@ clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
 target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference OpenCL::OpenCL)
 clsdf_between(disguise_promises)
 
+# PoCL answers as other drivers do.
+clsdf_test(disguise_drivers ${CMAKE_CURRENT_LIST_DIR}/drivers.cpp)
+target_link_libraries(test_disguise_drivers PRIVATE clsdf_disguise OpenCL::OpenCL)
+clsdf_between(disguise_drivers)
+
 # The program behind scripts/gpu-counts.
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
 target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io fmt::fmt nlohmann_json::nlohmann_json)
