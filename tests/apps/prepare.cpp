@@ -172,6 +172,17 @@ BOOST_AUTO_TEST_CASE(of_usual_calls_are_prepared_for_later_calls) {
             BOOST_TEST(!has(outcome.error, "compiled"), outcome.error);
         }
     }
+    for (const std::size_t count : {std::size_t{1}, std::size_t{1} << 14U}) {
+        const TemporaryFolder folder;
+        std::string points = "x,y,z\n";
+        for (std::size_t i = 0; i < count; ++i) points += "0.1,0.2,0.3\n";
+        const Outcome outcome =
+            run_command({"query", folder.file("mesh.off", tetrahedron), folder.file("points.csv", points), "-o",
+                         folder.file("found.csv"), "--json"},
+                        caches.environment());
+        BOOST_TEST(outcome.status == 0, outcome.error);
+        BOOST_TEST(json::parse(outcome.out)["first_use"] == false);
+    }
     // Nothing is left to do, unless that is asked for.
     const auto tested = [&](std::vector<std::string> arguments) {
         const json result = json::parse(run_command(arguments, caches.environment()).out)["prepared"][0]["steps"][0];
