@@ -105,4 +105,21 @@ install(
 foreach(component core io papers picture reference command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
-install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+# The documents, and all that they link to.
+install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+install(
+  DIRECTORY docs examples
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}
+  COMPONENT development
+  FILES_MATCHING
+  PATTERN "*.md"
+  PATTERN "*.png"
+  PATTERN "*.cpp")
+install(
+  DIRECTORY benchmarks
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}
+  COMPONENT development
+  FILES_MATCHING
+  PATTERN "*.md"
+  PATTERN "peers" EXCLUDE
+  PATTERN "plot" EXCLUDE)

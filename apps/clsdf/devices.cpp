@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -100,6 +101,36 @@ public:
         return {"render", watch.seconds()};
     }
 
+    /// Few points are looked up one by one, many points in groups, on processors by another program.
+    Step query() {
+        clsdf::TransformStatistics statistics;
+        clsdf::CallOptions watched;
+        watched.statistics = &statistics;
+        watched.should_stop = [this] { return stop_.stop_requested(); };
+        ProgressBar progress(!report_.quiet);
+        watched.compiling = [&](const clsdf::Compilation& compilation) {
+            progress.show(fmt::format("query: {}", text_of(compilation)));
+        };
+        clsdf::TransformOptions options;
+        options.log = [&](const std::string& message) {
+            progress.clear();
+            report_.warn(message);
+        };
+        const Stopwatch watch;
+        const clsdf::DistanceTransform transform(device_, mesh_, options, watched);
+        Step step{"query"};
+        for (const std::size_t count : {std::size_t{1}, std::size_t{1} << 14U}) {
+            const std::vector<clsdf::Vec3> points(count, clsdf::Vec3{0.25, 0.5, 0.75});
+            std::vector<float> distance(count);
+            clsdf::OutputTargets targets;
+            targets.distance = distance;
+            transform.query(points, std::numeric_limits<double>::infinity(), targets, watched);
+            step.is_tested |= statistics.first_use;
+        }
+        step.seconds = watch.seconds();
+        return step;
+    }
+
 private:
     Report& report_;
     clsdf::Device device_;
@@ -118,6 +149,7 @@ ordered_json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, 
     if (again) device.forget_tests();
     Preparation preparation(report, device, stop);
     for (const Call& call : calls) add(preparation.compile(call));
+    add(preparation.query());
     add(preparation.render());
     return {{"index", info.index}, {"name", info.name}, {"steps", steps}};
 }
@@ -272,8 +304,8 @@ Command add_devices(CLI::App& program) {
         "CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. A name is an index of\n"
         "this list, or a part of the name of one device or of its platform.\n\n"
         "Kernels are compiled at their first use, which takes some seconds, and kept. --prepare compiles them now,\n"
-        "for the kernels of \"clsdf compute\", with and without --json and --with triangle, and of \"clsdf "
-        "render\".\n\n"
+        "for the kernels of \"clsdf compute\", with and without --json and --with triangle, of \"clsdf query\" and\n"
+        "of \"clsdf render\".\n\n"
         "Examples:\n"
         "  clsdf devices\n"
         "  clsdf devices --json\n"

@@ -85,10 +85,10 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     call.progress = [&](double fraction) { progress.show(fraction); };
     call.compiling = [&](const clsdf::Compilation& step) { progress.show(text_of(step)); };
     call.statistics = &found.statistics;
-    const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
-    found.sign = transform.sign();
     const clsdf::OutputTargets targets = make_room(parse_outputs(options.with), points.size(), found);
     const Stopwatch watch;
+    const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
+    found.sign = transform.sign();
     transform.query(points, within, targets, call);
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();

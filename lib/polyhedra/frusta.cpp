@@ -164,7 +164,7 @@ void complete(const MeshTopology& topology, const Box& box, const LeftToHost& le
     const Numbers numbers =
         left.faces.size() == all ? left.faces : faces_around(left.vertices, topology.rings, left.faces);
     UninitializedVector<MeasuredFace> measured(numbers.size());
-    constexpr std::size_t grain = 32;  // kernels leave few faces, each of which takes half a microsecond
+    constexpr std::size_t grain = 32;  // kernels leave few faces
     for_each_index(
         numbers.size(),
         [&](std::size_t i) {

@@ -327,7 +327,7 @@ std::vector<std::uint8_t> find_gaps(const MeshFaces& faces, std::span<const Face
                                     double margin) {
     std::vector<std::uint8_t> marks(vertices.size());
     tbb::enumerable_thread_specific<GapTest> tests([&] { return GapTest(faces, edges, rings, measured, margin); });
-    constexpr std::size_t grain = 8;  // kernels leave few vertices, each of which takes a microsecond
+    constexpr std::size_t grain = 8;  // kernels leave few vertices
     for_each_range(
         vertices.size(),
         [&](std::size_t begin, std::size_t end) {

@@ -79,6 +79,29 @@ BOOST_AUTO_TEST_CASE(are_said_to_be_compiled_when_they_are) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(of_queries_are_compiled_in_none_of_the_times_of_a_query) {
+    const FreshCaches caches;
+    const TemporaryFolder folder;
+    const std::vector<std::string> query{"query",
+                                         folder.file("mesh.off", tetrahedron),
+                                         folder.file("points.csv", "x,y,z\n0.1,0.1,0.1\n"),
+                                         "-o",
+                                         folder.file("found.csv"),
+                                         "--json",
+                                         "--quiet"};
+    for (const bool is_first : {true, false}) {
+        const Outcome outcome = run_command(query, caches.environment());
+        BOOST_REQUIRE_MESSAGE(outcome.status == 0, outcome.error);
+        const json result = json::parse(outcome.out), seconds = result["seconds"];
+        BOOST_TEST(result["first_use"] == is_first);
+        const auto of = [&](const char* name) { return seconds[name].get<double>(); };
+        BOOST_TEST(of("compile") > 0);
+        BOOST_TEST(of("nearest") > 0);
+        BOOST_TEST(of("query") >= of("set_up") + of("nearest") + of("sign"));
+        BOOST_TEST(of("read") + of("compile") + of("query") + of("write") <= outcome.seconds);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(are_compiled_by_one_of_many_processes_that_start_at_once) {
     const FreshCaches alone;
     const double seconds = run_command(alone.compute("a.nrrd"), alone.environment()).cpu_seconds;
@@ -148,6 +171,17 @@ BOOST_AUTO_TEST_CASE(of_usual_calls_are_prepared_for_later_calls) {
             BOOST_TEST(outcome.status == 0);
             BOOST_TEST(!has(outcome.error, "compiled"), outcome.error);
         }
+    }
+    for (const std::size_t count : {std::size_t{1}, std::size_t{1} << 14U}) {
+        const TemporaryFolder folder;
+        std::string points = "x,y,z\n";
+        for (std::size_t i = 0; i < count; ++i) points += "0.1,0.2,0.3\n";
+        const Outcome outcome =
+            run_command({"query", folder.file("mesh.off", tetrahedron), folder.file("points.csv", points), "-o",
+                         folder.file("found.csv"), "--json"},
+                        caches.environment());
+        BOOST_TEST(outcome.status == 0, outcome.error);
+        BOOST_TEST(json::parse(outcome.out)["first_use"] == false);
     }
     // Nothing is left to do, unless that is asked for.
     const auto tested = [&](std::vector<std::string> arguments) {

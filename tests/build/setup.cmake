@@ -40,7 +40,7 @@ if(NOT status EQUAL 0 OR NOT log MATCHES "has no oclgrind teem-apps: the tests t
   message(SEND_ERROR "What the tests alone need ends the set-up, or is not named: ${status}, ${log}")
 endif()
 file(STRINGS ${SCRATCH}/installed installed)
-foreach(package cmake libopenvdb-dev python3-vtk9)
+foreach(package cmake libopenvdb-dev python3-vtk9 clang libopenmpi-dev openmpi-bin libhdf5-openmpi-dev)
   if(NOT package IN_LIST installed)
     message(SEND_ERROR "${package} is not installed, although it can be had")
   endif()

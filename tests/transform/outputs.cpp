@@ -176,8 +176,8 @@ BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
     const auto at = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
         return static_cast<std::size_t>(i + 2 + padded[0] * (j + 2 + padded[1] * (k + 2)));
     };
-    constexpr float untouched = -77;
-    std::vector<float> distance(count, untouched), gradient(3 * count, untouched);
+    constexpr float unwritten = -77;
+    std::vector<float> distance(count, unwritten), gradient(3 * count, untouched);
     const auto into = [&](OutputTarget target) {
         const auto row = static_cast<std::ptrdiff_t>(padded[0] * 4);
         target.offset = at(0, 0, 0) * sizeof(float);
@@ -197,8 +197,8 @@ BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
                     BOOST_REQUIRE(std::memcmp(&gradient[axis * count + at(i, j, k)],
                                               &expected.gradient[3 * sample + axis], sizeof(float)) == 0);
             }
-    BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), untouched)) == count - written);
-    BOOST_TEST(static_cast<std::size_t>(std::count(gradient.begin(), gradient.end(), untouched)) ==
+    BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), unwritten)) == count - written);
+    BOOST_TEST(static_cast<std::size_t>(std::count(gradient.begin(), gradient.end(), unwritten)) ==
                3 * (count - written));
 }
 
