@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfenv>
 #include <charconv>
 #include <compare>
 #include <cstdlib>
@@ -19,7 +20,28 @@
 
 namespace clsdf {
 
+namespace {
+
+/// Rounding to nearest and no traps for as long as this lives. The threads of a driver on the processor have the
+/// floating-point environment of the thread that starts them, and kernels divide by zero and round.
+class DefaultEnvironment {
+public:
+    DefaultEnvironment() {
+        std::fegetenv(&callers_);
+        std::fesetenv(FE_DFL_ENV);
+    }
+    DefaultEnvironment(const DefaultEnvironment&) = delete;
+    DefaultEnvironment& operator=(const DefaultEnvironment&) = delete;
+    ~DefaultEnvironment() { std::fesetenv(&callers_); }
+
+private:
+    std::fenv_t callers_{};
+};
+
+}  // namespace
+
 Device Device::open(const DeviceInfo& info) {
+    const DefaultEnvironment environment;
     const cl::Device device(info.id, true);
     const cl::Context context(device);
     return Device(std::make_shared<device::Context>(context, device, cl::CommandQueue(context, device)));
@@ -29,6 +51,7 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
     if (context == nullptr || id == nullptr || queue == nullptr)
         throw Error(ErrorCode::invalid_argument,
                     "Device::from_handles needs a context, a device and a queue; one of them is null");
+    const DefaultEnvironment environment;
     return device::guarded([&] {
         const cl::CommandQueue callers(queue, true);
         if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context || callers.getInfo<CL_QUEUE_DEVICE>()() != id)
@@ -67,6 +90,7 @@ Device Device::limited(const DeviceLimits& limits) const {
     const cl_device_id whole = id();
     if (limits.memory == std::size_t{0})
         throw Error(ErrorCode::invalid_argument, "a limit of 0 bytes of device memory leaves none; leave it out");
+    const DefaultEnvironment environment;
     return device::guarded([&] {
         const cl::Device part =
             limits.compute_units ? part_of(cl::Device(whole, true), *limits.compute_units) : cl::Device(whole, true);
@@ -390,6 +414,7 @@ std::string name_of(DeviceKind kind) {
 }
 
 std::vector<DeviceInfo> Device::all() {
+    const DefaultEnvironment environment;
     std::vector<DeviceInfo> infos;
     for (const cl::Platform& platform : device::guarded(all_platforms)) {
         try {

@@ -33,11 +33,11 @@ float rounded_up(double x) {
     return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-/// Holds nothing: at every distance from every point.
+/// Holds nothing, infinitely far from every point.
 PointNode empty_node() {
     PointNode node;
-    std::fill(&node.lower[0][0], &node.lower[0][0] + 3 * width, std::numeric_limits<float>::max());
-    std::fill(&node.upper[0][0], &node.upper[0][0] + 3 * width, -std::numeric_limits<float>::max());
+    std::fill(&node.lower[0][0], &node.lower[0][0] + 3 * width, std::numeric_limits<float>::infinity());
+    std::fill(&node.upper[0][0], &node.upper[0][0] + 3 * width, -std::numeric_limits<float>::infinity());
     return node;
 }
 

@@ -6,3 +6,6 @@ clsdf_test(device ${CMAKE_CURRENT_LIST_DIR}/device.cpp ${CMAKE_CURRENT_LIST_DIR}
 target_link_libraries(test_device PRIVATE OpenCL::OpenCL)
 # A process of its own: the loader looks for drivers once.
 clsdf_test(no_device ${CMAKE_CURRENT_LIST_DIR}/no_device.cpp)
+# Likewise: PoCL starts its threads once.
+clsdf_test(floating_point ${CMAKE_CURRENT_LIST_DIR}/floating_point.cpp)
+target_link_libraries(test_floating_point PRIVATE clsdf::reference)

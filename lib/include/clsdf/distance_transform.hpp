@@ -213,8 +213,8 @@ struct KeptMemory {
 ///
 /// Members that are const may be called from several threads at once; their work takes turns on the device. move(),
 /// assignment and the destructor need the transform for themselves. Calls that return results wait for earlier commands
-/// of the device's queue. If one of these waits for an event of the caller's, another thread must set it. Once moved from, every member but assignment and
-/// the destructor throws Error(invalid_argument).
+/// of the device's queue. If one of these waits for an event of the caller's, another thread must set it. Once moved
+/// from, every member but assignment and the destructor throws Error(invalid_argument).
 class CLSDF_EXPORT DistanceTransform {
 public:
     /// Copies and checks the mesh, describes its topology and builds the programs that all computations need. Throws

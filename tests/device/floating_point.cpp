@@ -1,0 +1,45 @@
+#include "support/exact_field.hpp"
+
+#include <cfenv>
+#include <vector>
+
+// Solvers trap floating-point exceptions, and set the rounding mode, before they make a device.
+
+using namespace clsdf;
+using namespace clsdf::test;
+
+BOOST_AUTO_TEST_CASE(a_solver_that_traps_exceptions_can_make_a_device_and_compute) {
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    std::fenv_t environment;
+    std::fegetenv(&environment);
+    feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+    std::fesetround(FE_UPWARD);
+    const Device device = Device::best();
+    BOOST_TEST(std::fegetround() == FE_UPWARD);
+    BOOST_TEST(fegetexcept() == (FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW));
+    std::fesetround(FE_TONEAREST);
+
+    for (const char* const shape : {"stairs", "needle"}) {
+        const Mesh mesh = make_shape(shape);
+        DistanceTransform transform(device, mesh);
+        const Grid grid = grid_around(mesh, 40, 3);
+        const Band band = Band::symmetric(3 * grid.voxel());
+        std::vector<Field> fields;
+        fields.push_back(transform(grid, band, {.closest = true, .gradient = true}));
+        const std::vector<Vec3> points(20'000, Vec3{0.1, 0.2, 0.3});
+        std::vector<float> distance(points.size());
+        transform.query(points, 1, {.distance = distance});
+        const std::vector<Box> boxes{grid.box()};
+        std::vector<BoxPlace> places(1);
+        transform.classify(boxes, 0.1, places);
+        transform.move(mesh.vertices());
+        fields.push_back(transform(grid, band));
+        std::fenv_t traps;
+        std::feholdexcept(&traps);
+        for (const Field& field : fields) check_exact(mesh, field);
+        BOOST_TEST((places.front() == BoxPlace::near));
+        std::fesetenv(&traps);
+    }
+    std::fesetenv(&environment);
+#endif
+}
