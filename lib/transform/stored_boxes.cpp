@@ -80,15 +80,12 @@ void BoxStore::enqueue(CommandChain& chain) {
             queue.enqueueFillBuffer(boxes_, *moved_, 0, sizeof(StoredBox), wait, event);  // which copies the box
         });
     moved_.reset();
-    // NVIDIA's GPUs have 65,535 groups along y and z at most.
-    constexpr std::size_t most = 32768;
-    const std::size_t most_rows = most * group_rows_;
-    for (std::size_t box = 0; box < box_count_; box += most)
-        for (std::size_t row = 0; row < rows_; row += most_rows)
-            chain.then([&](auto& queue, auto* wait, auto* event) {
-                const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), std::min(most, box_count_ - box));
-                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, row, box), all, cl::NDRange(pieces_, group_rows_, 1),
-                                           wait, event);
+    divided({pieces_, rows_, box_count_}, {most_groups * group_rows_, most_groups},
+            [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                chain.then([&](auto& queue, auto* wait, auto* event) {
+                    queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, y, z), items,
+                                               cl::NDRange(pieces_, group_rows_, 1), wait, event);
+                });
             });
 }
 

@@ -2,10 +2,14 @@
 #include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
+#include "scan/brick_kernel.hpp"
 
 #include <algorithm>
 
@@ -15,8 +19,9 @@ using namespace clsdf::test;
 namespace {
 
 /// A processor as a GPU, from before the first call of OpenCL on.
+const disguise::Settings as_gpu{.gpu = true, .compute_units = 132};
 struct AsGpu {
-    AsGpu() { disguise::set({.gpu = true, .compute_units = 132}); }
+    AsGpu() { disguise::set(as_gpu); }
 };
 BOOST_TEST_GLOBAL_FIXTURE(AsGpu);
 
@@ -227,6 +232,58 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
     const cl::Event first(plan.enqueue(nullptr));
     const cl::Event second(plan.enqueue(nullptr));
     check_quiet_run(second, memory);
+}
+
+// NVIDIA's GPUs have 65,535 groups along y and z at most.
+BOOST_AUTO_TEST_CASE(a_grid_of_many_slices_or_rows_is_computed_in_several_launches) {
+    const Mesh beam = box({0, 0, 0}, {0.5, 0.5, 7000});
+    Grid narrow;
+    narrow.spacing = {0.1, 0.1, 0.1};
+    narrow.origin = {-0.1, -0.1, -0.1};
+    narrow.size = {8, 8, 70003};
+    for (const char* method : {"bricks", "slices", "brute force"})
+        for (const bool is_turned : {false, true}) {
+            TransformOptions options;
+            if (method == std::string("slices")) options.method = papers_method({.scan = Scan::slices});
+            if (method == std::string("brute force")) options.method = papers_method({.scan = Scan::brute_force});
+            Grid grid = narrow;
+            if (is_turned) std::swap(grid.size[1], grid.size[2]);
+            const Mesh mesh = is_turned ? moved(beam, [](const Vec3& v) { return Vec3{v[0], v[2], v[1]}; }) : beam;
+            BOOST_TEST_CONTEXT(method << ", turned: " << is_turned)
+            check_exact(mesh, compute(mesh, grid, Band::symmetric(0.15), options), guaranteed);
+        }
+}
+
+namespace {
+
+/// The launches of coarse bricks with one pair each.
+struct Launches : scan::BrickKernel {
+    Launches(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const scan::BrickInputs& inputs)
+        : BrickKernel(context, pool, inputs, 1e9, 0) {}
+    void enqueue_reset(scan::CommandChain&, const scan::OutputBuffers&) override {}
+    void enqueue_launch(scan::CommandChain&, std::size_t) override {}
+    const auto& all() const { return launches_; }
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_launch_of_bricks_has_at_most_two_to_the_thirty_work_items) {
+    device::Context& context = device::context_of(test_device());
+    scan::CoarseLists lists;
+    lists.order.resize((1U << 18) + 1);
+    lists.lengths.assign(lists.order.size(), 1);
+    lists.pairs = lists.order.size();
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    const scan::PreparedMesh mesh;
+    const Launches launches(context, pool, {{}, mesh, lists, {}, {}, nullptr});
+    BOOST_TEST_REQUIRE(launches.launch_count() == 3U);
+    cl_uint begin = 0;
+    for (const auto& launch : launches.all()) {
+        BOOST_TEST(launch.begin == begin);
+        BOOST_TEST(std::uint64_t{launch.end - launch.begin} * 64 * 128 <= std::uint64_t{1} << 30);
+        begin = launch.end;
+    }
+    BOOST_TEST(begin == lists.order.size());
 }
 
 // The call that fails is named, and the plan computes the same field afterwards.
