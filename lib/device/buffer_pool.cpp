@@ -16,10 +16,15 @@ void CL_CALLBACK free_host_memory(cl_mem, void* memory) {
     free_large_memory(memory);
 }
 
-/// A large buffer of a processor lies on huge pages: kernels read records all over it.
+/// A large buffer of a processor lies on huge pages: kernels read records all over it. Of other devices a command uses
+/// the buffer at once: some drivers allocate it at its first use, and a lack of memory is to appear here.
 cl::Buffer make_buffer(const Context& context, std::size_t bytes) {
-    if (!context.capabilities().is_processor || bytes < large_memory_bytes)
-        return cl::Buffer(context.context(), CL_MEM_READ_WRITE, bytes);
+    const bool is_processor = context.capabilities().is_processor;
+    if (!is_processor || bytes < large_memory_bytes) {
+        cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, bytes);
+        if (!is_processor) context.queue().enqueueFillBuffer(buffer, cl_uchar{0}, 0, 1);
+        return buffer;
+    }
     std::unique_ptr<void, decltype(&free_large_memory)> memory(nullptr, &free_large_memory);
     try {
         memory.reset(allocate_large_memory(bytes));

@@ -186,13 +186,7 @@ private:
     void finish(CommandChain& chain, std::int32_t first_slice, std::int32_t end_slice) {
         finish_kernel_.setArg(finish_first_slice, first_slice);
         finish_kernel_.setArg(finish_end_slice, end_slice);
-        constexpr std::size_t group = 64;
-        const cl::NDRange range(scan::in_whole_groups(static_cast<std::size_t>(layout_.size[0]), group),
-                                static_cast<std::size_t>(layout_.size[1]),
-                                static_cast<std::size_t>(end_slice - first_slice));
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(finish_kernel_, cl::NullRange, range, cl::NDRange(group, 1, 1), wait, event);
-        });
+        enqueue_finish(chain, finish_kernel_, layout_, static_cast<std::size_t>(end_slice - first_slice));
     }
 
     Layout layout_;

@@ -107,6 +107,9 @@ scan::ProgramSource slices_source(const scan::ProgramSources& programs, const Sl
 cl::Program slices_program(device::Context& context, const scan::ProgramSources& programs, const SliceVariant& variant,
                            const device::BuildWatch& watch = {});
 
+/// Launches slices_finish, whose arguments are set, for so many slices.
+void enqueue_finish(scan::CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices);
+
 /// Whether distance and triangle are one 64-bit number; without triangles the distances alone are the key, and 32 bits
 /// are enough. Throws Error(unsupported) if the device has no 64-bit atomics and `asked` needs them.
 bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked);

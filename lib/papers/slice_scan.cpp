@@ -217,7 +217,8 @@ private:
         finish_kernel_.setArg(argument++, *keys_);
         if (variant_.brick.nearest) finish_kernel_.setArg(argument++, *keys_);
         if (variant_.brick.count) finish_kernel_.setArg(argument++, *band_samples_);
-        queue.enqueueNDRangeKernel(finish_kernel_, cl::NullRange, finish_range(1), cl::NDRange(finish_group, 1, 1));
+        CommandChain chain(queue, {});
+        enqueue_finish(chain, finish_kernel_, layout_, 1);
         queue.finish();
     }
 
@@ -259,18 +260,7 @@ private:
     void finish_chunk(CommandChain& chain, const SliceChunk& chunk) {
         finish_kernel_.setArg(finish_first_slice, chunk.begin);
         finish_kernel_.setArg(finish_end_slice, chunk.end);
-        const cl::NDRange range = finish_range(static_cast<std::size_t>(chunk.end - chunk.begin));
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(finish_kernel_, cl::NullRange, range, cl::NDRange(finish_group, 1, 1), wait,
-                                       event);
-        });
-    }
-
-    static constexpr std::size_t finish_group = 64;
-
-    cl::NDRange finish_range(std::size_t slices) const {
-        return {scan::in_whole_groups(static_cast<std::size_t>(layout_.size[0]), finish_group),
-                static_cast<std::size_t>(layout_.size[1]), slices};
+        enqueue_finish(chain, finish_kernel_, layout_, static_cast<std::size_t>(chunk.end - chunk.begin));
     }
 
     std::size_t work_items(std::size_t entries) const { return chunk_count(entries, shape_.batch) * shape_.group; }
@@ -321,6 +311,18 @@ cl::Program slices_program(device::Context& context, const scan::ProgramSources&
                            const device::BuildWatch& watch) {
     const scan::ProgramSource source = slices_source(programs, variant);
     return context.program(source.kernel_file, source.options, watch, source.files);
+}
+
+void enqueue_finish(CommandChain& chain, const cl::Kernel& kernel, const Layout& layout, std::size_t slices) {
+    constexpr std::size_t group = scan::common_group;
+    const std::size_t row = scan::in_whole_groups(static_cast<std::size_t>(layout.size[0]), group);
+    scan::divided({row, static_cast<std::size_t>(layout.size[1]), slices}, {scan::most_groups, scan::most_groups},
+                  [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                      chain.then([&](auto& queue, auto* wait, auto* event) {
+                          queue.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, z), items, cl::NDRange(group, 1, 1),
+                                                     wait, event);
+                      });
+                  });
 }
 
 bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked) {

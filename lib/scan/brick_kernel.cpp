@@ -6,6 +6,13 @@
 
 namespace clsdf::scan {
 
+namespace {
+
+// In a launch: 64 groups of 128 work-items each, where drivers count work-items in 32 bits.
+constexpr cl_uint most_coarse_bricks = 1U << 17;
+
+}  // namespace
+
 BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
                          const BrickInputs& inputs, double pairs_per_launch, std::size_t counter_sets)
     : finishing_(inputs.finishing), counter_sets_(counter_sets) {
@@ -16,7 +23,7 @@ BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device:
     const auto count = static_cast<cl_uint>(lists.order.size());
     for (cl_uint i = 0; i < count; ++i) {
         pairs += lists.lengths[i];
-        if (pairs < pairs_per_launch && i + 1 < count) continue;
+        if (pairs < pairs_per_launch && i + 1 - begin < most_coarse_bricks && i + 1 < count) continue;
         launches_.push_back({begin, i + 1, before / static_cast<double>(lists.pairs)});
         before += pairs;
         pairs = 0;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <vector>
 
 namespace clsdf::scan {
@@ -19,6 +20,11 @@ constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
 // On a processor. PoCL compiles a kernel anew for each size of a group: one size for nearly all grids, and another one
 // where so many slices would take too long.
 constexpr std::size_t slices_of_a_group = 32;
+
+/// On a GPU: as many as there are bricks in a row, up to a power of two.
+std::size_t pieces_of_a_group(const Layout& layout) {
+    return std::min(std::bit_ceil(static_cast<std::size_t>(layout.bricks[0])), common_group);
+}
 
 /// The first marks of a part's bricks: 0 for those that overlap wanted blocks of the lattice.
 std::vector<cl_uchar> marks_of(const Layout& layout, std::span<const Grid> wanted) {
@@ -49,8 +55,12 @@ public:
               const ShortLaunches& launches)
         : layout_(layout),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
-          fill_pieces_(programs.body == KernelBody::by_group ? static_cast<std::size_t>(layout.bricks[0]) : 1),
-          fill_group_slices_(programs.body == KernelBody::by_group ? 1 : slices_of_a_group),
+          fill_group_pieces_(programs.body == KernelBody::by_group ? pieces_of_a_group(layout) : 1),
+          fill_group_slices_(programs.body == KernelBody::by_group ? common_group / fill_group_pieces_
+                                                                   : slices_of_a_group),
+          fill_pieces_(programs.body == KernelBody::by_group
+                           ? in_whole_groups(static_cast<std::size_t>(layout.bricks[0]), fill_group_pieces_)
+                           : 1),
           lists_(make_coarse_lists(context, programs, pool, layout, mesh, selection, points, launches)),
           computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
         if (!wanted.empty()) first_marks_ = device::copied(context, marks_of(layout, wanted));
@@ -68,8 +78,6 @@ public:
         const std::size_t most_slices = launches.most(seconds_per_filled_sample * slice);
         if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
         slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
-        // A GPU's driver chooses.
-        if (programs.body != KernelBody::by_group) fill_group_ = cl::NDRange(1, 1, fill_group_slices_);
     }
 
     std::size_t launch_count() const override { return bricks_->launch_count(); }
@@ -125,19 +133,20 @@ private:
     enum FillArgument : cl_uint { fill_layout, fill_computed, fill_sign_bits, fill_distance, fill_first_slice };
     enum LeaveArgument : cl_uint { leave_layout, leave_computed, leave_output, leave_sample_bytes, leave_first_slice };
 
-    /// All slices of the empty bricks, `most` a launch.
+    /// All slices of the empty bricks, at most `most` a launch, whole groups.
     void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint first_slice_argument, std::size_t most) const {
-        const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]),
-                   slices = static_cast<std::size_t>(layout_.size[2]);
-        for (std::size_t slice = 0; slice < slices; slice += most) {
-            kernel.setArg(first_slice_argument, static_cast<cl_int>(slice));
-            // The kernel skips slices beyond the last one.
-            const cl::NDRange range(fill_pieces_, brick_rows,
-                                    std::min(most, in_whole_groups(slices - slice, fill_group_slices_)));
-            chain.then([&](auto& target, auto* wait, auto* event) {
-                target.enqueueNDRangeKernel(kernel, cl::NullRange, range, fill_group_, wait, event);
-            });
-        }
+        const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]);
+        // The kernel skips slices beyond the last one.
+        const std::size_t slices = in_whole_groups(static_cast<std::size_t>(layout_.size[2]), fill_group_slices_);
+        const cl::NDRange group(fill_group_pieces_, 1, fill_group_slices_);
+        divided({fill_pieces_, brick_rows, slices}, {most_groups, std::min(most, most_groups * fill_group_slices_)},
+                [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                    // An argument: PoCL compiles a kernel once more for offsets that are not 0.
+                    kernel.setArg(first_slice_argument, static_cast<cl_int>(z));
+                    chain.then([&](auto& target, auto* wait, auto* event) {
+                        target.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, 0), items, group, wait, event);
+                    });
+                });
     }
 
     /// Whole groups of no more slices, but one at least.
@@ -146,9 +155,9 @@ private:
     }
 
     Layout layout_;
-    std::size_t fill_pieces_;
+    std::size_t fill_group_pieces_;
     std::size_t fill_group_slices_;
-    cl::NDRange fill_group_ = cl::NullRange;
+    std::size_t fill_pieces_;  ///< of a row of bricks, a work-item each
     CoarseLists lists_;
     device::BufferPool::Lease computed_;
     cl::Buffer first_marks_;  ///< of the bricks; null: all 0

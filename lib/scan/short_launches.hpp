@@ -5,6 +5,7 @@
 #include "device/context.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <utility>
@@ -18,6 +19,18 @@ constexpr std::size_t common_group = 64;
 /// The number of work-items, rounded up to whole groups.
 constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
     return (items + group - 1) / group * group;
+}
+
+/// Groups of a launch along y, and as many along z: NVIDIA's GPUs have 65,535 at most.
+constexpr std::size_t most_groups = 32768;
+
+/// enqueue(y, z, items) for launches that begin at work-item (0, y, z), have at most `most` work-items along y and z,
+/// and together cover `all`.
+template <class Enqueue>
+void divided(const std::array<std::size_t, 3>& all, const std::array<std::size_t, 2>& most, Enqueue&& enqueue) {
+    for (std::size_t z = 0; z < all[2]; z += most[1])
+        for (std::size_t y = 0; y < all[1]; y += most[0])
+            enqueue(y, z, cl::NDRange(all[0], std::min(most[0], all[1] - y), std::min(most[1], all[2] - z)));
 }
 
 /// The cores in estimates of a launch's time: the compute units, but at least eight if the device is no processor.

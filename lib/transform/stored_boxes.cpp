@@ -88,21 +88,19 @@ void BoxStore::write(CommandChain& chain, std::span<const Place> places) {
 void BoxStore::enqueue(CommandChain& chain, std::span<const Place> places) {
     if (places.empty()) places = planned_;
     write(chain, places);
-    // NVIDIA's GPUs have 65,535 groups along y and z at most.
-    constexpr std::size_t most = 32768;
-    const std::size_t most_rows = most * group_rows_;
     for (std::size_t box = 0, count = 0; box < places.size(); box += count) {
         const cl_mem memory = places[box].memory;
-        const std::span<const Place> rest = places.subspan(box, std::min(most, places.size() - box));
+        const std::span<const Place> rest = places.subspan(box);
         const auto end = std::ranges::find_if(rest, [&](const Place& place) { return place.memory != memory; });
         count = static_cast<std::size_t>(end - rest.begin());
         kernel_.setArg(to_, cl::Buffer(memory, true));
-        for (std::size_t row = 0; row < rows_; row += most_rows)
-            chain.then([&](auto& queue, auto* wait, auto* event) {
-                const cl::NDRange all(pieces_, std::min(most_rows, rows_ - row), count);
-                queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, row, box), all, cl::NDRange(pieces_, group_rows_, 1),
-                                           wait, event);
-            });
+        divided({pieces_, rows_, count}, {most_groups * group_rows_, most_groups},
+                [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
+                    chain.then([&](auto& queue, auto* wait, auto* event) {
+                        queue.enqueueNDRangeKernel(kernel_, cl::NDRange(0, y, box + z), items,
+                                                   cl::NDRange(pieces_, group_rows_, 1), wait, event);
+                    });
+                });
     }
 }
 

@@ -2,10 +2,14 @@
 #include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
+#include "support/throws.hpp"
+
+#include <clsdf/papers.hpp>
 
 #include "core/parallel.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
+#include "scan/brick_kernel.hpp"
 
 #include <algorithm>
 
@@ -15,8 +19,9 @@ using namespace clsdf::test;
 namespace {
 
 /// A processor as a GPU, from before the first call of OpenCL on.
+const disguise::Settings as_gpu{.gpu = true, .compute_units = 132};
 struct AsGpu {
-    AsGpu() { disguise::set({.gpu = true, .compute_units = 132}); }
+    AsGpu() { disguise::set(as_gpu); }
 };
 BOOST_TEST_GLOBAL_FIXTURE(AsGpu);
 
@@ -98,7 +103,7 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
     BOOST_TEST(same_lattice.kernels["coarse_pairs"].runs == 1U);
     BOOST_TEST(same_lattice.blocking_waits <= 3U);
     BOOST_TEST(same_lattice.launches <= 17U);
-    BOOST_TEST(same_lattice.fills <= 6U);
+    BOOST_TEST(same_lattice.fills <= 6U + same_lattice.first_uses);
     BOOST_TEST(same_lattice.bytes_up <= 1024U);
 }
 
@@ -187,6 +192,7 @@ void check_quiet_run(const cl::Event& end, const DeviceMemory& memory, std::size
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST(counts.blocking_waits == 0U);
     BOOST_TEST(counts.allocations == 0U);
+    BOOST_TEST(counts.first_uses == 0U);
     BOOST_TEST(counts.bytes_up == 0U);
     BOOST_TEST(counts.bytes_down == 0U);
     end.wait();
@@ -227,6 +233,77 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
     const cl::Event first(plan.enqueue(nullptr));
     const cl::Event second(plan.enqueue(nullptr));
     check_quiet_run(second, memory);
+}
+
+// Drivers that allocate a buffer at its first use would fail when a plan is enqueued.
+BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
+    const DistanceTransform transform(test_device(), mesh());
+    const DeviceMemory memory(test_device().context(), grid().sample_count());
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    disguise::Settings settings = as_gpu;
+    settings.memory = 0;
+    disguise::set(settings);
+    check_throws(ErrorCode::out_of_memory, {"CL_MEM_OBJECT_ALLOCATION_FAILURE", "smaller part"},
+                 [&] { pool->lease(1000, "test"); });
+    BOOST_TEST(!pool->lease_if_it_fits(1000, "test"));
+    check_throws(ErrorCode::out_of_memory, {"smaller part"}, [&] { transform.plan(grid(), band()); });
+    disguise::set(as_gpu);
+    Plan plan = transform.plan(grid(), band());
+    disguise::restart();
+    const cl::Event end(plan.enqueue(nullptr, {.distance = memory.handle()}));
+    check_quiet_run(end, memory);
+}
+
+// NVIDIA's GPUs have 65,535 groups along y and z at most.
+BOOST_AUTO_TEST_CASE(a_grid_of_many_slices_or_rows_is_computed_in_several_launches) {
+    const Mesh beam = box({0, 0, 0}, {0.5, 0.5, 7000});
+    Grid narrow;
+    narrow.spacing = {0.1, 0.1, 0.1};
+    narrow.origin = {-0.1, -0.1, -0.1};
+    narrow.size = {8, 8, 70003};
+    for (const char* method : {"bricks", "slices", "brute force"})
+        for (const bool is_turned : {false, true}) {
+            TransformOptions options;
+            if (method == std::string("slices")) options.method = papers_method({.scan = Scan::slices});
+            if (method == std::string("brute force")) options.method = papers_method({.scan = Scan::brute_force});
+            Grid grid = narrow;
+            if (is_turned) std::swap(grid.size[1], grid.size[2]);
+            const Mesh mesh = is_turned ? moved(beam, [](const Vec3& v) { return Vec3{v[0], v[2], v[1]}; }) : beam;
+            BOOST_TEST_CONTEXT(method << ", turned: " << is_turned)
+            check_exact(mesh, compute(mesh, grid, Band::symmetric(0.15), options), guaranteed);
+        }
+}
+
+namespace {
+
+/// The launches of coarse bricks with one pair each.
+struct Launches : scan::BrickKernel {
+    Launches(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const scan::BrickInputs& inputs)
+        : BrickKernel(context, pool, inputs, 1e9, 0) {}
+    void enqueue_reset(scan::CommandChain&, const scan::OutputBuffers&) override {}
+    void enqueue_launch(scan::CommandChain&, std::size_t) override {}
+    const auto& all() const { return launches_; }
+};
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(a_launch_of_bricks_has_at_most_two_to_the_thirty_work_items) {
+    device::Context& context = device::context_of(test_device());
+    scan::CoarseLists lists;
+    lists.order.resize((1U << 18) + 1);
+    lists.lengths.assign(lists.order.size(), 1);
+    lists.pairs = lists.order.size();
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
+    const scan::PreparedMesh mesh;
+    const Launches launches(context, pool, {{}, mesh, lists, {}, {}, nullptr});
+    BOOST_TEST_REQUIRE(launches.launch_count() == 3U);
+    cl_uint begin = 0;
+    for (const auto& launch : launches.all()) {
+        BOOST_TEST(launch.begin == begin);
+        BOOST_TEST(std::uint64_t{launch.end - launch.begin} * 64 * 128 <= std::uint64_t{1} << 30);
+        begin = launch.end;
+    }
+    BOOST_TEST(begin == lists.order.size());
 }
 
 // The call that fails is named, and the plan computes the same field afterwards.

@@ -15,7 +15,7 @@ function(clsdf_between)
 endfunction()
 
 clsdf_test(disguise_promises ${CMAKE_CURRENT_LIST_DIR}/promises.cpp)
-target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference OpenCL::OpenCL)
+target_link_libraries(test_disguise_promises PRIVATE clsdf_disguise clsdf::reference clsdf::papers OpenCL::OpenCL)
 clsdf_between(disguise_promises)
 
 # PoCL answers as other drivers do.
