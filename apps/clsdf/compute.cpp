@@ -1,6 +1,7 @@
 #include "compute.hpp"
 
 #include "command.hpp"
+#include "core/real_numbers.hpp"
 #include "core/stopwatch.hpp"
 #include "devices.hpp"
 #include "interruption.hpp"
@@ -13,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -39,7 +39,7 @@ std::optional<std::vector<Number>> parse_list(const std::string& text) {
     const char* const end = text.data() + text.size();
     while (true) {
         Number number{};
-        const auto [stop, error] = std::from_chars(position, end, number);
+        const auto [stop, error] = clsdf::read_number(position, end, number);
         if (error != std::errc()) return std::nullopt;
         numbers.push_back(number);
         if (stop == end) return numbers;

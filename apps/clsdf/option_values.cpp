@@ -1,12 +1,12 @@
 #include "option_values.hpp"
 
+#include "core/real_numbers.hpp"
 #include "core/text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -39,7 +39,7 @@ template <class Number>
 std::optional<Number> parse(const std::string& text) {
     Number number{};
     const char* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    const auto [stop, error] = clsdf::read_number(text.data(), end, number);
     if (error != std::errc() || stop != end) return std::nullopt;
     return number;
 }
@@ -156,7 +156,7 @@ clsdf::Length parse_length(const std::string& option, const std::string& text) {
 
     double value = 0;
     const char* end = digits.data() + digits.size();
-    const auto [stop, error] = std::from_chars(digits.data(), end, value);
+    const auto [stop, error] = clsdf::read_real(digits.data(), end, value);
     if (error != std::errc() || stop != end || !std::isfinite(value) || value < 0)
         throw clsdf::Error(
             clsdf::ErrorCode::invalid_argument,

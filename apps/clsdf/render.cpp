@@ -4,6 +4,8 @@
 #include "option_values.hpp"
 #include "report.hpp"
 
+#include "core/real_numbers.hpp"
+
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
 #include <clsdf/picture.hpp>
@@ -39,7 +41,7 @@ struct RenderOptions {
 template <class Number>
 std::optional<Number> parse(std::string_view text) {
     Number number{};
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const auto [stop, error] = clsdf::read_number(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || stop != text.data() + text.size()) return std::nullopt;
     return number;
 }

@@ -1,6 +1,7 @@
 #include "io/mesh_files.hpp"
 
 #include "core/files.hpp"
+#include "core/real_numbers.hpp"
 #include "core/text.hpp"
 
 #include <clsdf/error.hpp>
@@ -35,7 +36,7 @@ bool is_line_end(char c) {
     return c == '\n' || c == '\r';
 }
 
-/// from_chars does not set a value that is out of range. Here numbers that are too small round to zero, and numbers
+/// read_real() does not set a value that is out of range. Here numbers that are too small round to zero, and numbers
 /// that are too large to infinity.
 double out_of_range_value(std::string_view word) {
     const bool negative = word.front() == '-';
@@ -140,7 +141,7 @@ double TextScanner::real(const char* what) {
     std::string_view digits = text;
     if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
     double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    const auto [end, error] = read_real(digits.data(), digits.data() + digits.size(), value);
     if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) fail_word(what, text);
     return error == std::errc::result_out_of_range ? out_of_range_value(digits) : value;
 }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <limits>
@@ -263,10 +264,12 @@ void write_ply_points(std::span<const Vec3> points, const Columns& columns, Atom
     rows.flush();
 }
 
-/// "{}" writes the shortest digits that are read back as the same number.
+/// "{}" writes the shortest digits that are read back as the same number. It writes the sign of a NaN, too, which has
+/// no meaning.
 void write_csv_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
     fmt::memory_buffer text;
     const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
+    const auto add_real = [&](auto value) { add(std::isnan(value) ? std::abs(value) : value); };
     add("x,y,z");
     for (const OutputKind& kind : columns.kinds)
         for (std::int64_t c = 0; c < kind.components; ++c) add(fmt::format(",{}", Columns::name(kind, c)));
@@ -280,9 +283,9 @@ void write_csv_points(std::span<const Vec3> points, const Columns& columns, Atom
             add(',');
             switch (kind.type) {
                 case ValueType::float32:
-                    return add(load<float>(value, std::endian::native));
+                    return add_real(load<float>(value, std::endian::native));
                 case ValueType::float64:
-                    return add(load<double>(value, std::endian::native));
+                    return add_real(load<double>(value, std::endian::native));
                 case ValueType::uint32:
                     return add(load<std::uint32_t>(value, std::endian::native));
                 case ValueType::uint8:

@@ -1,6 +1,7 @@
 #include "io/raw_values.hpp"
 
 #include "core/files.hpp"
+#include "core/real_numbers.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -10,7 +11,6 @@
 #include <fcntl.h>
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -154,7 +154,7 @@ template <class Number>
 bool parse_all(std::string_view text, std::span<Number> numbers) {
     for (Number& number : numbers) {
         text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-        const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        const auto [stop, error] = read_number(text.data(), text.data() + text.size(), number);
         if (error != std::errc()) return false;
         text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
         if (!text.empty() && blanks.find(text.front()) == std::string_view::npos) return false;

@@ -1,4 +1,5 @@
 #include "core/large_memory.hpp"
+#include "core/real_numbers.hpp"
 #include "core/text.hpp"
 #include "io/field_files.hpp"
 
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <type_traits>
 
@@ -28,10 +28,10 @@ bool is_blank(char letter) {
 /// Reads the number at the begin of a text. Returns the position after it; null if there is no number.
 template <class Number>
 const char* parse_number(const char* begin, const char* end, Number& value) {
-    auto [stop, error] = std::from_chars(begin, end, value);
+    auto [stop, error] = read_number(begin, end, value);
     if constexpr (std::is_same_v<Number, float>) {
         double wider = 0;
-        if (error == std::errc::result_out_of_range && std::from_chars(begin, end, wider).ec == std::errc()) {
+        if (error == std::errc::result_out_of_range && read_real(begin, end, wider).ec == std::errc()) {
             value = static_cast<float>(wider);
             error = {};
         }

@@ -301,7 +301,7 @@ openvdb::math::Transform::Ptr transform_of(const Grid& grid, const std::string& 
 /// OpenVDB's archive, on a stream that reports a full disk.
 class Archive : public openvdb::io::Archive {
 public:
-    void write(const std::string& path, const openvdb::GridCPtrVec& grids) const {
+    void write_file(const std::string& path, const openvdb::GridCPtrVec& grids) const {
         std::ofstream stream;
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(path, std::ios::binary);
@@ -370,7 +370,7 @@ public:
         try {
             Archive archive;
             archive.setCompression(compression());
-            archive.write(file_.temporary(), grids);
+            archive.write_file(file_.temporary(), grids);
             seal_vdb(file_.temporary());
         } catch (const std::bad_alloc&) {
             throw;

@@ -1,3 +1,4 @@
+#include "core/real_numbers.hpp"
 #include "core/text.hpp"
 #include "mesh/shape_builders.hpp"
 
@@ -8,9 +9,7 @@
 
 #include <cmath>
 #include <functional>
-#include <locale>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -220,11 +219,10 @@ std::optional<double> plate_thickness(std::string_view name) {
     constexpr std::string_view prefix = "plate";
     if (!name.starts_with(prefix)) return {};
     name.remove_prefix(prefix.size());
-    // libc++ has no from_chars for numbers with a point.
-    std::istringstream text{std::string(name)};
-    text.imbue(std::locale::classic());
     double thickness = 0;
-    if (!(text >> std::noskipws >> thickness) || text.peek() != std::istringstream::traits_type::eof()) return {};
+    const char* const end = name.data() + name.size();
+    const auto [stop, error] = read_real(name.data(), end, thickness);
+    if (error != std::errc() || stop != end || !std::isfinite(thickness)) return {};
     if (!(thickness > 0 && thickness <= 1))
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("a plate's thickness is above 0 and at most 1, its longest side, but not {}", name));

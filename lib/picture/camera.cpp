@@ -1,12 +1,13 @@
 #include "picture/camera.hpp"
 
+#include "core/real_numbers.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -45,7 +46,7 @@ struct Window {
 };
 
 bool parse(const std::string& text, double& number) {
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const auto [stop, error] = read_real(text.data(), text.data() + text.size(), number);
     return error == std::errc() && stop == text.data() + text.size() && std::isfinite(number);
 }
 

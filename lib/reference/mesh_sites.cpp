@@ -19,7 +19,7 @@ using WideVector = Eigen::Matrix<Wide, 3, 1>;
 constexpr Wide cancelled = 1e-6L;
 
 WideVector difference(const Vec3& to, const Vec3& from) {
-    return {Wide{to[0]} - Wide{from[0]}, Wide{to[1]} - Wide{from[1]}, Wide{to[2]} - Wide{from[2]}};
+    return {Wide(to[0]) - Wide(from[0]), Wide(to[1]) - Wide(from[1]), Wide(to[2]) - Wide(from[2])};
 }
 
 std::size_t number_of(Site site) {
@@ -91,7 +91,7 @@ std::optional<Vec3> MeshSites::pseudonormal(std::uint32_t triangle, Site site) c
         const std::array<Vec3, 3> positions = positions_of(mesh_, face);
         const WideVector normal =
             difference(positions[1], positions[0]).cross(difference(positions[2], positions[0])).stableNormalized();
-        if (!(normal.norm() > Wide{0.5})) continue;
+        if (!(normal.norm() > 0.5L)) continue;
         Wide weight = 1;
         if (of_site.count == 1) {
             const std::size_t k = number_of(*same_site(positions, of_site));

@@ -111,17 +111,17 @@ using WideVector = Eigen::Matrix<Wide, 3, 1>;
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// Below this ratio of height to longest edge, double precision cannot distinguish a triangle from its edges.
-constexpr Wide degenerate_ratio = 4 * std::numeric_limits<double>::epsilon();
+constexpr Wide degenerate_ratio = 4 * Wide(std::numeric_limits<double>::epsilon());
 
 WideVector difference(const Vec3& to, const Vec3& from) {
-    return {Wide{to[0]} - Wide{from[0]}, Wide{to[1]} - Wide{from[1]}, Wide{to[2]} - Wide{from[2]}};
+    return {Wide(to[0]) - Wide(from[0]), Wide(to[1]) - Wide(from[1]), Wide(to[2]) - Wide(from[2])};
 }
 
 /// The norm without overflow or underflow of the squares.
 template <typename Scalar>
 Scalar stable_norm(const Eigen::Matrix<Scalar, 3, 1>& vector) {
     const Scalar largest = vector.cwiseAbs().maxCoeff();
-    if (largest > Scalar{1e-140} && largest < Scalar{1e140}) {
+    if (largest > Scalar(1e-140) && largest < Scalar(1e140)) {
         return std::sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
     }
     if (largest == 0 || !std::isfinite(largest)) {

@@ -1,9 +1,14 @@
-// No subcommand takes time that grows with the square of the faces at a vertex or an edge. Processor time is compared
-// at three sizes, each four times the one before: the increments grow by 4 if time is linear, by 16 if it is quadratic.
+// No subcommand that reads a mesh takes time that grows with the square of the faces at a vertex or an edge. Processor
+// time is compared at three sizes, each four times the one before: the increments grow by 4 if time is linear, by 16 if
+// it is quadratic. `query` is given as many points as faces. There is one exception: a point that is nearest to many
+// faces at once, as to faces that coincide or to those of a cone around its axis, is compared with each of them. There
+// the number of points stays the same. `slice` and `render` read fields, whose size the faces do not change.
 #include "apps/process.hpp"
 
 #include <clsdf/io.hpp>
 #include <clsdf/mesh.hpp>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +16,9 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <random>
+#include <string>
+#include <vector>
 
 using clsdf::Mesh;
 using clsdf::Triangle;
@@ -81,7 +89,18 @@ std::string polygon(std::uint32_t turns) {
     return text + "\n";
 }
 
-std::vector<std::vector<std::string>> commands(const std::string& mesh, const TemporaryFolder& folder) {
+std::string points(std::uint32_t count) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> coordinate(-1.2, 1.2);
+    std::string text = "x,y,z\n";
+    for (std::uint32_t i = 0; i < count; ++i)
+        text += fmt::format("{},{},{}\n", coordinate(random), coordinate(random), coordinate(random));
+    return text;
+}
+
+std::vector<std::vector<std::string>> commands(const std::string& mesh, std::uint32_t point_count,
+                                               const TemporaryFolder& folder) {
+    const std::string all_outputs = "triangle,site,closest,gradient,barycentric";
     const std::string field = folder.file("field.nrrd");
     const std::vector<std::string> compute{"compute", mesh, "-o", field, "--resolution", "8", "--quiet"};
     const auto with = [&](std::vector<std::string> more) {
@@ -91,6 +110,9 @@ std::vector<std::vector<std::string>> commands(const std::string& mesh, const Te
     return {{"info", mesh, "--quiet"},
             with({"--polyhedra", "mauch"}),
             with({"--polyhedra", "peikert-sigg"}),
+            with({"--with", all_outputs}),
+            {"query", mesh, folder.file("points.csv", points(point_count)), "-o", folder.file("found.npy"), "--with",
+             all_outputs, "--quiet"},
             compute,
             {"check", mesh, field, "--samples", "100", "--quiet"},
             {"polyhedra", mesh, "-o", folder.file("all.ply"), "--quiet"},
@@ -98,7 +120,11 @@ std::vector<std::vector<std::string>> commands(const std::string& mesh, const Te
              "--quiet"}};
 }
 
-void check_growth(const char* name, const std::function<std::string(std::uint32_t, const TemporaryFolder&)>& write) {
+/// The points of `query`.
+enum class Points { as_many_as_faces, few };
+
+void check_growth(const char* name, Points points,
+                  const std::function<std::string(std::uint32_t, const TemporaryFolder&)>& write) {
     const TemporaryFolder folder;
     using Seconds = std::array<double, sizes.size()>;
     std::vector<Seconds> seconds;
@@ -106,7 +132,8 @@ void check_growth(const char* name, const std::function<std::string(std::uint32_
     // Keeps the least of several measurements, because other work on the machine adds to the processor time, too.
     const auto measure = [&] {
         for (std::size_t size = 0; size < sizes.size(); ++size) {
-            asked = commands(write(sizes[size], folder), folder);
+            const std::uint32_t point_count = points == Points::few ? 100 : sizes[size];
+            asked = commands(write(sizes[size], folder), point_count, folder);
             Seconds none;
             none.fill(std::numeric_limits<double>::infinity());
             seconds.resize(asked.size(), none);
@@ -131,8 +158,8 @@ void check_growth(const char* name, const std::function<std::string(std::uint32_
     }
 }
 
-void check_mesh_growth(const char* name, Mesh (*make)(std::uint32_t)) {
-    check_growth(name, [make](std::uint32_t size, const TemporaryFolder& folder) {
+void check_mesh_growth(const char* name, Mesh (*make)(std::uint32_t), Points points = Points::as_many_as_faces) {
+    check_growth(name, points, [make](std::uint32_t size, const TemporaryFolder& folder) {
         const std::string path = folder.file("mesh.ply");
         write_mesh(make(size), path);
         return path;
@@ -143,11 +170,11 @@ void check_mesh_growth(const char* name, Mesh (*make)(std::uint32_t)) {
 
 BOOST_AUTO_TEST_CASE(faces_at_an_edge) {
     check_mesh_growth("a book", book);
-    check_mesh_growth("a pile", pile);
+    check_mesh_growth("a pile", pile, Points::few);
 }
 
 BOOST_AUTO_TEST_CASE(faces_at_a_regular_vertex) {
-    check_mesh_growth("a cone", cone);
+    check_mesh_growth("a cone", cone, Points::few);
     check_mesh_growth("a disc", disc);
 }
 
@@ -157,7 +184,7 @@ BOOST_AUTO_TEST_CASE(faces_at_a_saddle_vertex) {
 }
 
 BOOST_AUTO_TEST_CASE(corners_of_a_polygon) {
-    check_growth("a polygon", [](std::uint32_t size, const TemporaryFolder& folder) {
+    check_growth("a polygon", Points::few, [](std::uint32_t size, const TemporaryFolder& folder) {
         return folder.file("mesh.obj", polygon(size));
     });
 }

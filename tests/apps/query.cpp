@@ -121,6 +121,7 @@ BOOST_AUTO_TEST_CASE(reads_and_writes_every_format_alike) {
     const std::string expected = content_of(first);
     BOOST_TEST(table_of(first)[2][3] == "1.5");         // beyond the limit
     BOOST_TEST(table_of(first)[2][4] == "4294967295");  // no triangle
+    BOOST_TEST(table_of(first)[2][5] == "nan");         // no barycentric coordinates
     const std::string ply = inputs.folder.file("a.ply"), second = inputs.folder.file("b.csv");
     run(inputs.csv, ply);
     run(ply, second);
@@ -140,6 +141,22 @@ BOOST_AUTO_TEST_CASE(reads_and_writes_every_format_alike) {
     float distance = 0;
     std::memcpy(&distance, content.data() + content.size() - 4 * 16, sizeof(distance));
     BOOST_TEST(distance == -0.5F);
+}
+
+BOOST_AUTO_TEST_CASE(writes_every_value_that_is_no_number_alike) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("found.csv");
+    const float none = std::numeric_limits<float>::quiet_NaN();
+    const double wide = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<Vec3> points(1);
+    const std::vector<double> closest{wide, -wide, std::copysign(wide, -1)};
+    const std::vector<float> distance{std::copysign(none, -1.0F)};
+    FieldSlab found;
+    found.distance = distance;
+    found.closest = closest;
+    write_points(points, found, file);
+    const std::vector<std::string> expected{"0", "0", "0", "nan", "nan", "nan", "nan"};
+    BOOST_TEST(table_of(file)[1] == expected, boost::test_tools::per_element());
 }
 
 BOOST_AUTO_TEST_CASE(reads_points_in_fortran_order_and_fields_in_quotes) {
