@@ -133,17 +133,23 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
 
 }  // namespace
 
-TestCase TestCase::with_small_triangles() const {
-    TestCase result = *this;
-    result.is_large = false;
-    return result;
+std::vector<TestCase> TestCase::contained() const {
+    std::vector<TestCase> cases;
+    for (const bool large : {false, true})
+        for (const bool later : {false, true}) {
+            if ((large && !is_large) || (later && !is_later) || (large == is_large && later == is_later)) continue;
+            cases.push_back(*this);
+            cases.back().is_large = large;
+            cases.back().is_later = later;
+        }
+    return cases;
 }
 
 std::string TestCase::name() const {
-    return fmt::format("{} {}{}{}{} {} {}{}", device::name_of(body), method ? method->name() : "bricks",
+    return fmt::format("{} {}{}{}{} {} {}{}{}", device::name_of(body), method ? method->name() : "bricks",
                        variant.nearest ? " NEAREST" : "", variant.count ? " COUNT" : "",
                        variant.long_bricks ? " LONG_BRICKS" : "", is_signed ? "signed" : "unsigned",
-                       is_wide ? "wide" : "narrow", is_large ? " large" : "");
+                       is_wide ? "wide" : "narrow", is_large ? " large" : "", is_later ? " later" : "");
 }
 
 std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
@@ -178,7 +184,7 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);
     if (difference || test_case.method) return difference;
     kind.later = true;
-    stages = make_stages();
+    if (!test_case.is_later) stages = make_stages();
     return run_field_test(device, programs, test_case, kind, *stages, watch);
 }
 
@@ -217,11 +223,12 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
         subject.programs.push_back(std::move(program));
     const bool is_run = test_once(device, subject, watch, [&] {
         std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
-        if (!difference && test_case.is_large)
-            context.records().note(key_of(context, test_case.with_small_triangles().name(), subject.programs));
+        if (!difference)
+            for (const TestCase& other : test_case.contained())
+                context.records().note(key_of(context, other.name(), subject.programs));
         return difference;
     });
-    if (test_case.is_large) context.set_tested(test_case.with_small_triangles().name());
+    for (const TestCase& other : test_case.contained()) context.set_tested(other.name());
     return is_run;
 }
 

@@ -48,6 +48,10 @@ TestCase large(TestCase test_case) {
     test_case.is_large = true;
     return test_case;
 }
+TestCase later(TestCase test_case) {
+    test_case.is_later = true;
+    return test_case;
+}
 TestCase without_sign(TestCase test_case) {
     test_case.is_signed = false;
     return test_case;
@@ -214,7 +218,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
           slices(vector_body, true, false, false), slices(group_body, false, false, false),
           wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
           large(bricks(vector_body, false, false)), large(bricks(group_body, true, true)),
-
+          later(bricks(vector_body, false, false)), later(large(bricks(group_body, true, true))),
           without_sign(bricks(vector_body, false, false))}) {
         const scan::Programs programs(device::context_of(test_device()), test_case.body);
         const auto difference = transform::run_self_test(test_device(), programs, test_case);
@@ -279,6 +283,15 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
     for (Mutation& mutation : mutations)
         check_refusal(mutation.what, mutation.changed, folder.file("cache"),
                       [&](const Device& device) { return message_of_test(device, mutation.test_case); });
+}
+
+BOOST_AUTO_TEST_CASE(refuses_wrong_records_of_a_later_lattice) {
+    const TemporaryFolder folder;
+    for (const KernelBody body : {vector_body, group_body}) {
+        Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+        check_refusal("records of other faces", changed, folder.file("cache"),
+                      [&](const Device& device) { return message_of_test(device, later(bricks(body, false, false))); });
+    }
 }
 
 BOOST_AUTO_TEST_CASE(refuses_wrong_outputs) {
@@ -360,6 +373,20 @@ BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
     BOOST_TEST(message([&] { transform(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.plan(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.compile(grid, band); }).find("computes wrong fields") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(stops_a_computation_on_a_later_lattice) {
+    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+    const Device device = changed.device("");
+    const Mesh mesh = make_shape("sphere3");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh);
+    transform(Grid::around(mesh, 16, band), band);
+    const auto is_refusal = [](const Error& error) {
+        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
+    };
+    for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform(Grid::around(mesh, 20, band), band), Error, is_refusal);
+    transform(Grid::around(mesh, 16, band), band);
 }
 
 BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
