@@ -1,5 +1,6 @@
 #include "transform/known_field.hpp"
 
+#include "outputs.h"
 #include "polyhedra/frames.hpp"
 
 #include <clsdf/outputs.hpp>
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace clsdf::transform {
@@ -17,9 +19,21 @@ namespace {
 
 using polyhedra::to_vector;
 using polyhedra::Vector;
+using scan::HostArray;
+using scan::HostArrays;
 
 // In voxels: what a field is held to (docs/accuracy.md), twice.
 constexpr double tolerance = 2e-5;
+// Of the length of a unit vector, and of its direction on top of the error of the distance.
+constexpr double direction_tolerance = 1e-5;
+// Of a barycentric coordinate in float.
+constexpr double weight_tolerance = 2e-7;
+// In voxels: a sample this near to the surface has the pseudonormal for its gradient.
+constexpr double on_surface = 1e-8;
+
+// The saddle vertex.
+constexpr Vec3 saddle{5.31, 4.22, 3.13};
+constexpr double fan_scale = 1.1;
 
 struct Surface {
     std::vector<Vec3> vertices;
@@ -73,7 +87,7 @@ Mesh make_mesh() {
         for (const Triangle& face : surface.triangles)
             all.triangles.push_back({first + face[0], first + face[1], first + face[2]});
     };
-    add({5.31, 4.22, 3.13}, 1.1,
+    add(saddle, fan_scale,
         {{{0, 0, 0}, {0, -1, -4}, {-1, -4, 1}, {-1, -4, 0}, {-4, 1, -1}, {-4, 0, -1}, {1, -1, -4}},
          {{0, 2, 1},
           {0, 3, 2},
@@ -91,14 +105,24 @@ Mesh make_mesh() {
     return {std::move(all.vertices), std::move(all.triangles), "known field"};
 }
 
-/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks.
+/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Samples of the later lattice lie beside
+/// vertices and in faces of the second surface: nearer than on_surface, and too far for the rounding of this
+/// arithmetic.
 Grid make_grid(const KnownFieldKind& kind) {
     Grid grid;
-    grid.origin = {0.13, -0.21, 0.37};
-    grid.spacing = kind.large ? Vec3{0.55, 0.55, 0.55} : Vec3{1, 1, 1};
+    if (kind.later) {
+        grid.origin = {saddle[0] + 2e-9, saddle[1] + 5e-9, saddle[2] - 3e-9};
+        grid.spacing = Vec3{fan_scale, fan_scale, fan_scale};
+        if (kind.large) grid.spacing = Vec3{fan_scale / 2, fan_scale / 2, fan_scale / 2};
+        grid.first = {-15, -15, -13};
+        grid.size = {18, 18, 18};
+    } else {
+        grid.origin = {0.13, -0.21, 0.37};
+        grid.spacing = kind.large ? Vec3{0.55, 0.55, 0.55} : Vec3{1, 1, 1};
+        grid.first = {-11, -10, -9};
+        grid.size = {23, 21, 20};
+    }
     if (kind.long_bricks) grid.spacing[2] *= 1.7;
-    grid.first = {-11, -10, -9};
-    grid.size = {23, 21, 20};
     return grid;
 }
 
@@ -145,6 +169,43 @@ std::optional<Crossing> crossing_of(double y, double z, const Vector& a, const V
 
 std::string text_of(const Vec3& p) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
+std::string text_of(const Vector& p) {
+    return text_of(Vec3{p.x(), p.y(), p.z()});
+}
+
+template <typename Value>
+Value value_at(const HostArray& array, std::size_t index) {
+    Value value{};
+    std::memcpy(&value, array.data + index * sizeof(Value), sizeof(Value));
+    return value;
+}
+/// Of an output of floats or doubles.
+double number_at(const HostArray& array, std::size_t index) {
+    return array.in_double ? value_at<double>(array, index) : static_cast<double>(value_at<float>(array, index));
+}
+Vector vector_at(const HostArray& array, std::size_t sample) {
+    return {number_at(array, 3 * sample), number_at(array, 3 * sample + 1), number_at(array, 3 * sample + 2)};
+}
+
+/// One vertex, two of an edge, or all three.
+std::vector<std::uint32_t> vertices_of(const Triangle& triangle, std::uint8_t site) {
+    if (site < 3) return {triangle[site]};
+    if (site < CLSDF_SITE_OF_FACE) return {triangle[site - 3U], triangle[(site - 2U) % 3]};
+    return {triangle[0], triangle[1], triangle[2]};
+}
+bool has_all(const Triangle& triangle, const std::vector<std::uint32_t>& vertices) {
+    return std::ranges::all_of(vertices, [&](auto v) { return std::ranges::find(triangle, v) != triangle.end(); });
+}
+
+/// The point closest to p of the plane of three corners, of the line through two, or a single one.
+Vector closest_of_extension(const std::vector<Vector>& corners, const Vector& p) {
+    const Vector& a = corners[0];
+    if (corners.size() == 1) return a;
+    const Vector edge = corners[1] - a;
+    if (corners.size() == 2) return a + edge * (edge.dot(p - a) / edge.squaredNorm());
+    const Vector normal = edge.cross(corners[2] - a);
+    return p - normal * (normal.dot(p - a) / normal.squaredNorm());
 }
 
 }  // namespace
@@ -198,35 +259,129 @@ std::vector<double> KnownField::values() const {
     return values;
 }
 
-std::optional<std::string> KnownField::difference(std::span<const float> distance,
-                                                  std::span<const std::uint32_t> triangle) const {
+KnownField KnownField::within(double half_width) const {
+    KnownField result = *this;
+    result.band_ = Band::symmetric(half_width);
+    return result;
+}
+
+double KnownField::error() const {
+    return tolerance * grid_.voxel();
+}
+
+bool KnownField::is_lowest(std::uint32_t triangle, std::uint8_t site) const {
+    const auto vertices = vertices_of(mesh_.triangles()[triangle], site);
+    return std::ranges::none_of(mesh_.triangles().begin(), mesh_.triangles().begin() + triangle,
+                                [&](const Triangle& lower) { return has_all(lower, vertices); });
+}
+
+std::array<double, 3> KnownField::pseudonormal(std::uint32_t triangle, std::uint8_t site) const {
+    const auto vertices = vertices_of(mesh_.triangles()[triangle], site);
+    Vector sum(0, 0, 0);
+    for (const Triangle& face : mesh_.triangles()) {
+        if (!has_all(face, vertices)) continue;
+        const auto corner = [&](std::size_t k) { return to_vector(mesh_.vertices()[face[k % 3]]); };
+        const Vector normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+        double weight = 1;
+        if (vertices.size() == 1) {
+            const auto k = static_cast<std::size_t>(std::ranges::find(face, vertices[0]) - face.begin());
+            weight = std::acos((corner(k + 1) - corner(k)).normalized().dot((corner(k + 2) - corner(k)).normalized()));
+        }
+        sum += weight * normal;
+    }
+    sum.normalize();
+    return {sum.x(), sum.y(), sum.z()};
+}
+
+std::string KnownField::wrong_distance(const HostArrays& found, const Sample& sample) const {
+    // Beyond the band a sample carries the band's limit.
+    const double expected = std::clamp(sample.distance, -band_.inside, band_.outside);
+    const auto distance = value_at<float>(found.distance, sample.at);
+    // A comparison that a NaN fails, too.
+    if (std::abs(static_cast<double>(distance) - expected) <= error()) return {};
+    return fmt::format("has the distance {} instead of {:.7g}", distance, expected);
+}
+
+std::string KnownField::wrong_triangle(const HostArrays& found, const Sample& sample) const {
+    const auto triangle = value_at<std::uint32_t>(found.triangle, sample.at);
+    const double limit = sample.distance < 0 ? band_.inside : band_.outside, length = std::abs(sample.distance);
+    const bool is_none = triangle == no_triangle;
+    const bool is_nearest =
+        triangle < mesh_.triangles().size() && distance_to(triangle, sample.position) <= length + error();
+    if (is_none ? length >= limit - error() : length <= limit + error() && is_nearest) return {};
+    return fmt::format("has the triangle {}, which is not nearest", triangle);
+}
+
+static_assert(CLSDF_OUTPUT_COUNT == 5, "a new output is compared here, and asked for in self_test.cpp");
+
+// All outputs belong to one triangle and site. If several are as near, any one may be named: the closest point of the
+// named one decides what the others must be.
+std::string KnownField::wrong_outputs(const HostArrays& found, const Sample& sample) const {
+    const auto triangle = value_at<std::uint32_t>(found.triangle, sample.at);
+    const auto site = value_at<std::uint8_t>(found.site, sample.at);
+    const Vector closest_or_offset = vector_at(found.closest, sample.at),
+                 gradient = vector_at(found.gradient, sample.at);
+    const double first = number_at(found.barycentric, 2 * sample.at),
+                 second = number_at(found.barycentric, 2 * sample.at + 1);
+    if (triangle == no_triangle) {
+        if (site == no_site && closest_or_offset.array().isNaN().all() && gradient.array().isNaN().all() &&
+            std::isnan(first) && std::isnan(second))
+            return {};
+        return "has outputs, but no triangle";
+    }
+    const Vector position = to_vector(sample.position);
+    const Vector from = found.closest.in_double ? Vector(position - closest_or_offset) : Vector(-closest_or_offset);
+    const Vector closest = position - from;
+    const double length = std::abs(sample.distance), error = this->error();
+    const double off_triangle = distance_to(triangle, {closest.x(), closest.y(), closest.z()});
+    if (!(std::abs(from.norm() - length) <= error) || !(off_triangle <= error))
+        return fmt::format("has the closest point {}, which is {:.7g} away and {:.3g} off triangle {}",
+                           text_of(closest), from.norm(), off_triangle, triangle);
+
+    std::vector<Vector> corners;
+    if (site <= CLSDF_SITE_OF_FACE)
+        for (const std::uint32_t vertex : vertices_of(mesh_.triangles()[triangle], site))
+            corners.push_back(to_vector(mesh_.vertices()[vertex]));
+    if (corners.empty() || !is_lowest(triangle, site) ||
+        !((closest_of_extension(corners, position) - closest).norm() <= error))
+        return fmt::format("has the site {} of triangle {}, which is not nearest or not to be named", site, triangle);
+
+    Vector direction = gradient.normalized();  // free beside the surface
+    if (length <= on_surface * grid_.voxel())
+        direction = to_vector(pseudonormal(triangle, site));
+    else if (length > error)
+        direction = (sample.distance < 0 ? -1 : 1) * from.normalized();
+    const double allowed = direction_tolerance + (length > error ? error / length : 0);
+    if (!(std::abs(gradient.norm() - 1) <= direction_tolerance) || !((gradient - direction).norm() <= allowed))
+        return fmt::format("has the gradient {} instead of {}", text_of(gradient), text_of(direction));
+
+    const auto corner = [&](std::size_t k) { return to_vector(mesh_.vertices()[mesh_.triangles()[triangle][k]]); };
+    const Vector along = corner(1) - corner(0), across = corner(2) - corner(0);
+    const double off_closest = (corner(0) + first * along + second * across - closest).norm();
+    const bool is_inside = first >= 0 && second >= 0 && first + second <= 1 + weight_tolerance;
+    if (!is_inside || !(off_closest <= error + weight_tolerance * (along.norm() + across.norm())))
+        return fmt::format(
+            "has the barycentric coordinates ({:.7g}, {:.7g}) of triangle {}, {:.3g} off the closest point", first,
+            second, triangle, off_closest);
+    return {};
+}
+
+std::optional<std::string> KnownField::difference(const HostArrays& found) const {
     const std::vector<double> known = values();
-    const double error = tolerance * grid_.voxel();
     std::size_t wrong = 0;
     std::string first;
     for (std::int64_t k = 0; k < grid_.size[2]; ++k)
         for (std::int64_t j = 0; j < grid_.size[1]; ++j)
             for (std::int64_t i = 0; i < grid_.size[0]; ++i) {
                 const std::size_t at = grid_.offset(i, j, k);
-                // Beyond the band a sample carries the band's limit.
-                const double expected = std::clamp(known[at], -band_.inside, band_.outside);
-                const auto found = static_cast<double>(distance[at]);
-                std::string what;
-                // A comparison that a NaN fails, too.
-                if (!(std::abs(found - expected) <= error)) {
-                    what = fmt::format("has the distance {} instead of {:.7g}", distance[at], expected);
-                } else if (!triangle.empty()) {
-                    const double limit = known[at] < 0 ? band_.inside : band_.outside, length = std::abs(known[at]);
-                    const bool is_none = triangle[at] == no_triangle;
-                    const bool is_nearest = triangle[at] < mesh_.triangles().size() &&
-                                            distance_to(triangle[at], grid_.position(i, j, k)) <= length + error;
-                    if ((is_none && length < limit - error) || (!is_none && (length > limit + error || !is_nearest)))
-                        what = fmt::format("has the triangle {}, which is not nearest", triangle[at]);
-                }
+                const Sample sample{at, grid_.position(i, j, k), known[at]};
+                std::string what = wrong_distance(found, sample);
+                if (what.empty() && found.triangle.is_wanted) what = wrong_triangle(found, sample);
+                if (what.empty() && found.closest.is_wanted) what = wrong_outputs(found, sample);
                 if (what.empty()) continue;
                 if (wrong++ == 0)
                     first = fmt::format("sample ({}, {}, {}) at {} {}", grid_.first[0] + i, grid_.first[1] + j,
-                                        grid_.first[2] + k, text_of(grid_.position(i, j, k)), what);
+                                        grid_.first[2] + k, text_of(sample.position), what);
             }
     if (wrong == 0) return std::nullopt;
     return fmt::format("{}; {} of {} samples are wrong", first, wrong, known.size());

@@ -9,6 +9,7 @@
 
 #include <cstdlib>
 #include <mutex>
+#include <span>
 #include <string_view>
 
 namespace clsdf::transform {
@@ -16,7 +17,7 @@ namespace clsdf::transform {
 namespace {
 
 // Part of the records' keys: with another known field, all is tested again.
-constexpr int known_field_number = 1;
+constexpr int known_field_number = 2;
 
 bool is_switched_off() {
     const char* const value = std::getenv("CLSDF_SELF_TEST");
@@ -24,7 +25,7 @@ bool is_switched_off() {
 }
 
 /// The counters that a counting variant must agree with the field in.
-std::optional<std::string> wrong_counts(const KnownField& known, const std::vector<float>& distance,
+std::optional<std::string> wrong_counts(const KnownField& known, std::span<const float> distance,
                                         const TransformStatistics& statistics) {
     std::size_t in_band = 0;
     const auto inside = -static_cast<float>(known.band().inside), outside = static_cast<float>(known.band().outside);
@@ -47,49 +48,108 @@ std::vector<cl::Program> common_programs(const Programs& programs) {
     return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill, programs.mesh_records};
 }
 
-/// The known field's grid has the same samples at points, whose distances have no limit.
-std::optional<std::string> run_point_test(const Device& device, const Programs& programs, bool are_scanned) {
-    KnownFieldKind kind;
-    kind.wide = true;
+/// On the first lattice the values that may be floats or doubles have the type of fields, on the later one the other
+/// type, which other code stores.
+HostArrays arrays_of(const Outputs& outputs, bool is_later) {
+    HostArrays arrays = arrays_for(outputs);
+    for_each_extra(
+        [is_later](const OutputRow& row, HostArray& array) {
+            if (row.element == OutputRow::real) array.in_double ^= is_later;
+        },
+        arrays);
+    return arrays;
+}
+
+constexpr Outputs every_output{.triangle = true, .site = true, .closest = true, .gradient = true, .barycentric = true};
+
+/// Computes a known field with the launches of a transform that has these stages.
+std::optional<std::string> run_field_test(const Device& device, const Programs& programs, const TestCase& test_case,
+                                          const KnownFieldKind& kind, Stages& stages, const device::BuildWatch& watch) {
     const KnownField known(kind);
-    device::Context& context = device::context_of(device);
-    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(context, pool, known.mesh());
     const Grid& grid = known.grid();
-    std::vector<Vec3> samples;
+    const SignRule sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
+    Outputs outputs;
+    if (test_case.variant.nearest) outputs = test_case.method ? Outputs{.triangle = true} : every_output;
+    device::Context& context = device::context_of(device);
+    // The plan, which waits for the device when it ends, is made after the memory that the device writes.
+    OwnArrays own;
+    const HostArrays arrays = own.for_samples(arrays_of(outputs, kind.later), grid.sample_count());
+    OutputMemories memories;
+    device::guarded([&] { memories.place(context, *stages.pool(), arrays, grid.sample_count()); });
+    Inputs inputs = stages.inputs(grid, layout_of(grid, known.band(), sign), sign);
+    if (test_case.variant.nearest && !test_case.method)
+        inputs.sites = stages.sites(true, stages.may_meet_samples(grid));
+    GridPlan plan(device, stages.pool(), programs, std::move(inputs), grid, known.band(), sign, outputs,
+                  {test_case.variant.count, test_case.method}, watch.begins);
+    return device::guarded([&] {
+        const auto between = [&](double) {
+            if (watch.begins) watch.begins();
+        };
+        plan.enqueue(context.queue(), memories.buffers(), {}, between);
+        memories.enqueue_handover(context.queue());
+        context.queue().finish();
+        memories.read(context, context.queue());
+        plan.read_counters();
+        std::optional<std::string> difference = known.difference(arrays);
+        if (!difference && test_case.variant.count)
+            difference = wrong_counts(known, slab_of(arrays, grid.sample_count()).distance, plan.statistics);
+        return difference;
+    });
+}
+
+std::vector<Vec3> positions_of(const Grid& grid) {
+    std::vector<Vec3> positions;
+    positions.reserve(grid.sample_count());
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
-            for (std::int64_t i = 0; i < grid.size[0]; ++i) samples.push_back(grid.position(i, j, k));
-    std::vector<float> distance(samples.size());
-    std::vector<std::uint32_t> triangle(samples.size());
-    HostArrays arrays;
-    arrays.distance = {true, false, reinterpret_cast<std::byte*>(distance.data())};
-    arrays.triangle = {true, false, reinterpret_cast<std::byte*>(triangle.data())};
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) positions.push_back(grid.position(i, j, k));
+    return positions;
+}
+
+/// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
+/// those of the later one within a limit, with signs by the sides of faces.
+std::optional<std::string> run_point_test(const Device& device, const Programs& programs, bool are_scanned) {
+    constexpr double limit = 2.5;
+    device::Context& context = device::context_of(device);
+    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    const KnownField unlimited({.wide = true}), limited = KnownField({.later = true}).within(limit);
+    Stages stages(context, pool, unlimited.mesh());
     points::PointInputs inputs;
     inputs.mesh = stages.points();
     inputs.sign = SignRule::nonzero;
-    if (are_scanned) {
-        inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
-        inputs.sides = stages.face_sides(inputs.sign, true);
-    }
-    inputs.sites = stages.sites(true, are_scanned);
-    points::query_points(context, programs, pool, inputs, samples, known.band().outside, arrays, {});
-    return known.difference(distance, triangle);
+    if (are_scanned) inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
+    inputs.sites = stages.sites(true, true);
+    const auto difference = [&](const KnownField& known, bool is_later) {
+        const std::vector<Vec3> positions = positions_of(known.grid());
+        OwnArrays own;
+        const HostArrays arrays = own.for_samples(arrays_of(every_output, is_later), positions.size());
+        points::query_points(context, programs, pool, inputs, positions, known.band().outside, arrays, {});
+        return known.difference(arrays);
+    };
+    if (auto wrong = difference(unlimited, false)) return wrong;
+    inputs.sides = stages.face_sides(inputs.sign, true);
+    return difference(limited, true);
 }
 
 }  // namespace
 
-TestCase TestCase::with_small_triangles() const {
-    TestCase result = *this;
-    result.is_large = false;
-    return result;
+std::vector<TestCase> TestCase::contained() const {
+    std::vector<TestCase> cases;
+    for (const bool large : {false, true})
+        for (const bool later : {false, true}) {
+            if ((large && !is_large) || (later && !is_later) || (large == is_large && later == is_later)) continue;
+            cases.push_back(*this);
+            cases.back().is_large = large;
+            cases.back().is_later = later;
+        }
+    return cases;
 }
 
 std::string TestCase::name() const {
-    return fmt::format("{} {}{}{}{} {} {}{}", device::name_of(body), method ? method->name() : "bricks",
+    return fmt::format("{} {}{}{}{} {} {}{}{}", device::name_of(body), method ? method->name() : "bricks",
                        variant.nearest ? " NEAREST" : "", variant.count ? " COUNT" : "",
                        variant.long_bricks ? " LONG_BRICKS" : "", is_signed ? "signed" : "unsigned",
-                       is_wide ? "wide" : "narrow", is_large ? " large" : "");
+                       is_wide ? "wide" : "narrow", is_large ? " large" : "", is_later ? " later" : "");
 }
 
 std::vector<cl::Program> variant_programs(device::Context& context, const Programs& programs, const TestCase& test_case,
@@ -101,45 +161,31 @@ std::vector<cl::Program> variant_programs(device::Context& context, const Progra
 std::size_t step_count(const TestCase& test_case) {
     const std::size_t sweep = test_case.is_signed ? (test_case.is_large ? 4 : 3) : 0;
     if (test_case.method) return test_case.method->step_count() + sweep;
-    // The program, the lists and the scan. The first buffer is too small for this mesh's pairs, so the counting pass
-    // runs twice.
+    // The program, and on two lattices the lists and the scan. The first buffer is too small for this mesh's pairs, so
+    // the counting pass runs twice.
     const std::size_t lists = test_case.is_wide ? 4 : 3;
-    return 1 + sweep + lists + 1;
+    return 1 + 2 * (sweep + lists + 1);
 }
 
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
                                          const device::BuildWatch& watch) {
-    const KnownField known({test_case.is_wide, test_case.is_signed, test_case.variant.long_bricks, test_case.is_large});
-    const SignRule sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
-    const Outputs outputs{.triangle = test_case.variant.nearest};
+    KnownFieldKind kind{.wide = test_case.is_wide,
+                        .is_signed = test_case.is_signed,
+                        .long_bricks = test_case.variant.long_bricks,
+                        .large = test_case.is_large};
     device::Context& context = device::context_of(device);
-    const cl::CommandQueue& queue = context.queue();
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    Stages stages(context, pool, known.mesh(), {test_case.method, {programs.mesh_records, programs.mesh_lanes()}});
-    Inputs inputs = stages.inputs(known.grid(), layout_of(known.grid(), known.band(), sign), sign);
-    if (outputs.triangle && !test_case.method) inputs.sites = stages.sites(true, false);
-    GridPlan plan(device, pool, programs, std::move(inputs), known.grid(), known.band(), sign, outputs,
-                  {test_case.variant.count, test_case.method}, watch.begins);
-    return device::guarded([&] {
-        std::vector<float> distance(known.grid().sample_count());
-        std::vector<std::uint32_t> triangle(outputs.triangle ? distance.size() : 0);
-        const auto distances = pool->lease(distance.size() * sizeof(float), "samples of the self-test");
-        const auto triangles = pool->lease(distance.size() * sizeof(float), "samples of the self-test");
-        const auto between = [&](double) {
-            if (watch.begins) watch.begins();
-        };
-        OutputBuffers buffers;
-        buffers.distance = *distances;
-        if (outputs.triangle) buffers.triangle = *triangles;
-        plan.enqueue(queue, buffers, {}, between);
-        queue.enqueueReadBuffer(*distances, CL_TRUE, 0, distance.size() * sizeof(float), distance.data());
-        if (outputs.triangle)
-            queue.enqueueReadBuffer(*triangles, CL_TRUE, 0, triangle.size() * sizeof(std::uint32_t), triangle.data());
-        plan.read_counters();
-        std::optional<std::string> difference = known.difference(distance, triangle);
-        if (!difference && test_case.variant.count) difference = wrong_counts(known, distance, plan.statistics);
-        return difference;
-    });
+    const auto make_stages = [&] {
+        return std::make_unique<Stages>(
+            context, pool, KnownField(kind).mesh(),
+            Stages::Options{test_case.method, {programs.mesh_records, programs.mesh_lanes()}});
+    };
+    std::unique_ptr<Stages> stages = make_stages();
+    std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);
+    if (difference || test_case.method) return difference;
+    kind.later = true;
+    if (!test_case.is_later) stages = make_stages();
+    return run_field_test(device, programs, test_case, kind, *stages, watch);
 }
 
 bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
@@ -177,11 +223,12 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
         subject.programs.push_back(std::move(program));
     const bool is_run = test_once(device, subject, watch, [&] {
         std::optional<std::string> difference = run_self_test(device, programs, test_case, watch);
-        if (!difference && test_case.is_large)
-            context.records().note(key_of(context, test_case.with_small_triangles().name(), subject.programs));
+        if (!difference)
+            for (const TestCase& other : test_case.contained())
+                context.records().note(key_of(context, other.name(), subject.programs));
         return difference;
     });
-    if (test_case.is_large) context.set_tested(test_case.with_small_triangles().name());
+    for (const TestCase& other : test_case.contained()) context.set_tested(other.name());
     return is_run;
 }
 

@@ -189,11 +189,13 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
         device, from, programs, std::move(inputs), grid, band, sign, outputs,
         transform::PlanOptions{caller.options().count, options.method, {wanted.begin(), wanted.end()}},
         [&caller] { caller.throw_if_stopped(); });
-    // Only the sweep sees whether triangles are large.
-    if (plan->has_large_triangles) {
-        transform::TestCase large = test_case_of(grid, band, outputs, caller.options().count);
-        large.is_large = true;
-        test(large, compiling);
+    // Only the sweep sees whether triangles are large, and only the stages whether records are made of kept frusta.
+    const bool is_later = plan->inputs.records->is_later;
+    if (plan->has_large_triangles || is_later) {
+        transform::TestCase found = test_case_of(grid, band, outputs, caller.options().count);
+        found.is_large = plan->has_large_triangles;
+        found.is_later = is_later;
+        test(found, compiling);
     }
     from->trim();
     return plan;

@@ -4,6 +4,7 @@
 
 #include <clsdf/papers.hpp>
 
+#include "core/outputs.hpp"
 #include "device/context.hpp"
 #include "transform/known_field.hpp"
 #include "transform/self_test.hpp"
@@ -11,6 +12,8 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 using namespace clsdf;
@@ -45,6 +48,10 @@ TestCase large(TestCase test_case) {
     test_case.is_large = true;
     return test_case;
 }
+TestCase later(TestCase test_case) {
+    test_case.is_later = true;
+    return test_case;
+}
 TestCase without_sign(TestCase test_case) {
     test_case.is_signed = false;
     return test_case;
@@ -71,10 +78,25 @@ struct Changed {
     }
 };
 
-std::string message_of_test(const Device& device, const TestCase& test_case) {
+/// A field as packed arrays.
+scan::HostArrays arrays_of(Field& field) {
+    scan::HostArrays arrays;
+    for_each_output(
+        [](const OutputRow&, scan::HostArray& array, auto& values) {
+            using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+            array = {!values.empty(), std::is_same_v<Value, double>, reinterpret_cast<std::byte*>(values.data())};
+        },
+        arrays, field);
+    return arrays;
+}
+
+constexpr Outputs every_output{.triangle = true, .site = true, .closest = true, .gradient = true, .barycentric = true};
+
+/// What test() throws; it must be a failure of the device.
+template <typename Test>
+std::string message_of(const Test& test) {
     try {
-        const scan::Programs programs(device::context_of(device), test_case.body);
-        transform::ensure_tested(device, programs, test_case);
+        test();
     } catch (const Error& error) {
         BOOST_TEST((error.code() == ErrorCode::device_failure));
         return error.what();
@@ -82,25 +104,65 @@ std::string message_of_test(const Device& device, const TestCase& test_case) {
     return {};
 }
 
+std::string message_of_test(const Device& device, const TestCase& test_case) {
+    return message_of([&] {
+        const scan::Programs programs(device::context_of(device), test_case.body);
+        transform::ensure_tested(device, programs, test_case);
+    });
+}
+
+std::string message_of_point_test(const Device& device, KernelBody body, bool are_scanned) {
+    return message_of([&] {
+        const scan::Programs programs(device::context_of(device), body);
+        transform::ensure_points_tested(device, programs, are_scanned);
+    });
+}
+
+/// A device with the changed kernel is refused: by the first use, and by the next one.
+template <typename MessageOfTest>
+void check_refusal(const char* what, Changed& changed, const std::string& folder,
+                   const MessageOfTest& message_of_test) {
+    const Device device = changed.device(folder);
+    const std::string message = message_of_test(device);
+    BOOST_TEST_CONTEXT(what << " in " << changed.file) {
+        BOOST_TEST(changed.is_found, "the text to be changed is no longer there");
+        BOOST_TEST_MESSAGE(message);
+        for (const std::string& part : {device.name(), device.platform(), std::string("driver"), std::string("sample"),
+                                        std::string("clsdf devices")})
+            BOOST_TEST(message.find(part) != std::string::npos, "no '" << part << "' in '" << message << "'");
+        // Neither a second computation nor a second process takes it.
+        BOOST_TEST(!message_of_test(device).empty());
+    }
+}
+
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(the_known_field)
 
 BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
-    for (const KnownFieldKind& kind : {KnownFieldKind{}, KnownFieldKind{.long_bricks = true},
-                                       KnownFieldKind{.large = true}, KnownFieldKind{.wide = true}}) {
+    for (const KnownFieldKind& kind :
+         {KnownFieldKind{}, KnownFieldKind{.long_bricks = true}, KnownFieldKind{.large = true},
+          KnownFieldKind{.wide = true}, KnownFieldKind{.later = true}, KnownFieldKind{.large = true, .later = true},
+          KnownFieldKind{.wide = true, .later = true}, KnownFieldKind{.long_bricks = true, .later = true}}) {
         const KnownField known(kind);
         DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
         TransformStatistics statistics;
-        const Field field = transform(known.grid(), known.band(), {.triangle = true}, {.statistics = &statistics});
+        Field field = transform(known.grid(), known.band(), every_output, {.statistics = &statistics});
         BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 500U);
-        const std::optional<std::string> difference = known.difference(field.distance, field.triangle);
+        const std::optional<std::string> difference = known.difference(arrays_of(field));
         BOOST_TEST(!difference.has_value(), difference.value_or(""));
         // The purpose of the self-test: wrong compilers.
         BOOST_TEST(statistics.point_sites == 1U);
         BOOST_TEST(statistics.saddle_vertices > 0U);
         BOOST_TEST(statistics.coarse_bricks == 8U);
         const auto has = [&](const auto& is) { return std::ranges::any_of(field.distance, is); };
+        const auto sites_on_surface = [&](auto first, auto last) {
+            std::size_t count = 0;
+            for (std::size_t i = 0; i < field.distance.size(); ++i)
+                count += std::abs(field.distance[i]) < 1e-8F && first <= field.site[i] && field.site[i] <= last;
+            return count;
+        };
+        BOOST_TEST((sites_on_surface(0, 6) > 0) == kind.later);
         if (kind.wide) continue;
         BOOST_TEST(has([&](float d) { return d == static_cast<float>(known.band().outside); }));
         BOOST_TEST(has([&](float d) { return d == -static_cast<float>(known.band().inside); }));
@@ -112,11 +174,11 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
 BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
     const KnownField known({});
     DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
-    const Field right = transform(known.grid(), known.band(), {.triangle = true});
+    const Field right = transform(known.grid(), known.band(), every_output);
     const auto differs = [&](auto&& change) {
         Field field = right;
         change(field);
-        return known.difference(field.distance, field.triangle).has_value();
+        return known.difference(arrays_of(field)).has_value();
     };
     std::size_t in_band = 0, beyond = 0;
     while (right.triangle[in_band] == 0xFFFFFFFFU) ++in_band;
@@ -128,6 +190,21 @@ BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
     BOOST_TEST(differs([&](Field& field) { field.triangle[in_band] = 0xFFFFFFFFU; }));
     BOOST_TEST(differs([&](Field& field) { field.triangle[in_band] = 1000; }));
     BOOST_TEST(differs([&](Field& field) { field.triangle[beyond] = 0; }));
+    for (const unsigned site : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 255U})
+        BOOST_TEST(differs([&](Field& field) { field.site[in_band] = static_cast<std::uint8_t>(site); }) ==
+                   (site != right.site[in_band]));
+    for (std::size_t k = 0; k < 3; ++k) {
+        BOOST_TEST(differs([&](Field& field) { field.closest[3 * in_band + k] += 1e-3; }));
+        BOOST_TEST(differs([&](Field& field) { field.gradient[3 * in_band + k] += 1e-3F; }));
+        BOOST_TEST(differs([&](Field& field) { field.gradient[3 * in_band + k] = -field.gradient[3 * in_band + k]; }));
+        BOOST_TEST(differs([&](Field& field) { field.closest[3 * beyond + k] = 0; }));
+        BOOST_TEST(differs([&](Field& field) { field.gradient[3 * beyond + k] = 0; }));
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+        BOOST_TEST(differs([&](Field& field) { field.barycentric[2 * in_band + k] += 1e-3F; }));
+        BOOST_TEST(differs([&](Field& field) { field.barycentric[2 * beyond + k] = 0; }));
+    }
+    BOOST_TEST(differs([&](Field& field) { field.site[beyond] = 6; }));
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -141,6 +218,7 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
           slices(vector_body, true, false, false), slices(group_body, false, false, false),
           wide(bricks(vector_body, false, false)), wide(bricks(group_body, true, true)),
           large(bricks(vector_body, false, false)), large(bricks(group_body, true, true)),
+          later(bricks(vector_body, false, false)), later(large(bricks(group_body, true, true))),
           without_sign(bricks(vector_body, false, false))}) {
         const scan::Programs programs(device::context_of(test_device()), test_case.body);
         const auto difference = transform::run_self_test(test_device(), programs, test_case);
@@ -202,19 +280,79 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
          bricks(vector_body, true, true),
          {vector_file, "counters[CLSDF_COUNT_BAND] += popcount", "counters[CLSDF_COUNT_BAND] += 1 + popcount"}},
     };
-    for (Mutation& mutation : mutations) {
-        const Device device = mutation.changed.device(folder.file("cache"));
-        const std::string message = message_of_test(device, mutation.test_case);
-        BOOST_TEST_CONTEXT(mutation.what << " in " << mutation.changed.file) {
-            BOOST_TEST(mutation.changed.is_found, "the text to be changed is no longer there");
-            BOOST_TEST_MESSAGE(message);
-            for (const std::string& part : {device.name(), device.platform(), std::string("driver"),
-                                            std::string("sample"), std::string("clsdf devices")})
-                BOOST_TEST(message.find(part) != std::string::npos, "no '" << part << "' in '" << message << "'");
-            // Neither a second computation nor a second process takes it.
-            BOOST_TEST(!message_of_test(device, mutation.test_case).empty());
-        }
+    for (Mutation& mutation : mutations)
+        check_refusal(mutation.what, mutation.changed, folder.file("cache"),
+                      [&](const Device& device) { return message_of_test(device, mutation.test_case); });
+}
+
+BOOST_AUTO_TEST_CASE(refuses_wrong_records_of_a_later_lattice) {
+    const TemporaryFolder folder;
+    for (const KernelBody body : {vector_body, group_body}) {
+        Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+        check_refusal("records of other faces", changed, folder.file("cache"),
+                      [&](const Device& device) { return message_of_test(device, later(bricks(body, false, false))); });
     }
+}
+
+BOOST_AUTO_TEST_CASE(refuses_wrong_outputs) {
+    const TemporaryFolder folder;
+    const std::string vector_file = "bricks_by_vector.cl", group_file = "bricks_by_group.cl";
+    struct Mutation {
+        const char* what;
+        KernelBody body;
+        Changed changed;
+    };
+    std::vector<Mutation> mutations{
+        {"a gradient without the sign",
+         group_body,
+         {group_file, "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"}},
+        {"a closest point in double on the other side",
+         group_body,
+         {group_file, "nearest->position - offset", "nearest->position + offset"}},
+        {"barycentric coordinates of the other way along an edge",
+         group_body,
+         {group_file, "named.is_reversed ? 1.0 - first : first", "first"}},
+        {"a gradient without the sign",
+         vector_body,
+         {vector_file, "select((doubleL)1.0, (doubleL)-1.0, TO_LONGS(inside))", "(doubleL)1.0"}},
+        {"a gradient on the surface of another site",
+         vector_body,
+         {vector_file, "6 * (size_t)p->triangle + site_of_triangle(p, nearest->frame_site)",
+          "6 * (size_t)p->triangle"}},
+        {"another site",
+         vector_body,
+         {vector_file, "(uchar)named.site", "(uchar)(named.site == 4u ? 5u : named.site)"}},
+        {"coordinates of the sample beside it",
+         vector_body,
+         {vector_file, "store(EIGHT_OF(high, z, Order, 3, 13, 4, 5, 14, 6, 7, 15), 2, to)",
+          "store(EIGHT_OF(high, z, Order, 3, 13, 4, 5, 14, 6, 7, 14), 2, to)"}},
+    };
+    for (Mutation& mutation : mutations)
+        check_refusal(mutation.what, mutation.changed, folder.file("cache"), [&](const Device& device) {
+            return message_of_test(device, bricks(mutation.body, true, false));
+        });
+}
+
+BOOST_AUTO_TEST_CASE(refuses_wrong_points) {
+    const TemporaryFolder folder;
+    struct Mutation {
+        const char* what;
+        KernelBody body;
+        bool are_scanned;
+        Changed changed;
+    };
+    const Changed sign{"points.cl", "sides & (outward > 0.0 ?", "sides & (outward < 0.0 ?"},
+        gradient{"points.cl", "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"};
+    std::vector<Mutation> mutations{
+        {"signs of the other side", vector_body, false, sign},
+        {"signs of the other side", vector_body, true, sign},
+        {"signs of the other side", group_body, false, sign},
+        {"a gradient without the sign", vector_body, false, gradient},
+    };
+    for (Mutation& mutation : mutations)
+        check_refusal(mutation.what, mutation.changed, folder.file("cache"), [&](const Device& device) {
+            return message_of_point_test(device, mutation.body, mutation.are_scanned);
+        });
 }
 
 BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
@@ -235,6 +373,20 @@ BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
     BOOST_TEST(message([&] { transform(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.plan(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.compile(grid, band); }).find("computes wrong fields") != std::string::npos);
+}
+
+BOOST_AUTO_TEST_CASE(stops_a_computation_on_a_later_lattice) {
+    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+    const Device device = changed.device("");
+    const Mesh mesh = make_shape("sphere3");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh);
+    transform(Grid::around(mesh, 16, band), band);
+    const auto is_refusal = [](const Error& error) {
+        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
+    };
+    for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform(Grid::around(mesh, 20, band), band), Error, is_refusal);
+    transform(Grid::around(mesh, 16, band), band);
 }
 
 BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
