@@ -9,6 +9,7 @@
 // Compile-time options: LANES (lanes.h), 16 or 8.
 
 #include "builtins.h"
+#include "edge_offsets.h"
 #include "frame.h"
 #include "point_decisions.h"
 #include "point_tree.h"
@@ -229,22 +230,17 @@ INLINE float square_error(float error, float bound) {
     return 2.0f * error * (bound + error);
 }
 
+DEFINE_EDGE_OFFSETS(RecordEdgeOffsets, record_edge_offsets, floatL, intL)
+DEFINE_SQUARED_BY_OFFSETS(record_squared_by_offsets, RecordEdgeOffsets, floatL)
+
 // Squared distances of points displaced by (x, y, z) from the origin of a frame: see distance.h.
 INLINE floatL squared_from(Frame f, float altitude, floatL i, floatL j, floatL k) {
     const floatL x = i * f.x.x + (j * f.y.x + (k * f.z.x + f.at.x));
     const floatL y = i * f.x.y + (j * f.y.y + (k * f.z.y + f.at.y));
     const floatL z = i * f.x.z + (j * f.y.z + (k * f.z.z + f.at.z));
-    const intL left = x < 0.0f, below = y < 0.0f;
-    const floatL away = fabs(x);
-    const floatL along = left ? (floatL)f.normal.y : (floatL)f.normal.x;
-    const floatL across = left ? (floatL)f.normal.w : (floatL)f.normal.z;
-    const floatL beyond = away - (left ? (floatL)f.base.y : (floatL)f.base.x);
-    const floatL r = below ? -y : along * beyond + across * y;
-    const floatL before = below ? beyond : across * beyond - along * y;
-    const floatL past = below ? beyond : along * (y - altitude) - across * away;
-    const floatL farther = GREATER(past, before), zero = (floatL)0.0f;
-    const floatL end = GREATER(farther, zero), outward = GREATER(r, zero);
-    return end * end + (outward * outward + z * z);
+    const RecordEdgeOffsets offsets =
+        record_edge_offsets(x, y, f.base.x, f.base.y, f.normal.x, f.normal.y, f.normal.z, f.normal.w, altitude);
+    return record_squared_by_offsets(offsets, z);
 }
 
 // Squared distances of a vector's points to a record's triangle or point.

@@ -5,9 +5,10 @@
 // through the tree nor on the pair that the search begins with.
 
 #define REAL double
-#define TRUTH int
+#define TRUTH long
 
 #include "builtins.h"
+#include "edge_offsets.h"
 #include "finish.h"
 #include "point_distance.h"
 
@@ -52,24 +53,20 @@ INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __
     }
 }
 
+DEFINE_EDGE_OFFSETS(LeafEdgeOffsets, leaf_edge_offsets, floatL, intL)
+DEFINE_SQUARED_BY_OFFSETS(leaf_squared_by_offsets, LeafEdgeOffsets, floatL)
+
 // Squared distances of a leaf's faces in float, LANES from number `first` on, to a point displaced from its origin.
 INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int first) {
 #define OF_LEAF(member) load_lanes(0, leaf->member + first)
 #define COORDINATE(column)                \
     (OF_LEAF(gradient[0][column]) * p.x + \
      (OF_LEAF(gradient[1][column]) * p.y + (OF_LEAF(gradient[2][column]) * p.z + OF_LEAF(offset[column]))))
-    const floatL x = COORDINATE(0), y = COORDINATE(1), z = COORDINATE(2), zero = (floatL)0.0f;
-    const intL left = x < 0.0f, below = y < 0.0f;
-    const floatL along = left ? OF_LEAF(normal_along[CLSDF_HALF_LEFT]) : OF_LEAF(normal_along[CLSDF_HALF_RIGHT]);
-    const floatL across = left ? OF_LEAF(normal_across[CLSDF_HALF_LEFT]) : OF_LEAF(normal_across[CLSDF_HALF_RIGHT]);
-    const floatL away = left ? -x : x;
-    const floatL beyond = away - (left ? OF_LEAF(base[CLSDF_HALF_LEFT]) : OF_LEAF(base[CLSDF_HALF_RIGHT]));
-    const floatL r = below ? -y : along * beyond + across * y;
-    const floatL before = below ? beyond : across * beyond - along * y;
-    const floatL past = below ? beyond : along * (y - OF_LEAF(altitude)) - across * away;
-    const floatL farther = GREATER(past, before);
-    const floatL end = GREATER(farther, zero), outside = GREATER(r, zero);
-    return end * end + (outside * outside + z * z);
+    const LeafEdgeOffsets offsets = leaf_edge_offsets(
+        COORDINATE(0), COORDINATE(1), OF_LEAF(base[CLSDF_HALF_RIGHT]), OF_LEAF(base[CLSDF_HALF_LEFT]),
+        OF_LEAF(normal_along[CLSDF_HALF_RIGHT]), OF_LEAF(normal_along[CLSDF_HALF_LEFT]),
+        OF_LEAF(normal_across[CLSDF_HALF_RIGHT]), OF_LEAF(normal_across[CLSDF_HALF_LEFT]), OF_LEAF(altitude));
+    return leaf_squared_by_offsets(offsets, COORDINATE(2));
 #undef COORDINATE
 #undef OF_LEAF
 }
