@@ -20,8 +20,8 @@
 
 #include "blocks.h"
 #include "brick_masks.h"
-#include "builtins.h"
 #include "distance.h"
+#include "simd.h"
 #ifdef NEAREST
 #include "finish.h"
 #endif

@@ -9,14 +9,14 @@
 // A long list is divided in parts of CLSDF_LIST_PART polyhedra, as many as the cache of a core holds. Each part goes
 // through all levels; the minima stay in memory in between.
 //
-// Compile-time options: LANES (lanes.h). NEAREST keeps the nearest polyhedron and finishes other outputs (finish.h).
+// Compile-time options: LANES (simd.h). NEAREST keeps the nearest polyhedron and finishes other outputs (finish.h).
 // LONG_BRICKS: spacing is so unequal that distances take double (distance.h); no polyhedron is slender.
 // SCATTERED_ACCESS: gather and scatter are fast. COUNT counts work.
 
 #include "brick_distance.h"
 #include "brick_lists.h"
-#include "builtins.h"
 #include "lane_offsets.h"
+#include "simd.h"
 #include "slender_scan.h"
 #include "write_bricks.h"
 

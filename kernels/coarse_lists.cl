@@ -6,10 +6,10 @@
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 // The first pass counts and stores the (cluster, brick) pairs; the second fills the lists from them.
 
-#include "builtins.h"
 #include "coarse_clusters.h"
 #include "face_sources.h"
 #include "shares.h"
+#include "simd.h"
 
 // The pairs that a part has found. Pairs beyond the room are counted, but not stored.
 typedef struct PairSink {

@@ -11,11 +11,10 @@
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 
-#include "builtins.h"
 #include "edge_offsets.h"
 #include "frame.h"
-#include "lanes.h"
 #include "layout.h"
+#include "simd.h"
 
 // The formula above, from r, `before` = -t and `past` = t minus the length. Only the greater of the two is used. (The
 // base goes on before its end: there `before` may be anything that is not above `past`.)

@@ -3,7 +3,7 @@
 #ifndef CLSDF_EDGE_OFFSETS_H
 #define CLSDF_EDGE_OFFSETS_H
 
-#include "builtins.h"
+#include "simd.h"
 
 // Defines the struct `EdgeOffsets` and the function edge_offsets(), for numbers of the type Real and comparisons of the
 // type Mask. (x, y): the point, in the frame's plane. The offsets are from the edges of the half on the point's side.

@@ -3,30 +3,13 @@
 #ifndef CLSDF_FIELD_LINES_H
 #define CLSDF_FIELD_LINES_H
 
-#include "builtins.h"
+#include "simd.h"
 
 // Numbers in a cache line. Half a line costs as much past the caches as a whole one.
 #define LINE_NUMBERS 16
 
 // The distance of an address from the last one that is a multiple of so many numbers' bytes.
 #define PAST(address, numbers) ((size_t)(address) % ((numbers) * sizeof(uint)))
-
-// `to` is the first of a line.
-INLINE void store_line(uint16 values, __global uint* to) {
-#if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_nontemporal_store)
-    __builtin_nontemporal_store(values, (__global uint16*)to);
-#else
-    vstore16(values, 0, to);
-#endif
-}
-
-// Makes stores past the caches visible before the kernel ends. It follows the last line of a work-item or of its group.
-// (On x86 such stores are not ordered with others; on AArch64 they are.)
-INLINE void finish_lines(void) {
-#if defined(__x86_64__) && HAS_BUILTIN(__builtin_ia32_sfence)
-    __builtin_ia32_sfence();
-#endif
-}
 
 // The values before the first and behind the last whole line are stored by fours and ones.
 

@@ -10,11 +10,11 @@
 #ifndef CLSDF_FINISH_H
 #define CLSDF_FINISH_H
 
-#include "builtins.h"
 #include "edge_offsets.h"
 #include "frame.h"
 #include "layout.h"
 #include "outputs.h"
+#include "simd.h"
 
 // In units: above the rounding of frames, and far below what the outputs promise.
 #define SITE_TOLERANCE 1.0e-10

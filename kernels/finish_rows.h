@@ -5,11 +5,11 @@
 #ifndef CLSDF_FINISH_ROWS_H
 #define CLSDF_FINISH_ROWS_H
 
-#include "builtins.h"
 #include "distance.h"
 #include "field_lines.h"
 #include "finish.h"
 #include "lane_offsets.h"
+#include "simd.h"
 #include "subblocks.h"
 
 DEFINE_FROM_SITE(from_sites, LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)

@@ -3,9 +3,9 @@
 #ifndef CLSDF_POINT_DECISIONS_H
 #define CLSDF_POINT_DECISIONS_H
 
-#include "builtins.h"
 #include "point_distance.h"
 #include "point_tree.h"
+#include "simd.h"
 
 #define PARTS (CLSDF_GROUP_WIDTH / LANES)
 // The index of a vector's first point of a part.

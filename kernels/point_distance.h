@@ -5,8 +5,8 @@
 #define CLSDF_POINT_DISTANCE_H
 
 #include "edge_offsets.h"
-#include "lanes.h"
 #include "point_tree.h"
+#include "simd.h"
 
 #ifndef REAL
 #define REAL doubleL

@@ -6,13 +6,13 @@
 // error of floats, is evaluated again in double (point_decisions.h), and so are the faces that share its site. So a
 // point's result is the pair (squared distance, triangle) that points.cl finds.
 //
-// Compile-time options: LANES (lanes.h), 16 or 8.
+// Compile-time options: LANES (simd.h), 16 or 8.
 
-#include "builtins.h"
 #include "edge_offsets.h"
 #include "frame.h"
 #include "point_decisions.h"
 #include "point_tree.h"
+#include "simd.h"
 
 // Slack of the overlap test, in units: what polyhedra need (frusta.hpp) and the rounding of floats, with room.
 #define SLACK 4.0e-3f

@@ -7,10 +7,10 @@
 #define REAL double
 #define TRUTH long
 
-#include "builtins.h"
 #include "edge_offsets.h"
 #include "finish.h"
 #include "point_distance.h"
+#include "simd.h"
 
 // The nearest face so far.
 typedef struct Found {

@@ -3,7 +3,7 @@
 #ifndef CLSDF_SWEEP_EDGES_H
 #define CLSDF_SWEEP_EDGES_H
 
-#include "lanes.h"
+#include "simd.h"
 #include "sweep.h"
 
 typedef struct Wide {  // hi 2^64 + lo

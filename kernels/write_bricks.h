@@ -3,13 +3,12 @@
 #define CLSDF_WRITE_BRICKS_H
 
 #include "brick_lists.h"
-#include "builtins.h"
 #include "field_lines.h"
+#include "simd.h"
 #include "subblocks.h"
 #ifdef NEAREST
 #include "finish_rows.h"
 #endif
-#include "lanes.h"
 #include "layout.h"
 
 // The outputs, and the sign bits, one per sample.
