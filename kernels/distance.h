@@ -16,8 +16,8 @@
 #include "layout.h"
 #include "simd.h"
 
-// The formula above, from r, `before` = -t and `past` = t minus the length. Only the greater of the two is used. (The
-// base goes on before its end: there `before` may be anything that is not above `past`.)
+// Evaluates the formula above. before: -t; past: t minus the length of the edge. Only the greater of the two counts.
+// The base continues in the other half, so its `before` may be any value that does not exceed `past`.
 INLINE floatL squared_from_edge(floatL r, floatL before, floatL past, floatL z) {
     const floatL farther = GREATER(past, before);
     const floatL along = GREATER(farther, 0.0f), outward = GREATER(r, 0.0f);

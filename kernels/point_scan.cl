@@ -19,7 +19,7 @@
 #define SLACK_RATE 4.0e-5f    // per distance
 #define SLACK_EXTENT 2.0e-6f  // per extent of the group
 // Bound of the error of distances in float, relative to the lengths that they follow from (frame.h).
-#define DISTANCE_ERROR 2.0e-6f
+#define SCAN_DISTANCE_ERROR 2.0e-6f
 
 typedef struct Children {
     floatL centre[3][PARTS], half_side[3][PARTS];
@@ -224,7 +224,7 @@ INLINE void find_bounds(__global const PointGroup* group, __global const ScanRec
 
 // The greatest error of distances in float, for points within `bound` of the surface, and of squared distances.
 INLINE float distance_error(ScanCounts counts, float bound, float extent) {
-    return DISTANCE_ERROR * (bound + 2.0f * counts.longest + extent + 2.0f);
+    return SCAN_DISTANCE_ERROR * (bound + 2.0f * counts.longest + extent + 2.0f);
 }
 INLINE float square_error(float error, float bound) {
     return 2.0f * error * (bound + error);
@@ -345,8 +345,8 @@ static uint choose_marked(uint count, __global const uint* list, __global const 
                           __global uint* chosen) {
     uint length = 0, i = 0;
     for (; i + 16 <= count; i += 16) {
-        const ulong4 some = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
-        const ulong2 two = some.lo | some.hi;
+        const ulong4 four = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
+        const ulong2 two = four.lo | four.hi;
         if ((two.x | two.y) == 0) continue;
         for (uint k = i; k < i + 16; ++k) {
             chosen[length] = list ? list[k] : k;

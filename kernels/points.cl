@@ -13,12 +13,12 @@
 #include "simd.h"
 
 // The nearest face so far.
-typedef struct Found {
+typedef struct NearestFace {
     double squared;  // in units
     uint triangle;   // in the caller's order
     uint face;       // in the tree's
     float bound;     // the squared distance as a float
-} Found;
+} NearestFace;
 
 // A point as boxes are compared with it: floats on both sides of each coordinate.
 typedef struct PointBox {
@@ -37,7 +37,7 @@ INLINE PointBox box_of_point(double3 p) {
 }
 
 // Takes a face if it is nearer.
-INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __private Found* found) {
+INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __private NearestFace* found) {
     __global const FaceFrame* f = frames + face;
 #define OF_FACE(member) (f->member)
     PlacedFrame placed;
@@ -72,15 +72,15 @@ INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int fir
 }
 
 // Bound of the error of distances in float, relative to the lengths that they follow from.
-#define DISTANCE_ERROR 4.0e-6f
+#define LEAF_DISTANCE_ERROR 4.0e-6f
 
 // Takes the faces of a leaf that may be nearer.
 INLINE void visit_leaf(__global const PointLeaf* leaves, __global const FaceFrame* frames, uint number, uint faces,
-                       double3 p, __private Found* found) {
+                       double3 p, __private NearestFace* found) {
     __global const PointLeaf* leaf = leaves + number;
     const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
     const float error =
-        DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
+        LEAF_DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += LANES) {
         const floatL squared = squared_to_faces(leaf, from_origin, first);
         const float nearest = sqrt(-greatest_lane(-squared)) + error, bound = sqrt(found->bound);
@@ -148,7 +148,7 @@ static inline int push_children(__global const PointNode* node, uint level, uint
 
 // nodes: from level 2 on.
 static inline void search(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves,
-                          __global const FaceFrame* frames, double3 p, __private Found* found) {
+                          __global const FaceFrame* frames, double3 p, __private NearestFace* found) {
     const PointBox box = box_of_point(p);
     uint items[CLSDF_TREE_STACK];
     float squares[CLSDF_TREE_STACK];
@@ -178,7 +178,7 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
     uint face = CLSDF_NO_FACE;
     for (uint i = first; i < last; ++i) {
         const double3 p = vload3(i, points);
-        Found found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
+        NearestFace found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
         if (face != CLSDF_NO_FACE) take_face(frames, face, p, &found);
         search(tree, nodes, leaves, frames, p, &found);
         faces[i] = found.face;

@@ -303,15 +303,15 @@ INLINE void scan_slender(const SlenderScan* scan, uint polyhedron, __private con
         int columns_log = ((__private const int*)&above->columns_log)[lane];
         for (float first = first_above; first <= last_above; first += LANES) {
             const float last = first + (LANES - 1);
-            const LayerRange some = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f, columns_log};
-            list_layers(scan, polyhedron, slender, lane, some, &list, counters);
+            const LayerRange range = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f, columns_log};
+            list_layers(scan, polyhedron, slender, lane, range, &list, counters);
             columns_log = columns_log_of(last_above - last);
         }
         columns_log = ((__private const int*)&below->columns_log)[lane];
         for (float first = first_below; first <= last_below; first += LANES) {
             const float last = first + (LANES - 1);
-            const LayerRange some = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below), columns_log};
-            list_layers(scan, polyhedron, slender, lane, some, &list, counters);
+            const LayerRange range = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below), columns_log};
+            list_layers(scan, polyhedron, slender, lane, range, &list, counters);
             columns_log = columns_log_of(last_below - last);
         }
     }
