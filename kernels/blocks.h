@@ -9,7 +9,7 @@
 
 #include "coarse.h"
 #include "frame.h"
-#include "lanes.h"
+#include "simd.h"
 
 // The bricks of a coarse brick, the sub-blocks of a brick: number b of 4 x 4 x 4.
 INLINE int3 four_cubed(uint b) {

@@ -13,43 +13,6 @@ typedef ushort LaneMask;
 typedef uchar LaneMask;
 #endif
 
-// Moves the lanes whose bit is set to the front of the vector, in order. The lanes behind them are undefined.
-#if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_compresssi512_mask)
-INLINE uintL packed(uintL values, uint bits) {
-    return as_uint16(__builtin_ia32_compresssi512_mask(as_int16(values), (int16)(0), (ushort)bits));
-}
-#elif LANES == 8 && defined(__AVX2__) && HAS_BUILTIN(__builtin_ia32_permvarsi256)
-// For each mask of eight bits: the numbers of its set bits, ascending, a byte each. (pdep and pext would find them, but
-// are slow on many processors that have AVX2.)
-#define IS_SET(mask, bit) ((ulong)((mask) >> (bit)&1))
-#define RANK_1(mask) IS_SET(mask, 0)
-#define RANK_2(mask) (RANK_1(mask) + IS_SET(mask, 1))
-#define RANK_3(mask) (RANK_2(mask) + IS_SET(mask, 2))
-#define RANK_4(mask) (RANK_3(mask) + IS_SET(mask, 3))
-#define RANK_5(mask) (RANK_4(mask) + IS_SET(mask, 4))
-#define RANK_6(mask) (RANK_5(mask) + IS_SET(mask, 5))
-#define RANK_7(mask) (RANK_6(mask) + IS_SET(mask, 6))
-#define PLACED(mask, bit) (IS_SET(mask, bit) * (ulong)(bit) << 8 * RANK_##bit(mask))
-#define PACKING(mask)                                                                                            \
-    (PLACED(mask, 1) | PLACED(mask, 2) | PLACED(mask, 3) | PLACED(mask, 4) | PLACED(mask, 5) | PLACED(mask, 6) | \
-     PLACED(mask, 7))
-#define PACKINGS_4(mask) PACKING(mask), PACKING(mask + 1), PACKING(mask + 2), PACKING(mask + 3)
-#define PACKINGS_16(mask) PACKINGS_4(mask), PACKINGS_4(mask + 4), PACKINGS_4(mask + 8), PACKINGS_4(mask + 12)
-#define PACKINGS_64(mask) PACKINGS_16(mask), PACKINGS_16(mask + 16), PACKINGS_16(mask + 32), PACKINGS_16(mask + 48)
-__constant ulong packings[256] = {PACKINGS_64(0), PACKINGS_64(64), PACKINGS_64(128), PACKINGS_64(192)};
-
-INLINE uintL packed(uintL values, uint bits) {
-    return as_uint8(__builtin_ia32_permvarsi256(as_int8(values), convert_int8(as_uchar8(packings[bits]))));
-}
-#else
-INLINE uintL packed(uintL values, uint bits) {
-    uint each[LANES];
-    store_lanes(values, 0, each);
-    for (uint n = 0; bits; bits &= bits - 1) each[n++] = each[lowest_bit(bits)];
-    return load_lanes(0, each);
-}
-#endif
-
 // Brick b of a coarse brick.
 INLINE int3 brick_of_coarse(int3 coarse, uint b) {
     return coarse * CLSDF_BRICKS_PER_COARSE + four_cubed(b);

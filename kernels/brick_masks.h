@@ -8,7 +8,7 @@
 #define CLSDF_BRICK_MASKS_H
 
 #include "blocks.h"
-#include "builtins.h"
+#include "simd.h"
 
 // Returns the square of the least distance from the feet of altitudes in the list, points of the surface, to the centre
 // of a brick. Work-item i takes brick i % CLSDF_COARSE_BRICKS and every (GROUP / CLSDF_COARSE_BRICKS)-th foot. feet:

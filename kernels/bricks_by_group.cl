@@ -20,14 +20,15 @@
 
 #include "blocks.h"
 #include "brick_masks.h"
-#include "builtins.h"
 #include "distance.h"
+#include "simd.h"
 #ifdef NEAREST
 #include "finish.h"
 #endif
 
-#define SUBBLOCKS 64
-#define SUBBLOCK_SAMPLES 8
+// Sub-blocks of 2 x 2 x 2 samples; those of the body for processors are larger (subblocks.h).
+#define SMALL_SUBBLOCKS 64
+#define SMALL_SUBBLOCK_SAMPLES 8
 #define SAMPLES_PER_ITEM (512 / GROUP)
 
 #define BATCH 64                  // polyhedra that are evaluated together
@@ -78,22 +79,22 @@ typedef struct Batch {
 #ifdef NEAREST
 // The minimum of each sample. It is in local memory, because the loop that finishes samples is not unrolled: an index
 // into private arrays would move them to memory.
-typedef struct Found {
+typedef struct BrickMinima {
     float squared[512];
     uint polyhedron[512];
-} Found;
+} BrickMinima;
 #endif
 
 // A brick's work in local memory.
 typedef struct Work {
-    uint chosen[ROOM];                         // polyhedra
-    uint words[WINDOW_WORDS];                  // bits of a window's entries
-    uint bounds[SUBBLOCKS];                    // floats as bits, so that atomics know them
-    uint overlapped[SUBBLOCKS * BATCH_WORDS];  // by sub-block, bits of a batch's polyhedra
+    uint chosen[ROOM];                               // polyhedra
+    uint words[WINDOW_WORDS];                        // bits of a window's entries
+    uint bounds[SMALL_SUBBLOCKS];                    // floats as bits, so that atomics know them
+    uint overlapped[SMALL_SUBBLOCKS * BATCH_WORDS];  // by sub-block, bits of a batch's polyhedra
     union {
         Batch batch;
 #ifdef NEAREST
-        Found found;  // when all batches have been evaluated
+        BrickMinima minima;  // when all batches have been evaluated
 #endif
     } room;
     uint octants[PAIRS / 32];  // bits of a polyhedron and an octant that overlap
@@ -128,7 +129,7 @@ static inline uint choose_window(uint begin, uint end, uint b, __global const ul
 // Lowers the sub-blocks' bounds by the feet of the chosen polyhedra.
 static inline void lower_bounds_by_feet(Layout layout, Brick brick, uint count, __global const Polyhedron* polyhedra,
                                         __local Work* work) {
-    const uint item = get_local_id(0), b = item % SUBBLOCKS;
+    const uint item = get_local_id(0), b = item % SMALL_SUBBLOCKS;
     const float3 centre = subblock_centre(b) * brick.spacing;
     float least = INFINITY;
     for (uint begin = 0; begin < count; begin += BATCH) {
@@ -137,7 +138,7 @@ static inline void lower_bounds_by_feet(Layout layout, Brick brick, uint count, 
             work->room.batch.feet[item] = from_foot_to(layout, polyhedra + work->chosen[begin + item], brick.first.x,
                                                        brick.first.y, brick.first.z, BRICK_CENTRE);
         barrier(CLK_LOCAL_MEM_FENCE);
-        for (uint n = item / SUBBLOCKS; n < length; n += GROUP / SUBBLOCKS) {
+        for (uint n = item / SMALL_SUBBLOCKS; n < length; n += GROUP / SMALL_SUBBLOCKS) {
             const float3 from_foot = work->room.batch.feet[n] + centre;
             const float square = dot(from_foot, from_foot);
             least = LESSER(square, least);
@@ -159,7 +160,7 @@ static inline void load_batch(Brick brick, __local const uint* chosen, uint leng
         work->room.batch.steps[item] = steps_of(p);
         work->room.batch.extent[item] = extent_of_cube(p, 0.5f);
     }
-    for (uint n = item; n < SUBBLOCKS * BATCH_WORDS; n += GROUP) work->overlapped[n] = 0;
+    for (uint n = item; n < SMALL_SUBBLOCKS * BATCH_WORDS; n += GROUP) work->overlapped[n] = 0;
     for (uint n = item; n < PAIRS / 32; n += GROUP) work->octants[n] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
 }
@@ -243,8 +244,8 @@ static inline void evaluate(Brick brick, __local const uint* chosen, __local con
 #endif
 ) {
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
-        const uint number = s * GROUP + get_local_id(0), b = number / SUBBLOCK_SAMPLES;
-        const float3 from_centre = convert_float3(sample_of(b, number % SUBBLOCK_SAMPLES)) - BRICK_CENTRE;
+        const uint number = s * GROUP + get_local_id(0), b = number / SMALL_SUBBLOCK_SAMPLES;
+        const float3 from_centre = convert_float3(sample_of(b, number % SMALL_SUBBLOCK_SAMPLES)) - BRICK_CENTRE;
         float least = minimum->squared[s];
 #ifdef NEAREST
         uint nearest = minimum->polyhedron[s];
@@ -291,12 +292,12 @@ static inline void lower_bounds_by_minima(__private const ItemMinimum* minimum, 
     const uint item = get_local_id(0);
     __local uint* greatest = work->overlapped;  // which has been evaluated
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < SUBBLOCKS) greatest[item] = 0;
+    if (item < SMALL_SUBBLOCKS) greatest[item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s)
-        atomic_max(greatest + (s * GROUP + item) / SUBBLOCK_SAMPLES, as_uint(minimum->squared[s]));
+        atomic_max(greatest + (s * GROUP + item) / SMALL_SUBBLOCK_SAMPLES, as_uint(minimum->squared[s]));
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < SUBBLOCKS) {
+    if (item < SMALL_SUBBLOCKS) {
         const float reached = sqrt(as_float(greatest[item])), bound = as_float(work->bounds[item]);
         work->bounds[item] = as_uint(LESSER(reached, bound));
     }
@@ -328,12 +329,12 @@ static inline void evaluate_chosen(Layout layout, Brick brick, uint count, __glo
 }
 
 #ifdef NEAREST
-static inline void keep_found(__private const ItemMinimum* minimum, __local Found* found) {
+static inline void keep_minima(__private const ItemMinimum* minimum, __local BrickMinima* minima) {
     barrier(CLK_LOCAL_MEM_FENCE);  // the batch that was there has been evaluated
 #pragma unroll
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
-        found->squared[s * GROUP + get_local_id(0)] = minimum->squared[s];
-        found->polyhedron[s * GROUP + get_local_id(0)] = minimum->polyhedron[s];
+        minima->squared[s * GROUP + get_local_id(0)] = minimum->squared[s];
+        minima->polyhedron[s * GROUP + get_local_id(0)] = minimum->polyhedron[s];
     }
 }
 #endif
@@ -343,7 +344,7 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
                                  __private const ItemMinimum* minimum, __global float* distance
 #ifdef NEAREST
                                  ,
-                                 __local const Found* found, __private const Finishing* finishing
+                                 __local const BrickMinima* minima, __private const Finishing* finishing
 #endif
 #ifdef COUNT
                                  ,
@@ -353,7 +354,7 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
     const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size), bricks = vload3(0, layout.bricks);
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         const uint sample = s * GROUP + get_local_id(0);
-        const int3 in_brick = sample_of(sample / SUBBLOCK_SAMPLES, sample % SUBBLOCK_SAMPLES);
+        const int3 in_brick = sample_of(sample / SMALL_SUBBLOCK_SAMPLES, sample % SMALL_SUBBLOCK_SAMPLES);
         const int3 to = brick.first + in_brick - part_first;
         if (any(to < 0) || any(to >= size)) continue;
         const size_t bit_row = (size_t)(relative_brick.z * CLSDF_BRICK + in_brick.z) * (bricks.y * CLSDF_BRICK) +
@@ -362,15 +363,15 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
         const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
         const size_t offset = ((size_t)to.z * size.y + to.y) * size.x + to.x;
 #ifdef NEAREST
-        const float squared = found->squared[sample];
+        const float squared = minima->squared[sample];
 #else
         const float squared = minimum->squared[s];
 #endif
         bool in_band;
         distance[offset] = signed_distance(layout, negative, squared, &in_band);
 #ifdef NEAREST
-        if (in_band && found->polyhedron[sample] != CLSDF_NO_POLYHEDRON)
-            finish_sample(finishing, to + part_first, found->polyhedron[sample], negative, offset);
+        if (in_band && minima->polyhedron[sample] != CLSDF_NO_POLYHEDRON)
+            finish_sample(finishing, to + part_first, minima->polyhedron[sample], negative, offset);
         else
             leave_sample(finishing, offset);
 #endif
@@ -410,7 +411,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
     brick.bound = brick_bounds[slot * CLSDF_COARSE_BRICKS + b];
     brick.slack = brick.bound * layout.slack_rate + layout.brick_slack;
     brick.radius = 0.5f * sqrt(dot(brick.spacing, brick.spacing)) * (1.0f + 1.0e-5f) + layout.brick_slack;
-    if (item < SUBBLOCKS) work.bounds[item] = as_uint(brick.bound);
+    if (item < SMALL_SUBBLOCKS) work.bounds[item] = as_uint(brick.bound);
     ItemMinimum minimum;
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         minimum.squared[s] = INFINITY;
@@ -438,12 +439,12 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void bricks_by_group
 
 #ifdef NEAREST
     SET_FINISHING(finishing)
-    keep_found(&minimum, &work.room.found);
+    keep_minima(&minimum, &work.room.minima);
 #endif
     write_samples(layout, brick, relative_brick, sign_bits, &minimum, distance
 #ifdef NEAREST
                   ,
-                  &work.room.found, &finishing
+                  &work.room.minima, &finishing
 #endif
 #ifdef COUNT
                   ,

@@ -9,14 +9,14 @@
 // A long list is divided in parts of CLSDF_LIST_PART polyhedra, as many as the cache of a core holds. Each part goes
 // through all levels; the minima stay in memory in between.
 //
-// Compile-time options: LANES (lanes.h). NEAREST keeps the nearest polyhedron and finishes other outputs (finish.h).
+// Compile-time options: LANES (simd.h). NEAREST keeps the nearest polyhedron and finishes other outputs (finish.h).
 // LONG_BRICKS: spacing is so unequal that distances take double (distance.h); no polyhedron is slender.
 // SCATTERED_ACCESS: gather and scatter are fast. COUNT counts work.
 
 #include "brick_distance.h"
 #include "brick_lists.h"
-#include "builtins.h"
 #include "lane_offsets.h"
+#include "simd.h"
 #include "slender_scan.h"
 #include "write_bricks.h"
 
@@ -124,14 +124,14 @@ static inline void evaluate_list(Layout layout, int3 brick, uint count, __global
 #endif
 }
 
-// One for each of a coarse brick's 64 bricks.
+// One entry per brick of a coarse brick (64).
 typedef struct BrickBounds {
     float bound[CLSDF_COARSE_BRICKS];   // an upper bound of the distance of its samples
     uint nearest[CLSDF_COARSE_BRICKS];  // the polyhedron whose foot gave it
 } BrickBounds;
 
-// The distance of the brick's centre to the nearest of the surface points it knows (the feet of the altitudes), and the
-// brick's radius.
+// Bounds the distances in each brick: the distance from its centre to the nearest foot of an altitude, a point of the
+// surface, plus the brick's radius.
 static inline void find_brick_bounds(Layout layout, int3 coarse, uint count, __global const uint* entries,
                                      __global const Polyhedron* polyhedra, float coarse_bound,
                                      __private BrickBounds* bounds) {
@@ -244,17 +244,17 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     BrickBounds bounds;
     bool has_bounds = false;
     for (uint begin = 0; begin < count; begin += CLSDF_LIST_PART) {
-        __global const uint* some = entries + begin;
+        __global const uint* list = entries + begin;
         uint length = min(count - begin, (uint)CLSDF_LIST_PART);
 #ifndef LONG_BRICKS
-        length = scan_slender_polyhedra(layout, coarse, length, some, coarse_bound, slack, polyhedra, minima,
+        length = scan_slender_polyhedra(layout, coarse, length, list, coarse_bound, slack, polyhedra, minima,
                                         scratch->others, counters);
-        some = scratch->others;
+        list = scratch->others;
 #endif
         if (length == 0) continue;
         if (!has_bounds) find_brick_bounds(layout, coarse, count, entries, polyhedra, coarse_bound, &bounds);
         has_bounds = true;
-        evaluate_bricks(layout, coarse, in_part, length, some, slack, &bounds, polyhedra, scratch, minima, counters);
+        evaluate_bricks(layout, coarse, in_part, length, list, slack, &bounds, polyhedra, scratch, minima, counters);
     }
     ulong used = 0;
     for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) used |= (ulong)has_distances(minima + b) << b;

@@ -17,8 +17,8 @@ typedef struct Cluster {
     int3 sample;        // of the lattice, near it
     float3 from, to;    // a box around its triangles, in units from the sample
 #if LANES > 1
-    // Balls around the triangles: the feet of their altitudes, from the sample, and radii that hold their rounding. Of
-    // the first `count`; what the others hold does not matter.
+    // Balls around the first `count` triangles. The centres are the feet of the altitudes, from the sample; the radii
+    // include their rounding. Lanes from `count` on are padding.
     float x[LANES], y[LANES], z[LANES], radius[LANES];
 #endif
 } Cluster;
@@ -239,9 +239,9 @@ __kernel void coarse_bounds(Layout layout, uint count, __global const SurfacePoi
 INLINE float load_bounds(__global const float* bounds, __private float* group_bounds) {
     floatL greatest = 0.0f;
     for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) {
-        const floatL some = load_lanes(v, bounds);
-        store_lanes(some, v, group_bounds);
-        greatest = GREATER(greatest, some);
+        const floatL values = load_lanes(v, bounds);
+        store_lanes(values, v, group_bounds);
+        greatest = GREATER(greatest, values);
     }
     return greatest_lane(greatest);
 }

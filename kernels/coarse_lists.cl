@@ -6,17 +6,17 @@
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 // The first pass counts and stores the (cluster, brick) pairs; the second fills the lists from them.
 
-#include "builtins.h"
 #include "coarse_clusters.h"
 #include "face_sources.h"
 #include "shares.h"
+#include "simd.h"
 
 // The pairs that a part has found. Pairs beyond the room are counted, but not stored.
-typedef struct Found {
+typedef struct PairSink {
     __global ClusterPair* pairs;
     uint room, count;
     __global uint* histogram;  // of the part: a counter for each coarse brick
-} Found;
+} PairSink;
 
 // The first record of cluster c of those that are looked at: all, or the records of `groups`.
 INLINE uint first_of_cluster(__global const uint* groups, int has_groups, uint c) {
@@ -24,24 +24,18 @@ INLINE uint first_of_cluster(__global const uint* groups, int has_groups, uint c
     return has_groups ? groups[n / CLSDF_RECORD_GROUP] * CLSDF_RECORD_GROUP + n % CLSDF_RECORD_GROUP : n;
 }
 
-// Finds the pairs of a cluster and the `near` bricks of a group that starts at `start`. base: the number of the group's
-// first brick in the part, negative if it lies before.
-INLINE void find_pairs(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
-                       __private const float* bounds, float slack, int base, int2 size, __private Found* found) {
-    const ClusterAtGroup at = cluster_at_group(layout, polyhedra, cluster, start, slack);
-    for (; near; near &= near - 1) {
-        const uint b = lowest_bit_of_long(near);
-        const uint lanes = overlapping_lanes(&at, b, bounds[b]);
-        const uint brick = (uint)(base + ((int)(b >> 4) * size.y + (int)(b >> 2 & 3u)) * size.x + (int)(b & 3u));
-        found->histogram[brick] += popcount(lanes);
-        // A pair without lanes is overwritten by the next one: a branch that is hard to predict costs more.
-        if (found->count < found->room) {
-            const ClusterPair pair = {cluster.first / LANES, brick, lanes};
-            found->pairs[found->count] = pair;
-        }
-        found->count += lanes != 0;
+// Adds the pairs of a brick and the cluster's polyhedra in `lanes`. The next pair overwrites one without lanes: a
+// branch that is hard to predict costs more.
+INLINE void add_pair(__private PairSink* sink, uint polyhedron, uint brick, uint lanes) {
+    sink->histogram[brick] += popcount(lanes);
+    if (sink->count < sink->room) {
+        const ClusterPair pair = {polyhedron / LANES, brick, lanes};
+        sink->pairs[sink->count] = pair;
     }
+    sink->count += lanes != 0;
 }
+
+#include "coarse_pairs.h"
 
 // Counts each part's entries of each brick, and finds its pairs. Launch `step` of `steps` takes its share of each
 // part. count: of all records; clusters: of those that are looked at. has_groups: those of `groups` are, else all.
@@ -52,16 +46,13 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
                            __global uint* pair_counts, __global uint* histograms, __global uint* counts, uint step,
                            uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
-    const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
     const size_t bricks = coarse_brick_count(layout);
-    Found found = {pairs + pair_starts[part], pair_starts[part + 1] - pair_starts[part],
-                   step == 0 ? 0 : pair_counts[part], histograms + part * bricks};
+    PairSink sink = {pairs + pair_starts[part], pair_starts[part + 1] - pair_starts[part],
+                     step == 0 ? 0 : pair_counts[part], histograms + part * bricks};
     if (step == 0)
-        for (size_t brick = 0; brick < bricks; ++brick) found.histogram[brick] = 0;
+        for (size_t brick = 0; brick < bricks; ++brick) sink.histogram[brick] = 0;
 
-    const float farthest = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
     float group_bounds[CLSDF_COARSE_GROUP];
-    float greatest = layout.half_width;
     for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) store_lanes((floatL)layout.half_width, v, group_bounds);
 
     const uint begin = share_of(clusters, part, parts), own = share_of(clusters, part + 1, parts) - begin;
@@ -73,28 +64,11 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
         if (n >= count) continue;  // the last group may have fewer records
         Cluster cluster;
         find_cluster(layout, polyhedra, n, min(count - n, (uint)LANES), &cluster);
-        CoarseRange range = bricks_within(layout, cluster, farthest);
-        // Groups begin with the range, or, if each brick has its own bound, with the group of bounds.
-        int3 start = uniform_bounds ? range.low : range.low & ~3;
-        range.low = max(range.low, first);
-        range.high = min(range.high, first + size - 1);
-        start += (max(start, first) - start) & ~3;
-        for (int z = start.z; z <= range.high.z; z += 4)
-            for (int y = start.y; y <= range.high.y; y += 4)
-                for (int x = start.x; x <= range.high.x; x += 4) {
-                    const int3 group = (int3)(x, y, z), relative = group - first;
-                    if (!uniform_bounds)
-                        greatest = load_bounds(bounds + coarse_bound_index(layout, x, y, z), group_bounds);
-                    const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_bounds);
-                    if (!near) continue;
-                    const float slack = greatest * layout.slack_rate + layout.coarse_slack;
-                    const int base = (relative.z * size.y + relative.y) * size.x + relative.x;
-                    find_pairs(layout, polyhedra, cluster, group, near, group_bounds, slack, base, size.xy, &found);
-                }
+        find_pairs(layout, polyhedra, cluster, bounds, uniform_bounds, group_bounds, &sink);
     }
-    pair_counts[part] = found.count;
+    pair_counts[part] = sink.count;
     if (step + 1 == steps)
-        for (size_t brick = 0; brick < bricks; ++brick) counts[brick * parts + part] = found.histogram[brick];
+        for (size_t brick = 0; brick < bricks; ++brick) counts[brick * parts + part] = sink.histogram[brick];
 }
 
 // Writes the entries. Launch `step` of `steps` takes its share of each part. histograms: a part's next entries.

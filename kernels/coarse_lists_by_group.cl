@@ -9,40 +9,30 @@
 #include "coarse_clusters.h"
 
 // Room for a work-item's pairs: pairs [next, end).
-typedef struct PairWriter {
+typedef struct PairSink {
     __global CoarsePair* pairs;
     uint capacity;
     __global uint* taken;   // pairs
     __global uint* counts;  // of the polyhedron's segment
     uint segments;
     uint next, end;
-} PairWriter;
+} PairSink;
 
-INLINE void write_pair(__private PairWriter* writer, uint brick, uint polyhedron) {
-    if (writer->next == writer->end) {
-        writer->next = atomic_add(writer->taken, CLSDF_PAIR_BLOCK);
-        writer->end = writer->next + CLSDF_PAIR_BLOCK;
+INLINE void add_pair(__private PairSink* sink, uint polyhedron, uint brick, uint lanes) {
+    if (!lanes) return;
+    if (sink->next == sink->end) {
+        sink->next = atomic_add(sink->taken, CLSDF_PAIR_BLOCK);
+        sink->end = sink->next + CLSDF_PAIR_BLOCK;
     }
-    const uint index = atomic_inc(writer->counts + (size_t)brick * writer->segments);
-    if (writer->next < writer->capacity) {
+    const uint index = atomic_inc(sink->counts + (size_t)brick * sink->segments);
+    if (sink->next < sink->capacity) {
         const CoarsePair pair = {brick, polyhedron, index};
-        writer->pairs[writer->next] = pair;
+        sink->pairs[sink->next] = pair;
     }
-    ++writer->next;
+    ++sink->next;
 }
 
-// The pairs of a polyhedron and those bricks of a group, which starts at `start`, that are `near`. base: the number of
-// the group's first brick in the part, negative if it lies before.
-INLINE void find_pairs(Layout layout, __global const Polyhedron* polyhedra, Cluster cluster, int3 start, ulong near,
-                       __private const float* bounds, float slack, int base, int2 size, __private PairWriter* writer) {
-    const ClusterAtGroup at = cluster_at_group(layout, polyhedra, cluster, start, slack);
-    for (; near; near &= near - 1) {
-        const uint b = lowest_bit_of_long(near);
-        if (!overlapping_lanes(&at, b, bounds[b])) continue;
-        const uint brick = (uint)(base + ((int)(b >> 4) * size.y + (int)(b >> 2 & 3u)) * size.x + (int)(b & 3u));
-        write_pair(writer, brick, cluster.first);
-    }
-}
+#include "coarse_pairs.h"
 
 // Polyhedra [begin, end), one a work-item. `uniform_bounds`: no bound is below the half width. `per_segment`:
 // polyhedra. counts and taken are 0 at first.
@@ -51,33 +41,14 @@ __kernel void coarse_pairs(Layout layout, uint begin, uint end, __global const P
                            __global uint* counts, __global uint* taken, uint capacity, __global CoarsePair* pairs) {
     const uint polyhedron = begin + get_global_id(0);
     if (polyhedron >= end) return;
-    const int3 first = vload3(0, layout.coarse_first), size = vload3(0, layout.coarse_bricks);
-    PairWriter writer = {pairs, capacity, taken, counts + polyhedron / per_segment, segments, 0, 0};
-    const float farthest = layout.half_width + layout.slack_rate * layout.half_width + layout.coarse_slack;
+    PairSink sink = {pairs, capacity, taken, counts + polyhedron / per_segment, segments, 0, 0};
     float group_bounds[CLSDF_COARSE_GROUP];
-    float greatest = layout.half_width;
-    for (uint b = 0; b < CLSDF_COARSE_GROUP; ++b) group_bounds[b] = greatest;
+    for (uint b = 0; b < CLSDF_COARSE_GROUP; ++b) group_bounds[b] = layout.half_width;
     Cluster cluster;
     find_cluster(layout, polyhedra, polyhedron, 1, &cluster);
-    CoarseRange range = bricks_within(layout, cluster, farthest);
-    // Groups begin with the range, or, if each brick has its own bound, with the group of bounds.
-    int3 start = uniform_bounds ? range.low : range.low & ~3;
-    range.low = max(range.low, first);
-    range.high = min(range.high, first + size - 1);
-    start += (max(start, first) - start) & ~3;
-    for (int z = start.z; z <= range.high.z; z += 4)
-        for (int y = start.y; y <= range.high.y; y += 4)
-            for (int x = start.x; x <= range.high.x; x += 4) {
-                const int3 group = (int3)(x, y, z), relative = group - first;
-                if (!uniform_bounds) greatest = load_bounds(bounds + coarse_bound_index(layout, x, y, z), group_bounds);
-                const ulong near = near_bricks(layout, cluster, group, group_in_range(group, range), group_bounds);
-                if (!near) continue;
-                const float slack = greatest * layout.slack_rate + layout.coarse_slack;
-                const int base = (relative.z * size.y + relative.y) * size.x + relative.x;
-                find_pairs(layout, polyhedra, cluster, group, near, group_bounds, slack, base, size.xy, &writer);
-            }
-    for (; writer.next != writer.end; ++writer.next)
-        if (writer.next < capacity) pairs[writer.next].brick = CLSDF_NO_BRICK;
+    find_pairs(layout, polyhedra, cluster, bounds, uniform_bounds, group_bounds, &sink);
+    for (; sink.next != sink.end; ++sink.next)
+        if (sink.next < capacity) pairs[sink.next].brick = CLSDF_NO_BRICK;
 }
 
 // list_starts: where each brick's list begins, and behind the last one, the end of all.

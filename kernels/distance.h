@@ -11,13 +11,13 @@
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 
-#include "builtins.h"
+#include "edge_offsets.h"
 #include "frame.h"
-#include "lanes.h"
 #include "layout.h"
+#include "simd.h"
 
-// The formula above, from r, `before` = -t and `past` = t minus the length. Only the greater of the two is used. (The
-// base goes on before its end: there `before` may be anything that is not above `past`.)
+// Evaluates the formula above. before: -t; past: t minus the length of the edge. Only the greater of the two counts.
+// The base continues in the other half, so its `before` may be any value that does not exceed `past`.
 INLINE floatL squared_from_edge(floatL r, floatL before, floatL past, floatL z) {
     const floatL farther = GREATER(past, before);
     const floatL along = GREATER(farther, 0.0f), outward = GREATER(r, 0.0f);
@@ -67,6 +67,12 @@ INLINE floatL squared_distance(Steps s, Offsets o, floatL i, floatL j, floatL k)
                                       i * s.x[2] + (j * s.y[2] + (k * s.z[2] + o.z_low)));
 }
 
+#if LANES == 1
+DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, double, long)
+#else
+DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)
+#endif
+
 // The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up
 // to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.
 static inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 centre, floatL i, floatL j,
@@ -79,17 +85,11 @@ static inline floatL squared_distance_long_brick(__global const Polyhedron* p, d
     const doubleL x = di * gx.x + (dj * gy.x + (dk * gz.x + centre.x));
     const doubleL y = di * gx.y + (dj * gy.y + (dk * gz.y + centre.y));
     const doubleL z = di * gx.z + (dj * gy.z + (dk * gz.z + centre.z));
-    const longL left = x < 0.0;
-    const doubleL away = left ? -x : x;
-    const doubleL along = left ? (doubleL)normals.y : (doubleL)normals.x;
-    const doubleL across = left ? (doubleL)normals.w : (doubleL)normals.z;
-    const doubleL beyond = away - (left ? (doubleL)base.y : (doubleL)base.x);
-    const doubleL above_apex = y - p->exact_altitude;
-    const longL below = y < 0.0;
-    const doubleL outward = below ? -y : along * beyond + across * y;
-    const doubleL before = below ? beyond : across * beyond - along * y;
-    const doubleL past = below ? beyond : along * above_apex - across * away;
-    return squared_from_edge(convert_floatL(outward), convert_floatL(before), convert_floatL(past), convert_floatL(z));
+    const LaneEdgeOffsets o =
+        lane_edge_offsets(x, y, base.x, base.y, normals.x, normals.y, normals.z, normals.w, p->exact_altitude);
+    return squared_from_edge(convert_floatL(select(o.outward, -y, o.below)),
+                             convert_floatL(select(o.before, o.beyond, o.below)),
+                             convert_floatL(select(o.past, o.beyond, o.below)), convert_floatL(z));
 }
 
 // The value of a sample, as every kernel writes it.

@@ -7,8 +7,7 @@
 #define CLSDF_FACE_FRAMES_H
 
 #include "face_sources.h"
-#include "lanes.h"
-#include "transpose.h"
+#include "simd.h"
 
 #pragma OPENCL FP_CONTRACT OFF
 
@@ -226,21 +225,6 @@ INLINE LaneRecords records_of(FaceLattice lattice, __private const FaceFrames* f
         word_pairs(AS_FLOATS(AS_UINTS(TO_INTS(flags)) | non_manifold), AS_FLOATS(names & ~CLSDF_NAME_NON_MANIFOLD));
     return r;
 }
-
-#if LANES == 8
-#if defined(__clang__)
-typedef double8 __attribute__((aligned(8))) UnalignedDoubles;
-#define STORE_DOUBLES(value, space, p) (*(space UnalignedDoubles*)(p) = (value))
-#else
-#define STORE_DOUBLES(value, space, p) vstore8(value, 0, p)
-#endif
-
-#if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_nontemporal_store)
-#define STREAM_DOUBLES(value, p) __builtin_nontemporal_store(value, (__global double8*)(p))
-#else
-#define STREAM_DOUBLES(value, p) STORE_DOUBLES(value, __global, p)
-#endif
-#endif
 
 // Writes LANES records that follow each other, from a multiple of LANES on: whole cache lines, which the processor need
 // not read before.

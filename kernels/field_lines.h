@@ -1,39 +1,22 @@
-// Runs of values stored to the field as whole cache lines, past the caches: nobody reads them soon, and a store to the
-// caches reads the line first.
+// Stores of consecutive values to the field as whole cache lines, past the caches. No kernel reads them soon, and a
+// store to the caches reads the line first.
 #ifndef CLSDF_FIELD_LINES_H
 #define CLSDF_FIELD_LINES_H
 
-#include "builtins.h"
+#include "simd.h"
 
 // Numbers in a cache line. Half a line costs as much past the caches as a whole one.
 #define LINE_NUMBERS 16
 
-// The distance of an address from the last one that is a multiple of so many numbers' bytes.
-#define PAST(address, numbers) ((size_t)(address) % ((numbers) * sizeof(uint)))
+// The bytes from the last multiple of `numbers` numbers to an address.
+#define MISALIGNMENT(address, numbers) ((size_t)(address) % ((numbers) * sizeof(uint)))
 
-// `to` is the first of a line.
-INLINE void store_line(uint16 values, __global uint* to) {
-#if (defined(__x86_64__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_nontemporal_store)
-    __builtin_nontemporal_store(values, (__global uint16*)to);
-#else
-    vstore16(values, 0, to);
-#endif
-}
-
-// Makes stores past the caches visible before the kernel ends. It follows the last line of a work-item or of its group.
-// (On x86 such stores are not ordered with others; on AArch64 they are.)
-INLINE void finish_lines(void) {
-#if defined(__x86_64__) && HAS_BUILTIN(__builtin_ia32_sfence)
-    __builtin_ia32_sfence();
-#endif
-}
-
-// The values before the first and behind the last whole line are stored by fours and ones.
+// Values before the first whole line and after the last are stored by fours and ones.
 
 // One value into [begin, end).
 INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
-    for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = value;
-    for (; begin + 4 <= end && PAST(begin, LINE_NUMBERS) != 0; begin += 4) vstore4((uint4)value, 0, begin);
+    for (; begin < end && MISALIGNMENT(begin, 4) != 0; ++begin) *begin = value;
+    for (; begin + 4 <= end && MISALIGNMENT(begin, LINE_NUMBERS) != 0; begin += 4) vstore4((uint4)value, 0, begin);
     for (; begin + LINE_NUMBERS <= end; begin += LINE_NUMBERS) store_line((uint16)value, begin);
     for (; begin + 4 <= end; begin += 4) vstore4((uint4)value, 0, begin);
     for (; begin < end; ++begin) *begin = value;
@@ -50,8 +33,8 @@ INLINE void store_ones(__global uchar* begin, __global uchar* end) {
 
 // values[0], values[1], ... into [begin, end).
 INLINE void store_values(__global const uint* values, __global uint* begin, __global uint* end) {
-    for (; begin < end && PAST(begin, 4) != 0; ++begin) *begin = *values++;
-    for (; begin + 4 <= end && PAST(begin, LINE_NUMBERS) != 0; begin += 4, values += 4)
+    for (; begin < end && MISALIGNMENT(begin, 4) != 0; ++begin) *begin = *values++;
+    for (; begin + 4 <= end && MISALIGNMENT(begin, LINE_NUMBERS) != 0; begin += 4, values += 4)
         vstore4(vload4(0, values), 0, begin);
     for (; begin + LINE_NUMBERS <= end; begin += LINE_NUMBERS, values += LINE_NUMBERS)
         store_line(vload16(0, values), begin);

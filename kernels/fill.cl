@@ -1,8 +1,8 @@
 // Bricks that no polyhedron overlaps: the band's limit with the sample's sign.
 
-#include "builtins.h"
 #include "field_lines.h"
 #include "layout.h"
+#include "simd.h"
 
 // A run of one value that is not stored yet. If the next run follows it in memory, both are stored as one.
 typedef struct Run {

@@ -10,10 +10,11 @@
 #ifndef CLSDF_FINISH_H
 #define CLSDF_FINISH_H
 
-#include "builtins.h"
+#include "edge_offsets.h"
 #include "frame.h"
 #include "layout.h"
 #include "outputs.h"
+#include "simd.h"
 
 // In units: above the rounding of frames, and far below what the outputs promise.
 #define SITE_TOLERANCE 1.0e-10
@@ -81,34 +82,31 @@ INLINE void load_halves(__global const Polyhedron* p, __private double* halves) 
 // frame's plane, along X and Y. (x, y, z): of the sample. p: of load_halves(). The same
 // formula serves one sample and vectors of samples. (oclgrind gets the negation of a vector's mask wrong, which ?:
 // makes of it; select() does not.)
-#define DEFINE_FROM_SITE(name, Real, Mask)                                                                            \
+#define DEFINE_FROM_SITE(name, EdgeOffsets, edge_offsets, Real, Mask)                                                 \
     INLINE void name(__private const Real* p, Real x, Real y, Real z, __private Real* from_x, __private Real* from_y, \
                      __private Real* site) {                                                                          \
-        const Mask left = x < (Real)0.0;                                                                              \
         const Real right_base = p[0], left_base = p[1], altitude = p[6];                                              \
-        const Real along = select(p[2], p[3], left), across = select(p[4], p[5], left);                               \
-        const Real away = fabs(x);                                                                                    \
+        const EdgeOffsets o = edge_offsets(x, y, right_base, left_base, p[2], p[3], p[4], p[5], altitude);            \
         const Real tolerance =                                                                                        \
-            SITE_TOLERANCE + SITE_ROUNDING * ((away + fabs(y)) + (fabs(z) + altitude) + (right_base + left_base));    \
-        const Real beyond = away - select(right_base, left_base, left), above_apex = y - altitude;                    \
-        const Real outward = along * beyond + across * y;                                                             \
-        const Real before = across * beyond - along * y;                                                              \
-        const Real past = along * above_apex - across * away;                                                         \
-        const Mask at_base = y <= tolerance, is_apex = past >= -tolerance;                                            \
-        const Mask is_end = select(before, beyond, at_base) >= -tolerance;                                            \
-        const Mask is_face = (y > tolerance) & (outward < -tolerance);                                                \
+            SITE_TOLERANCE + SITE_ROUNDING * ((o.away + fabs(y)) + (fabs(z) + altitude) + (right_base + left_base));  \
+        const Mask at_base = y <= tolerance, is_apex = o.past >= -tolerance;                                          \
+        const Mask is_end = select(o.before, o.beyond, at_base) >= -tolerance;                                        \
+        const Mask is_face = (y > tolerance) & (o.outward < -tolerance);                                              \
         const Real nothing = 0.0;                                                                                     \
-        Real far_x = select(outward * along, away, is_apex), far_y = select(outward * across, above_apex, is_apex);   \
-        Real number = select(select((Real)FRAME_RIGHT_EDGE, (Real)FRAME_LEFT_EDGE, left), (Real)FRAME_APEX, is_apex); \
-        far_x = select(select(far_x, nothing, at_base), beyond, is_end);                                              \
+        Real far_x = select(o.outward * o.along, o.away, is_apex),                                                    \
+             far_y = select(o.outward * o.across, y - altitude, is_apex);                                             \
+        Real number =                                                                                                 \
+            select(select((Real)FRAME_RIGHT_EDGE, (Real)FRAME_LEFT_EDGE, o.left), (Real)FRAME_APEX, is_apex);         \
+        far_x = select(select(far_x, nothing, at_base), o.beyond, is_end);                                            \
         far_y = select(far_y, y, at_base | is_end);                                                                   \
         number = select(number, (Real)FRAME_BASE, at_base);                                                           \
-        number = select(number, select((Real)FRAME_RIGHT, (Real)FRAME_LEFT, left), is_end);                           \
-        *from_x = select(select(far_x, -far_x, left), nothing, is_face);                                              \
+        number = select(number, select((Real)FRAME_RIGHT, (Real)FRAME_LEFT, o.left), is_end);                         \
+        *from_x = select(select(far_x, -far_x, o.left), nothing, is_face);                                            \
         *from_y = select(far_y, nothing, is_face);                                                                    \
         *site = select(number, (Real)CLSDF_SITE_OF_FACE, is_face);                                                    \
     }
-DEFINE_FROM_SITE(from_site, double, long)
+DEFINE_EDGE_OFFSETS(EdgeOffsets, edge_offsets, double, long)
+DEFINE_FROM_SITE(from_site, EdgeOffsets, edge_offsets, double, long)
 
 // Weights of the point (x, y) of a site of the frame. Edge: *first is that of its second end, from the way along it.
 // Face: *first is that of the right end of the base, *second that of the apex, from heights over the base. Neither

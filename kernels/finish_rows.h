@@ -5,13 +5,14 @@
 #ifndef CLSDF_FINISH_ROWS_H
 #define CLSDF_FINISH_ROWS_H
 
-#include "builtins.h"
+#include "distance.h"
 #include "field_lines.h"
 #include "finish.h"
 #include "lane_offsets.h"
+#include "simd.h"
 #include "subblocks.h"
 
-DEFINE_FROM_SITE(from_sites, doubleL, longL)
+DEFINE_FROM_SITE(from_sites, LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)
 DEFINE_FRAME_WEIGHTS(weights_of_rows, doubleL, longL)
 
 // A vector of samples of a slice of a brick, a lane each: one or two rows.

@@ -5,8 +5,8 @@
 #ifndef CLSDF_FRAME_H
 #define CLSDF_FRAME_H
 
-#include "builtins.h"
 #include "layout.h"
+#include "simd.h"
 
 // From the first sample of a brick, or of a coarse brick, to its centre, in samples.
 #define BRICK_CENTRE (0.5f * (CLSDF_BRICK - 1))
@@ -103,6 +103,15 @@ INLINE float3 from_foot_to(Layout layout, __global const Polyhedron* p, int x, i
     const float3 samples =
         (float3)((float)(x - p->origin_x), (float)(y - p->origin_y), (float)(z - p->origin_z)) + centre;
     return samples * vload3(0, layout.spacing) - vload3(0, p->foot);
+}
+
+// A list's polyhedra lie scattered over more memory than the inner caches hold.
+static inline void prefetch_record(__global const Polyhedron* p) {
+    for (uint line = 0; line < sizeof(Polyhedron); line += 64) prefetch_line((__global const uchar*)p + line);
+}
+static inline void prefetch_foot(__global const Polyhedron* p) {
+    prefetch_line(p->foot);
+    prefetch_line(&p->origin_z);
 }
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "distance.h"
 #include "polyhedron.h"
-#include "transpose.h"
+#include "simd.h"
 
 // A table's numbers are those of the regions right above, right below, left below, left above: a region's index follows
 // from the signs of X and Y by a shift each and an exclusive or.
@@ -55,13 +55,6 @@ INLINE EdgeTable table_at(__private const EdgeTables* all, uint lane) {
     table.past = repeated(vload4(index, all->past));
     return table;
 }
-
-// Looks `indices` up in the table of each four lanes; only their lowest two bits are used.
-#if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps512)
-#define SHUFFLED(table, indices) __builtin_ia32_vpermilvarps512(table, as_int16(indices))
-#elif LANES == 8 && defined(__AVX__) && HAS_BUILTIN(__builtin_ia32_vpermilvarps256)
-#define SHUFFLED(table, indices) __builtin_ia32_vpermilvarps256(table, as_int8(indices))
-#endif
 
 // As squared_distance_displaced in distance.h, of samples at (x, y) along X and Y, displaced by (dx, dy) from the point
 // of the table's offsets, and at z along Z.

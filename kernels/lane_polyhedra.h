@@ -12,7 +12,7 @@
 
 #include "frame.h"
 #include "polyhedron.h"
-#include "transpose.h"
+#include "simd.h"
 
 // The quantities that the tests limit, at one point: Z and the distances outward of the base (-Y) and of the slanted
 // edges. All are affine in the sample, so the same struct holds a step.

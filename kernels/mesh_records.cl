@@ -4,8 +4,8 @@
 // With LANES 8 a work-item takes one vector of faces or vertices after the other; with LANES 1 it is a face, a record
 // or a vertex. The host writes the records of point sites, and decides what is nearly degenerate.
 
-#include "builtins.h"
 #include "face_frames.h"
+#include "simd.h"
 #include "sweep.h"
 #include "vertex_fans.h"
 

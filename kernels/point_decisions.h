@@ -3,9 +3,9 @@
 #ifndef CLSDF_POINT_DECISIONS_H
 #define CLSDF_POINT_DECISIONS_H
 
-#include "builtins.h"
 #include "point_distance.h"
 #include "point_tree.h"
+#include "simd.h"
 
 #define PARTS (CLSDF_GROUP_WIDTH / LANES)
 // The index of a vector's first point of a part.
@@ -101,13 +101,13 @@ static void decide(ScanMesh mesh, uint record, uint vector, int part, uint lanes
         for (uint k = 0; k < 3 && lanes; ++k) take_vertex(mesh, neighbours->vertex[k], vector, part, lanes, brick);
         return;
     }
-    const uint left = BITS_OF(d.left) & lanes, right = lanes & ~left;
+    const uint left = BITS_OF(d.offsets.left) & lanes, right = lanes & ~left;
     const double near = -(double)reach;
-    const uint slanted = BITS_OF(d.outward >= near) & lanes;
-    const uint base = BITS_OF(d.y <= (double)reach) & lanes;
+    const uint slanted = BITS_OF(d.offsets.outward >= near) & lanes;
+    const uint base = BITS_OF(d.offsets.y <= (double)reach) & lanes;
     if ((slanted | base) == 0) return;
-    const uint end = ((base & BITS_OF(d.beyond >= near)) | (slanted & BITS_OF(d.before >= near)));
-    const uint apex = slanted & BITS_OF(d.past >= near);
+    const uint end = ((base & BITS_OF(d.offsets.beyond >= near)) | (slanted & BITS_OF(d.offsets.before >= near)));
+    const uint apex = slanted & BITS_OF(d.offsets.past >= near);
     const uint first = mesh.records[record].flags >> CLSDF_POLYHEDRON_VERTEX_SHIFT & 3u;
     if (end & left) take_vertex(mesh, neighbours->vertex[first], vector, part, end & left, brick);
     if (end & right) take_vertex(mesh, neighbours->vertex[three_after(first, 1)], vector, part, end & right, brick);

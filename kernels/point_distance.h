@@ -1,16 +1,20 @@
 // Squared distances in double between points and the faces of a tree: each kernel has the same bits of the same pair.
 //
-// A kernel that takes one pair at a time defines REAL and TRUTH as double and int; the others take LANES pairs.
+// A kernel that takes one pair at a time defines REAL and TRUTH as double and long; the others take LANES pairs.
 #ifndef CLSDF_POINT_DISTANCE_H
 #define CLSDF_POINT_DISTANCE_H
 
-#include "lanes.h"
+#include "edge_offsets.h"
 #include "point_tree.h"
+#include "simd.h"
 
 #ifndef REAL
 #define REAL doubleL
 #define TRUTH longL
 #endif
+
+DEFINE_EDGE_OFFSETS(PointEdgeOffsets, point_edge_offsets, REAL, TRUTH)
+DEFINE_SQUARED_BY_OFFSETS(point_squared_by_offsets, PointEdgeOffsets, REAL)
 
 // A face's frame (point_tree.h) and a point's place in it.
 typedef struct PlacedFrame {
@@ -36,35 +40,18 @@ typedef struct PlacedFrame {
         (frame).altitude = GET(altitude);                                \
     }
 
-// The nearest point of a triangle in its frame; see distance.h.
+// Of a point and a face.
 typedef struct FaceDistance {
     REAL squared;
-    REAL y;
-    REAL beyond;   // along the base past its end
-    REAL outward;  // from the slanted edge
-    REAL before;   // along the slanted edge before its end at the base
-    REAL past;     // and past the apex
-    TRUTH left;    // the half
+    PointEdgeOffsets offsets;
 } FaceDistance;
 
 INLINE FaceDistance face_distance(const PlacedFrame f) {
     FaceDistance d;
-    d.left = f.x < 0.0;
-    d.y = f.y;
-    const TRUTH below = f.y < 0.0;
-    const REAL away = d.left ? -f.x : f.x;
-    const REAL along = d.left ? f.along[CLSDF_HALF_LEFT] : f.along[CLSDF_HALF_RIGHT];
-    const REAL across = d.left ? f.across[CLSDF_HALF_LEFT] : f.across[CLSDF_HALF_RIGHT];
-    const REAL above_apex = f.y - f.altitude;
-    d.beyond = away - (d.left ? f.base[CLSDF_HALF_LEFT] : f.base[CLSDF_HALF_RIGHT]);
-    d.outward = along * d.beyond + across * f.y;
-    d.before = across * d.beyond - along * f.y;
-    d.past = along * above_apex - across * away;
-    const REAL r = below ? -f.y : d.outward;
-    const REAL before = below ? d.beyond : d.before, past = below ? d.beyond : d.past;
-    const REAL farther = GREATER(past, before), zero = (REAL)0.0;
-    const REAL end = GREATER(farther, zero), outside = GREATER(r, zero);
-    d.squared = end * end + (outside * outside + f.z * f.z);
+    d.offsets =
+        point_edge_offsets(f.x, f.y, f.base[CLSDF_HALF_RIGHT], f.base[CLSDF_HALF_LEFT], f.along[CLSDF_HALF_RIGHT],
+                           f.along[CLSDF_HALF_LEFT], f.across[CLSDF_HALF_RIGHT], f.across[CLSDF_HALF_LEFT], f.altitude);
+    d.squared = point_squared_by_offsets(d.offsets, f.z);
     return d;
 }
 

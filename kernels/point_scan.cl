@@ -6,19 +6,20 @@
 // error of floats, is evaluated again in double (point_decisions.h), and so are the faces that share its site. So a
 // point's result is the pair (squared distance, triangle) that points.cl finds.
 //
-// Compile-time options: LANES (lanes.h), 16 or 8.
+// Compile-time options: LANES (simd.h), 16 or 8.
 
-#include "builtins.h"
+#include "edge_offsets.h"
 #include "frame.h"
 #include "point_decisions.h"
 #include "point_tree.h"
+#include "simd.h"
 
 // Slack of the overlap test, in units: what polyhedra need (frusta.hpp) and the rounding of floats, with room.
 #define SLACK 4.0e-3f
 #define SLACK_RATE 4.0e-5f    // per distance
 #define SLACK_EXTENT 2.0e-6f  // per extent of the group
 // Bound of the error of distances in float, relative to the lengths that they follow from (frame.h).
-#define DISTANCE_ERROR 2.0e-6f
+#define SCAN_DISTANCE_ERROR 2.0e-6f
 
 typedef struct Children {
     floatL centre[3][PARTS], half_side[3][PARTS];
@@ -223,28 +224,23 @@ INLINE void find_bounds(__global const PointGroup* group, __global const ScanRec
 
 // The greatest error of distances in float, for points within `bound` of the surface, and of squared distances.
 INLINE float distance_error(ScanCounts counts, float bound, float extent) {
-    return DISTANCE_ERROR * (bound + 2.0f * counts.longest + extent + 2.0f);
+    return SCAN_DISTANCE_ERROR * (bound + 2.0f * counts.longest + extent + 2.0f);
 }
 INLINE float square_error(float error, float bound) {
     return 2.0f * error * (bound + error);
 }
+
+DEFINE_EDGE_OFFSETS(RecordEdgeOffsets, record_edge_offsets, floatL, intL)
+DEFINE_SQUARED_BY_OFFSETS(record_squared_by_offsets, RecordEdgeOffsets, floatL)
 
 // Squared distances of points displaced by (x, y, z) from the origin of a frame: see distance.h.
 INLINE floatL squared_from(Frame f, float altitude, floatL i, floatL j, floatL k) {
     const floatL x = i * f.x.x + (j * f.y.x + (k * f.z.x + f.at.x));
     const floatL y = i * f.x.y + (j * f.y.y + (k * f.z.y + f.at.y));
     const floatL z = i * f.x.z + (j * f.y.z + (k * f.z.z + f.at.z));
-    const intL left = x < 0.0f, below = y < 0.0f;
-    const floatL away = fabs(x);
-    const floatL along = left ? (floatL)f.normal.y : (floatL)f.normal.x;
-    const floatL across = left ? (floatL)f.normal.w : (floatL)f.normal.z;
-    const floatL beyond = away - (left ? (floatL)f.base.y : (floatL)f.base.x);
-    const floatL r = below ? -y : along * beyond + across * y;
-    const floatL before = below ? beyond : across * beyond - along * y;
-    const floatL past = below ? beyond : along * (y - altitude) - across * away;
-    const floatL farther = GREATER(past, before), zero = (floatL)0.0f;
-    const floatL end = GREATER(farther, zero), outward = GREATER(r, zero);
-    return end * end + (outward * outward + z * z);
+    const RecordEdgeOffsets offsets =
+        record_edge_offsets(x, y, f.base.x, f.base.y, f.normal.x, f.normal.y, f.normal.z, f.normal.w, altitude);
+    return record_squared_by_offsets(offsets, z);
 }
 
 // Squared distances of a vector's points to a record's triangle or point.
@@ -349,8 +345,8 @@ static uint choose_marked(uint count, __global const uint* list, __global const 
                           __global uint* chosen) {
     uint length = 0, i = 0;
     for (; i + 16 <= count; i += 16) {
-        const ulong4 some = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
-        const ulong2 two = some.lo | some.hi;
+        const ulong4 four = as_ulong4(vload16(0, marks + i)) & (ulong4)(0x0001000100010001ul << bit);
+        const ulong2 two = four.lo | four.hi;
         if ((two.x | two.y) == 0) continue;
         for (uint k = i; k < i + 16; ++k) {
             chosen[length] = list ? list[k] : k;

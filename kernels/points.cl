@@ -5,19 +5,20 @@
 // through the tree nor on the pair that the search begins with.
 
 #define REAL double
-#define TRUTH int
+#define TRUTH long
 
-#include "builtins.h"
+#include "edge_offsets.h"
 #include "finish.h"
 #include "point_distance.h"
+#include "simd.h"
 
 // The nearest face so far.
-typedef struct Found {
+typedef struct NearestFace {
     double squared;  // in units
     uint triangle;   // in the caller's order
     uint face;       // in the tree's
     float bound;     // the squared distance as a float
-} Found;
+} NearestFace;
 
 // A point as boxes are compared with it: floats on both sides of each coordinate.
 typedef struct PointBox {
@@ -36,7 +37,7 @@ INLINE PointBox box_of_point(double3 p) {
 }
 
 // Takes a face if it is nearer.
-INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __private Found* found) {
+INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __private NearestFace* found) {
     __global const FaceFrame* f = frames + face;
 #define OF_FACE(member) (f->member)
     PlacedFrame placed;
@@ -52,38 +53,34 @@ INLINE void take_face(__global const FaceFrame* frames, uint face, double3 p, __
     }
 }
 
+DEFINE_EDGE_OFFSETS(LeafEdgeOffsets, leaf_edge_offsets, floatL, intL)
+DEFINE_SQUARED_BY_OFFSETS(leaf_squared_by_offsets, LeafEdgeOffsets, floatL)
+
 // Squared distances of a leaf's faces in float, LANES from number `first` on, to a point displaced from its origin.
 INLINE floatL squared_to_faces(__global const PointLeaf* leaf, float3 p, int first) {
 #define OF_LEAF(member) load_lanes(0, leaf->member + first)
 #define COORDINATE(column)                \
     (OF_LEAF(gradient[0][column]) * p.x + \
      (OF_LEAF(gradient[1][column]) * p.y + (OF_LEAF(gradient[2][column]) * p.z + OF_LEAF(offset[column]))))
-    const floatL x = COORDINATE(0), y = COORDINATE(1), z = COORDINATE(2), zero = (floatL)0.0f;
-    const intL left = x < 0.0f, below = y < 0.0f;
-    const floatL along = left ? OF_LEAF(normal_along[CLSDF_HALF_LEFT]) : OF_LEAF(normal_along[CLSDF_HALF_RIGHT]);
-    const floatL across = left ? OF_LEAF(normal_across[CLSDF_HALF_LEFT]) : OF_LEAF(normal_across[CLSDF_HALF_RIGHT]);
-    const floatL away = left ? -x : x;
-    const floatL beyond = away - (left ? OF_LEAF(base[CLSDF_HALF_LEFT]) : OF_LEAF(base[CLSDF_HALF_RIGHT]));
-    const floatL r = below ? -y : along * beyond + across * y;
-    const floatL before = below ? beyond : across * beyond - along * y;
-    const floatL past = below ? beyond : along * (y - OF_LEAF(altitude)) - across * away;
-    const floatL farther = GREATER(past, before);
-    const floatL end = GREATER(farther, zero), outside = GREATER(r, zero);
-    return end * end + (outside * outside + z * z);
+    const LeafEdgeOffsets offsets = leaf_edge_offsets(
+        COORDINATE(0), COORDINATE(1), OF_LEAF(base[CLSDF_HALF_RIGHT]), OF_LEAF(base[CLSDF_HALF_LEFT]),
+        OF_LEAF(normal_along[CLSDF_HALF_RIGHT]), OF_LEAF(normal_along[CLSDF_HALF_LEFT]),
+        OF_LEAF(normal_across[CLSDF_HALF_RIGHT]), OF_LEAF(normal_across[CLSDF_HALF_LEFT]), OF_LEAF(altitude));
+    return leaf_squared_by_offsets(offsets, COORDINATE(2));
 #undef COORDINATE
 #undef OF_LEAF
 }
 
 // Bound of the error of distances in float, relative to the lengths that they follow from.
-#define DISTANCE_ERROR 4.0e-6f
+#define LEAF_DISTANCE_ERROR 4.0e-6f
 
 // Takes the faces of a leaf that may be nearer.
 INLINE void visit_leaf(__global const PointLeaf* leaves, __global const FaceFrame* frames, uint number, uint faces,
-                       double3 p, __private Found* found) {
+                       double3 p, __private NearestFace* found) {
     __global const PointLeaf* leaf = leaves + number;
     const float3 from_origin = convert_float3(p - convert_double3(vload3(0, leaf->origin)));
     const float error =
-        DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
+        LEAF_DISTANCE_ERROR * (fabs(from_origin.x) + fabs(from_origin.y) + fabs(from_origin.z) + leaf->extent);
     for (int first = 0; first < CLSDF_TREE_WIDTH; first += LANES) {
         const floatL squared = squared_to_faces(leaf, from_origin, first);
         const float nearest = sqrt(-greatest_lane(-squared)) + error, bound = sqrt(found->bound);
@@ -151,7 +148,7 @@ static inline int push_children(__global const PointNode* node, uint level, uint
 
 // nodes: from level 2 on.
 static inline void search(PointTree tree, __global const PointNode* nodes, __global const PointLeaf* leaves,
-                          __global const FaceFrame* frames, double3 p, __private Found* found) {
+                          __global const FaceFrame* frames, double3 p, __private NearestFace* found) {
     const PointBox box = box_of_point(p);
     uint items[CLSDF_TREE_STACK];
     float squares[CLSDF_TREE_STACK];
@@ -181,7 +178,7 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
     uint face = CLSDF_NO_FACE;
     for (uint i = first; i < last; ++i) {
         const double3 p = vload3(i, points);
-        Found found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
+        NearestFace found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
         if (face != CLSDF_NO_FACE) take_face(frames, face, p, &found);
         search(tree, nodes, leaves, frames, p, &found);
         faces[i] = found.face;

@@ -51,8 +51,8 @@ typedef struct Frustum {
     floatL first, last;  // layers; none where the last comes before the first
     intL columns_log;    // of all layers
     Line low_u, high_u, low_v, high_v;
-    // The lateral planes by edge, beyond which the samples within are not. The fourth plane lies half way between the
-    // ends; the samples within are at most half the height from it.
+    // Three lateral planes, by edge: samples beyond them are outside. The fourth plane lies half way between the ends:
+    // samples farther from it than half the height are outside.
     Plane planes[4];
 } Frustum;
 
@@ -112,8 +112,9 @@ INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const
     t->length_left = t->altitude / words[NUMBER_NORMAL_ALONG + 1];
 }
 
-// Within the slack of the face the lateral planes of both sides count. Slopes are at most 1, so the planes of one side
-// suffice if they are moved by three slacks. The fourth covers the rounding of what follows.
+// The distance by which the lateral planes of a side move outward. Within the slack of the face, the planes of both
+// sides bound the polyhedron. Slopes are at most 1, so the planes of one side suffice if they move by three slacks. The
+// fourth slack covers rounding.
 INLINE float margin_of(float slack) {
     return 4.0f * slack;
 }
@@ -193,7 +194,7 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
 #pragma unroll
     for (uint side = 0; side < 2; ++side) {
         const Heights heights = heights_in_brick(&t, side == 0 ? 1.0f : -1.0f, bound, margin);
-        const intL some = heights.first <= heights.last;
+        const intL has_layers = heights.first <= heights.last;
         floatL widths[3];
         widths_at(&t, side == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW, heights.last, margin, widths);
         // A section is similar to the triangle: of any point, the distances outward from the edges times their lengths
@@ -201,10 +202,10 @@ INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, 
         const floatL section =
             twice_area + (base * widths[CLSDF_EDGE_BASE] + t.length_right * widths[CLSDF_EDGE_RIGHT] +
                           t.length_left * widths[CLSDF_EDGE_LEFT]);
-        present |= some;
+        present |= has_layers;
         // A polyhedron whose triangle has no area, a point site, is not slender.
-        wide |=
-            some & ~((section * section < twice_area * (2.0f * most_area)) & (section * base < twice_area * longest));
+        wide |= has_layers &
+                ~((section * section < twice_area * (2.0f * most_area)) & (section * base < twice_area * longest));
     }
     // If two faces coincide, the lower index is the result. Both must round alike, so neither may be slender.
     const int needed = (int)(CLSDF_POLYHEDRON_COMPACT | CLSDF_POLYHEDRON_NEAR);
@@ -316,8 +317,8 @@ INLINE void set_corners(const LaneTriangles* t, const LayerAxes* axes, float sid
 // The boxes of the layers, and which layers have one within the coarse brick.
 INLINE void set_boxes(const Corners* corners, intL present, __private Frustum* frustum) {
     const floatL* a = corners->a;
-    const floatL apart = (sum_of_three(a + 3) - sum_of_three(a)) * (1.0f / 3.0f);
-    const floatL per_layer = fabs(apart) < 0.5f ? (floatL)0.0f : 1.0f / apart;
+    const floatL distance = (sum_of_three(a + 3) - sum_of_three(a)) * (1.0f / 3.0f);
+    const floatL per_layer = fabs(distance) < 0.5f ? (floatL)0.0f : 1.0f / distance;
     set_lines(a, corners->u, per_layer, &frustum->low_u, &frustum->high_u);
     set_lines(a, corners->v, per_layer, &frustum->low_v, &frustum->high_v);
     const floatL least[2] = {least_of_three(a), least_of_three(a + 3)};
@@ -376,14 +377,14 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
         const uint slopes = n == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW;
         __private Frustum* frustum = slender->sides + n;
         const Heights heights = heights_in_brick(&t, side, bound, margin);
-        const intL some = heights.first <= heights.last;
+        const intL has_layers = heights.first <= heights.last;
         frustum->first = 0.0f;
         frustum->last = -1.0f;
-        if (!lanes_to_bits(some)) continue;
+        if (!lanes_to_bits(has_layers)) continue;
         Corners corners;
         set_corners(&t, &axes, side, slopes, heights.first, margin, 0, &corners);
         set_corners(&t, &axes, side, slopes, heights.last, margin, 1, &corners);
-        set_boxes(&corners, some, frustum);
+        set_boxes(&corners, has_layers, frustum);
         set_planes(&t, &axes, side, slopes, bound, margin, frustum);
         present |= frustum->first <= frustum->last;
     }

@@ -3,9 +3,9 @@
 #define CLSDF_SLENDER_SCAN_H
 
 #include "brick_lists.h"
-#include "builtins.h"
 #include "lane_offsets.h"
 #include "polyhedron.h"
+#include "simd.h"
 #include "slender_polyhedra.h"
 #include "subblocks.h"
 
@@ -25,13 +25,11 @@ typedef struct Samples {
 
 // The indices of samples (i, j, k) of a coarse brick among its bricks' minima.
 INLINE uintL indices_of(uintL i, uintL j, uintL k) {
-#if LANES == 16 && defined(__AVX512F__) && HAS_BUILTIN(__builtin_ia32_vpermi2vard512)
-    // Looked up, by the five lowest bits, in tables of two vectors.
-#define LOOK_UP(INDEX, indices)                                                               \
-    as_uint16(__builtin_ia32_vpermi2vard512(as_int16(INDEX(LANE_NUMBERS)), as_int16(indices), \
-                                            as_int16(INDEX(LANE_NUMBERS + 16u))))
-    return LOOK_UP(INDEX_OF_X, i) | LOOK_UP(INDEX_OF_Y, j) | LOOK_UP(INDEX_OF_Z, k);
-#undef LOOK_UP
+#ifdef LOOK_UP
+    // In tables of all coordinates' indices.
+#define OF_TABLE(INDEX, indices) LOOK_UP(INDEX(LANE_NUMBERS), INDEX(LANE_NUMBERS + 16u), indices)
+    return OF_TABLE(INDEX_OF_X, i) | OF_TABLE(INDEX_OF_Y, j) | OF_TABLE(INDEX_OF_Z, k);
+#undef OF_TABLE
 #else
     return INDEX_OF_X(i) | INDEX_OF_Y(j) | INDEX_OF_Z(k);
 #endif
@@ -40,17 +38,13 @@ INLINE uintL indices_of(uintL i, uintL j, uintL k) {
 // SCATTERED_ACCESS: instructions that gather and scatter are fast on this device. The list's first sample fills the
 // last vector, so it may be listed twice. It gets the same distance twice: the scatter writes equal values to one
 // address.
-#if LANES == 16 && !defined(NEAREST) && defined(SCATTERED_ACCESS) && defined(__AVX512F__) && \
-    HAS_BUILTIN(__builtin_ia32_gathersiv16sf) && HAS_BUILTIN(__builtin_ia32_scattersiv16sf)
-#define ALL_LANES ((ushort)LANE_BITS)
+#if !defined(NEAREST) && defined(SCATTERED_ACCESS) && defined(GATHERED)
 INLINE void lower_minima(__global Minimum* minima, uintL indices, floatL squared, uint number,
                          __global const Polyhedron* polyhedra) {
     __private void* samples = (__private void*)(size_t)minima;
-    const float16 least =
-        __builtin_ia32_gathersiv16sf((float16)(0.0f), samples, as_intL(indices), ALL_LANES, sizeof(float));
-    __builtin_ia32_scattersiv16sf(samples, ALL_LANES, as_intL(indices), LESSER(squared, least), sizeof(float));
+    const float16 least = GATHERED(samples, indices);
+    SCATTER(samples, indices, LESSER(squared, least));
 }
-#undef ALL_LANES
 #else
 INLINE void lower_minima(__global Minimum* minima, uintL indices, floatL squared, uint number,
                          __global const Polyhedron* polyhedra) {
@@ -309,15 +303,15 @@ INLINE void scan_slender(const SlenderScan* scan, uint polyhedron, __private con
         int columns_log = ((__private const int*)&above->columns_log)[lane];
         for (float first = first_above; first <= last_above; first += LANES) {
             const float last = first + (LANES - 1);
-            const LayerRange some = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f, columns_log};
-            list_layers(scan, polyhedron, slender, lane, some, &list, counters);
+            const LayerRange range = {true, false, first, LESSER(last, last_above), 0.0f, 0.0f, columns_log};
+            list_layers(scan, polyhedron, slender, lane, range, &list, counters);
             columns_log = columns_log_of(last_above - last);
         }
         columns_log = ((__private const int*)&below->columns_log)[lane];
         for (float first = first_below; first <= last_below; first += LANES) {
             const float last = first + (LANES - 1);
-            const LayerRange some = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below), columns_log};
-            list_layers(scan, polyhedron, slender, lane, some, &list, counters);
+            const LayerRange range = {false, true, 0.0f, 0.0f, first, LESSER(last, last_below), columns_log};
+            list_layers(scan, polyhedron, slender, lane, range, &list, counters);
             columns_log = columns_log_of(last_below - last);
         }
     }

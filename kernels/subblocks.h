@@ -6,9 +6,8 @@
 #ifndef CLSDF_SUBBLOCKS_H
 #define CLSDF_SUBBLOCKS_H
 
-#include "builtins.h"
-#include "lanes.h"
 #include "layout.h"
+#include "simd.h"
 
 #define SUBBLOCK_X 4
 #define SUBBLOCK_SAMPLES 16

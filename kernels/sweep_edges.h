@@ -3,7 +3,7 @@
 #ifndef CLSDF_SWEEP_EDGES_H
 #define CLSDF_SWEEP_EDGES_H
 
-#include "lanes.h"
+#include "simd.h"
 #include "sweep.h"
 
 typedef struct Wide {  // hi 2^64 + lo
@@ -46,9 +46,9 @@ static inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, __priva
     return e.hi > 0 || (e.hi == 0 && e.lo > 0) || (e.hi == 0 && e.lo == 0 && is_displaced_left(p, q));
 }
 
-// The same where the triangle is so small that 64 bits are enough, for samples that follow each other along y. The
-// value is the edge function, less one where a sample on the line is not left of it, so that its sign alone tells.
-// Unsigned, because the last step may leave the triangle's box and the range of a long.
+// The edge function of a small triangle, in 64 bits, for consecutive samples along y. If samples on the line do not
+// count as left of it, the value is lessened by one: the sample is left of the line if the value is not negative. The
+// type is unsigned, because the last step may leave the triangle's box and the range of a long.
 typedef struct Edge {
     ulong value, step;
     bool lessened;

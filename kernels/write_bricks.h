@@ -3,13 +3,12 @@
 #define CLSDF_WRITE_BRICKS_H
 
 #include "brick_lists.h"
-#include "builtins.h"
 #include "field_lines.h"
+#include "simd.h"
 #include "subblocks.h"
 #ifdef NEAREST
 #include "finish_rows.h"
 #endif
-#include "lanes.h"
 #include "layout.h"
 
 // The outputs, and the sign bits, one per sample.
@@ -168,7 +167,7 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
 INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     const int3 first = coarse * CLSDF_COARSE - vload3(0, layout.first);
     const long from_first = ((long)first.z * layout.size[1] + first.y) * layout.size[0] + first.x;
-    if (PAST((size_t)output.distance + (size_t)from_first * sizeof(float), LINE_NUMBERS) != 0) return 0;
+    if (MISALIGNMENT((size_t)output.distance + (size_t)from_first * sizeof(float), LINE_NUMBERS) != 0) return 0;
     if (layout.size[0] % LINE_NUMBERS != 0) return 0;
     ulong bricks = 0;
     for (int line = 0; line < CLSDF_COARSE / LINE_NUMBERS; ++line) {

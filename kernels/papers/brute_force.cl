@@ -3,7 +3,7 @@
 // Offsets are those of the sample's brick: a sample and a triangle have the same distance as in the scans, within the
 // accuracy.
 //
-// Compile-time options: LANES, 8 or 1 (lanes.h): samples of a row at a time; ITEM_ROWS, rows of a brick that a
+// Compile-time options: LANES, 8 or 1 (simd.h): samples of a row at a time; ITEM_ROWS, rows of a brick that a
 // work-item takes; NEAREST; LONG_BRICKS (distance.h).
 
 #include "distance.h"

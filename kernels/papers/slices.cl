@@ -1,7 +1,7 @@
 // The scan by slices, in three kernels: slices_active lists the pieces that cut each slice, slices_scan finds the least
 // key of each sample, slices_finish writes the values.
 //
-// Compile-time options: GROUP, BATCH; LANES, 8 or 1 (lanes.h): samples of a row at a time; NEAREST and KEY_64
+// Compile-time options: GROUP, BATCH; LANES, 8 or 1 (simd.h): samples of a row at a time; NEAREST and KEY_64
 // (slices.h); LONG_BRICKS (distance.h); COUNT counts work.
 
 #include "distance.h"

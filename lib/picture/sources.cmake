@@ -13,8 +13,11 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/surface_pictures.cpp
           ${CMAKE_CURRENT_LIST_DIR}/text.cpp
           ${CMAKE_CURRENT_LIST_DIR}/tracer.cpp)
-# The renderer's kernel is one of the library's; it and the host share kernels/render.h.
-target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+# The kernels of the renderer; they and the host share render.h.
+set(picture_kernel_folder ${PROJECT_SOURCE_DIR}/kernels/picture)
+file(GLOB picture_kernels CONFIGURE_DEPENDS ${picture_kernel_folder}/*.h ${picture_kernel_folder}/*.cl)
+clsdf_embed_kernels(clsdf_picture ${picture_kernels})
+target_include_directories(clsdf_picture PRIVATE ${CMAKE_CURRENT_SOURCE_DIR} ${picture_kernel_folder})
 target_compile_options(clsdf_picture PRIVATE -ffp-contract=off)
 target_link_libraries(
   clsdf_picture

@@ -3,6 +3,8 @@
 #include "core/stopwatch.hpp"
 #include "picture/plane.hpp"
 
+#include "kernel_sources.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
@@ -204,6 +206,10 @@ std::string size_text(std::size_t bytes) {
 
 }  // namespace
 
+scan::ProgramSource tracer_source() {
+    return {"render.cl", "-cl-std=CL1.2", kernels::files};
+}
+
 Tracer::Tracer(const Field& field, const TracedSamples& samples, const Device& device)
     : context_(device::shared_context_of(device)) {
     const std::size_t bytes = field.grid.sample_count() * sizeof(float);
@@ -214,7 +220,8 @@ Tracer::Tracer(const Field& field, const TracedSamples& samples, const Device& d
                                 "device, or compute the field with a lower resolution",
                                 size_text(bytes), device.name(), size_text(most)));
     device::guarded([&] {
-        program_ = context_->program(tracer_kernel_file, tracer_options);
+        const scan::ProgramSource source = tracer_source();
+        program_ = context_->program(source.kernel_file, source.options, {}, source.files);
         samples_ = cl::Buffer(context_->context(), CL_MEM_READ_ONLY, bytes);
         copy_to_device(field, samples);
     });

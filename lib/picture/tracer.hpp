@@ -1,6 +1,7 @@
 #pragma once
 
 #include "device/context.hpp"
+#include "scan/programs.hpp"
 
 #include "render.h"
 
@@ -70,8 +71,8 @@ private:
     float outside_;
 };
 
-inline constexpr const char* tracer_kernel_file = "render.cl";
-inline constexpr const char* tracer_options = "-cl-std=CL1.2";
+/// The program of the renderer.
+scan::ProgramSource tracer_source();
 
 /// A field's samples on the device, and the rays that are traced through them.
 class Tracer {

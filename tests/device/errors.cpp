@@ -84,6 +84,11 @@ BOOST_AUTO_TEST_CASE(a_kernel_file_that_is_not_there_is_named) {
     test::check_throws(ErrorCode::device_failure, {"absent.cl"}, [] { device::kernel_text("absent.cl"); });
 }
 
+BOOST_AUTO_TEST_CASE(the_core_has_no_kernels_of_pictures_and_benchmarks) {
+    for (const char* file : {"render.cl", "bench_floors.cl"})
+        test::check_throws(ErrorCode::device_failure, {file}, [&] { device::kernel_text(file); });
+}
+
 BOOST_AUTO_TEST_CASE(a_kernels_text_holds_each_included_file_once) {
     const std::string text = device::kernel_text("coarse_lists.cl");
     BOOST_TEST(text.find("#include \"") == std::string::npos);

@@ -5,7 +5,6 @@
 #include "layout.h"
 #include "outputs.h"
 #include "point_tree.h"
-#include "render.h"
 #include "stored_box.h"
 #include "sweep.h"
 
@@ -36,10 +35,6 @@ std::vector<Agreement> agreements() {
     CLSDF_SHARED(all, SweepVertex, y, z, x);
     CLSDF_SHARED(all, SweepRecord, row, key, index);
     CLSDF_SHARED(all, SweepTotals, records, large, large_blocks, largest_rows);
-    CLSDF_SHARED(all, RenderView, origin, origin_right, origin_down, direction, direction_right, direction_down, cut,
-                 light, light_spread, spacing, level, slope, highest, gradient_step, reach, cut_side, size, columns,
-                 rows, per_side, padding);
-    CLSDF_SHARED(all, RenderHit, position, kind, gradient, value, light, ambient, padding);
     CLSDF_SHARED(all, TriangleSites, triangle, site);
     CLSDF_SHARED(all, Finish, origin, spacing, per_spacing, unit, wanted, in_double, outward, renumbered);
     CLSDF_SHARED(all, StoredBox, from, to, strides, component_stride, size, padding);
@@ -63,8 +58,8 @@ std::vector<Agreement> agreements() {
 
 BOOST_AUTO_TEST_CASE(host_and_device_lay_out_what_they_share_alike) {
     std::string text;
-    for (const char* header : {"polyhedron.h", "layout.h", "coarse.h", "sweep.h", "render.h", "outputs.h",
-                               "stored_box.h", "face_sources.h", "point_tree.h"})
+    for (const char* header : {"polyhedron.h", "layout.h", "coarse.h", "sweep.h", "outputs.h", "stored_box.h",
+                               "face_sources.h", "point_tree.h"})
         text += device::kernel_text(header);
     const std::vector<Agreement> all = agreements();
     std::set<std::string> names;

@@ -57,7 +57,7 @@ std::vector<scan::ProgramSource> sources_of_gpus() {
         }
     }
 #ifdef CLSDF_TEST_PICTURE
-    sources.push_back({picture::tracer_kernel_file, picture::tracer_options});
+    sources.push_back(picture::tracer_source());
 #endif
     return sources;
 }

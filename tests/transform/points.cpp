@@ -446,14 +446,14 @@ BOOST_AUTO_TEST_CASE(a_device_that_finds_wrong_triangles_is_refused) {
         std::vector<KernelBody> bodies{both_bodies.begin(), both_bodies.end()};
     };
     const std::vector<Change> changes{
-        {"points.cl", "along * above_apex - across * away", "along * above_apex + across * away"},
+        {"points.cl", "(y - altitude) - o.across * o.away", "(y - altitude) + o.across * o.away"},
         {"points.cl", "squared <= (floatL)(most", "squared < (floatL)(0.9f * most"},
         {"points.cl", "child >= children", "child + 1 >= children"},
         {"points.cl", "inside ? -rounded : rounded", "rounded"},
         {"point_scan.cl", "chosen[length] = list ? list[k] : k", "chosen[length] = list ? list[i] : i", {by_vector}},
         {"point_scan.cl", "outward * outward + z * z", "outward * outward", {by_vector}},
         {"point_scan.cl", "faces[first + i] = brick->face[i]", "faces[first + i] = brick->face[0]", {by_vector}},
-        {"point_scan.cl", "across * beyond - along * y", "across * beyond + along * y", {by_vector}}};
+        {"point_scan.cl", "o.across * o.beyond - o.along * y", "o.across * o.beyond + o.along * y", {by_vector}}};
     for (const auto& [file, from, to, bodies] : changes)
         for (const KernelBody body : bodies) {
             const TemporaryFolder folder;

@@ -1,10 +1,14 @@
 // The device's own limits, for the benchmark: how fast it stores, how fast it multiplies and adds, and what an empty
-// launch costs. LANES: floats in a vector, at least 4.
+// launch costs.
+//
+// Compile-time options: FLOATS, 4, 8 or 16: floats in a vector; LANES (simd.h), 1.
 
-#if LANES == 16
+#include "simd.h"
+
+#if FLOATS == 16
 typedef float16 floats;
 #define STORE(value, n, target) vstore16(value, n, target)
-#elif LANES == 8
+#elif FLOATS == 8
 typedef float8 floats;
 #define STORE(value, n, target) vstore8(value, n, target)
 #else
@@ -20,18 +24,16 @@ __kernel void bench_store(__global float* target, ulong count, ulong first, ulon
     for (ulong m = 0; m < count; ++m, n += step) STORE(vector, n, target);
 }
 
-#if defined(__has_builtin)
-#if __has_builtin(__builtin_nontemporal_store)
+#ifdef STREAM
 // The same past the caches; n counts vectors. `target` is aligned to one.
 __kernel void bench_store_past_caches(__global float* target, ulong count, ulong first, ulong step, float value) {
     const floats vector = (floats)value;
     ulong n = get_global_id(0) * first;
-    for (ulong m = 0; m < count; ++m, n += step) __builtin_nontemporal_store(vector, (__global floats*)target + n);
+    for (ulong m = 0; m < count; ++m, n += step) STREAM(vector, (__global floats*)target + n);
 }
 #endif
-#endif
 
-// Twelve independent chains, enough to hide the latency of fma on every device we know; 12 * LANES * 2 operations
+// Twelve independent chains, enough to hide the latency of fma on every device we know; 12 * FLOATS * 2 operations
 // a round. The values stay finite, and the sum keeps the compiler from leaving them out.
 __kernel void bench_fma(__global float* target, int rounds, float factor, float term) {
     const floats f = (floats)factor, t = (floats)term;
