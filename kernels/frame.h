@@ -105,7 +105,7 @@ INLINE float3 from_foot_to(Layout layout, __global const Polyhedron* p, int x, i
     return samples * vload3(0, layout.spacing) - vload3(0, p->foot);
 }
 
-// A list's polyhedra lie scattered over more memory than the inner caches hold.
+// Prefetch a polyhedron, or its foot alone: those of a list are scattered over more memory than the inner caches hold.
 static inline void prefetch_record(__global const Polyhedron* p) {
     for (uint line = 0; line < sizeof(Polyhedron); line += 64) prefetch_line((__global const uchar*)p + line);
 }
