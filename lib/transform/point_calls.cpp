@@ -63,9 +63,9 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         if (stages->restriction() != nullptr) stages->restriction()->check(all, within);
         const Stopwatch compile_watch;
         const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
-        compiling.first_use = transform::ensure_points_tested(device, programs, false, builds);
+        compiling.first_use = transform::ensure_points_tested(device, programs, {}, builds);
         if (points::is_scan_worthwhile(programs, all.size(), mesh().triangles().size()) &&
-            transform::ensure_points_tested(device, programs, true, builds))
+            transform::ensure_points_tested(device, programs, {.are_scanned = true}, builds))
             compiling.first_use = true;
         compiling.seconds = compile_watch.seconds();
         pool->restart_peak();
@@ -73,6 +73,14 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         points_asked += all.size();
         const points::PointInputs inputs = point_inputs(outputs, all.size());
         statistics.polyhedra_seconds = watch.seconds();
+        // Only the stages see whether records are made of kept frusta.
+        if (inputs.scanned && inputs.scanned->is_later) {
+            const Stopwatch test_watch;
+            if (transform::ensure_points_tested(device, programs, {.are_scanned = true, .is_later = true},
+                                                compiling.watch(transform::point_test_steps)))
+                compiling.first_use = true;
+            compiling.seconds += test_watch.seconds();
+        }
         // Nothing is computed if a point is refused.
         points::check_points(*inputs.mesh, all);
     }

@@ -108,16 +108,18 @@ std::vector<Vec3> positions_of(const Grid& grid) {
 
 /// Looks up the samples of known fields as points: those of the first lattice without a limit, with signs by crossings;
 /// those of the later one within a limit, with signs by the sides of faces.
-std::optional<std::string> run_point_test(const Device& device, const Programs& programs, bool are_scanned) {
+std::optional<std::string> run_point_test(const Device& device, const Programs& programs,
+                                          const PointTestCase& test_case) {
     constexpr double limit = 2.5;
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const KnownField unlimited({.wide = true}), limited = KnownField({.later = true}).within(limit);
-    Stages stages(context, pool, unlimited.mesh());
+    Stages stages(context, pool, unlimited.mesh(), {nullptr, {programs.mesh_records, programs.mesh_lanes()}});
+    if (test_case.is_later) stages.frusta();
     points::PointInputs inputs;
     inputs.mesh = stages.points();
     inputs.sign = SignRule::nonzero;
-    if (are_scanned) inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
+    if (test_case.are_scanned) inputs.scanned = stages.scanned_mesh(programs.point_scan(context));
     inputs.sites = stages.sites(true, true);
     const auto difference = [&](const KnownField& known, bool is_later) {
         const std::vector<Vec3> positions = positions_of(known.grid());
@@ -232,15 +234,19 @@ bool ensure_tested(const Device& device, const Programs& programs, const TestCas
     return is_run;
 }
 
-bool ensure_points_tested(const Device& device, const Programs& programs, bool are_scanned,
+bool ensure_points_tested(const Device& device, const Programs& programs, const PointTestCase& test_case,
                           const device::BuildWatch& watch) {
     device::Context& context = device::context_of(device);
-    TestSubject subject{fmt::format("{} {}points", device::name_of(programs.body), are_scanned ? "many " : ""), {}};
+    TestSubject subject{fmt::format("{} {}points{}", device::name_of(programs.body),
+                                    test_case.are_scanned ? "many " : "", test_case.is_later ? " later" : ""),
+                        {}};
     device::guarded([&] {
         subject.programs.push_back(programs.points(context, watch));
-        if (are_scanned) subject.programs.push_back(programs.point_scan(context, watch));
+        if (!test_case.are_scanned) return;
+        subject.programs.push_back(programs.point_scan(context, watch));
+        subject.programs.push_back(programs.mesh_records);
     });
-    return test_once(device, subject, watch, [&] { return run_point_test(device, programs, are_scanned); });
+    return test_once(device, subject, watch, [&] { return run_point_test(device, programs, test_case); });
 }
 
 }  // namespace clsdf::transform

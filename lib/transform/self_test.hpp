@@ -56,10 +56,16 @@ bool test_once(const Device& device, const TestSubject& subject, const device::B
 std::optional<std::string> run_self_test(const Device& device, const Programs& programs, const TestCase& test_case,
                                          const device::BuildWatch& watch = {});
 
+/// The properties of a query of points that decide which code it runs on the device.
+struct PointTestCase {
+    bool are_scanned = false;  ///< many points
+    bool is_later = false;     ///< as TestCase's; for many points
+};
+
 /// Builds the programs of queries of points and, the first time on this device and driver version, computes a small
 /// known field at its samples and compares. Returns whether it was tested here. Throws Error(device_failure) that says
 /// what differs.
-bool ensure_points_tested(const Device& device, const Programs& programs, bool are_scanned,
+bool ensure_points_tested(const Device& device, const Programs& programs, const PointTestCase& test_case,
                           const device::BuildWatch& watch = {});
 
 /// How often `begins` of a watch is called by ensure_points_tested() for programs that have not been tested, about.

@@ -20,6 +20,7 @@ using namespace clsdf;
 using namespace clsdf::test;
 using transform::KnownField;
 using transform::KnownFieldKind;
+using transform::PointTestCase;
 using transform::TestCase;
 
 namespace {
@@ -111,10 +112,10 @@ std::string message_of_test(const Device& device, const TestCase& test_case) {
     });
 }
 
-std::string message_of_point_test(const Device& device, KernelBody body, bool are_scanned) {
+std::string message_of_point_test(const Device& device, KernelBody body, const PointTestCase& test_case) {
     return message_of([&] {
         const scan::Programs programs(device::context_of(device), body);
-        transform::ensure_points_tested(device, programs, are_scanned);
+        transform::ensure_points_tested(device, programs, test_case);
     });
 }
 
@@ -224,6 +225,16 @@ BOOST_AUTO_TEST_CASE(passes_with_every_program_and_launch_of_real_calls) {
         const auto difference = transform::run_self_test(test_device(), programs, test_case);
         BOOST_TEST(!difference.has_value(), test_case.name() << ": " << difference.value_or(""));
     }
+}
+
+BOOST_AUTO_TEST_CASE(passes_with_every_query_of_points) {
+    for (const KernelBody body : {vector_body, group_body})
+        for (const PointTestCase& test_case : {PointTestCase{}, PointTestCase{.are_scanned = true},
+                                               PointTestCase{.are_scanned = true, .is_later = true}}) {
+            if (test_case.are_scanned && body == group_body) continue;  // which looks up all points one by one
+            Changed nothing;
+            BOOST_TEST(message_of_point_test(nothing.device(""), body, test_case) == "");
+        }
 }
 
 // Each changed line of a kernel stands for wrong code that a compiler makes of a right line.
@@ -338,20 +349,24 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_points) {
     struct Mutation {
         const char* what;
         KernelBody body;
-        bool are_scanned;
+        PointTestCase test_case;
         Changed changed;
     };
     const Changed sign{"points.cl", "sides & (outward > 0.0 ?", "sides & (outward < 0.0 ?"},
-        gradient{"points.cl", "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"};
+        gradient{"points.cl", "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"},
+        frames{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"},
+        groups{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
     std::vector<Mutation> mutations{
-        {"signs of the other side", vector_body, false, sign},
-        {"signs of the other side", vector_body, true, sign},
-        {"signs of the other side", group_body, false, sign},
-        {"a gradient without the sign", vector_body, false, gradient},
+        {"signs of the other side", vector_body, {}, sign},
+        {"signs of the other side", vector_body, {.are_scanned = true}, sign},
+        {"signs of the other side", group_body, {}, sign},
+        {"a gradient without the sign", vector_body, {}, gradient},
+        {"a triangle beside its place", vector_body, {.are_scanned = true}, frames},
+        {"records of other faces", vector_body, {.are_scanned = true, .is_later = true}, groups},
     };
     for (Mutation& mutation : mutations)
         check_refusal(mutation.what, mutation.changed, folder.file("cache"), [&](const Device& device) {
-            return message_of_point_test(device, mutation.body, mutation.are_scanned);
+            return message_of_point_test(device, mutation.body, mutation.test_case);
         });
 }
 
@@ -387,6 +402,24 @@ BOOST_AUTO_TEST_CASE(stops_a_computation_on_a_later_lattice) {
     };
     for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform(Grid::around(mesh, 20, band), band), Error, is_refusal);
     transform(Grid::around(mesh, 16, band), band);
+}
+
+BOOST_AUTO_TEST_CASE(stops_a_query_of_many_points_after_a_field) {
+    Changed changed{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
+    const Device device = changed.device("");
+    const Mesh mesh = make_shape("sphere3");
+    const Band band = Band::symmetric(0.1);
+    DistanceTransform transform(device, mesh, {.body = vector_body});
+    const Grid grid = Grid::around(mesh, 32, band);
+    transform(grid, band);
+    std::vector<Vec3> points;
+    for (std::int64_t i = 0; i < 16384; ++i) points.push_back(grid.position(i % 32, i / 32 % 32, i / 1024));
+    const auto is_refusal = [](const Error& error) {
+        return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
+    };
+    std::vector<float> distance(points.size());
+    for (int i = 0; i < 2; ++i)
+        BOOST_CHECK_EXCEPTION(transform.query(points, 1, {.distance = distance}), Error, is_refusal);
 }
 
 BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
