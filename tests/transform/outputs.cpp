@@ -177,7 +177,7 @@ BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
         return static_cast<std::size_t>(i + 2 + padded[0] * (j + 2 + padded[1] * (k + 2)));
     };
     constexpr float unwritten = -77;
-    std::vector<float> distance(count, unwritten), gradient(3 * count, untouched);
+    std::vector<float> distance(count, unwritten), gradient(3 * count, unwritten);
     const auto into = [&](OutputTarget target) {
         const auto row = static_cast<std::ptrdiff_t>(padded[0] * 4);
         target.offset = at(0, 0, 0) * sizeof(float);
