@@ -91,6 +91,37 @@ elseif(WAY STREQUAL "add_subdirectory")
   run(${build}/consumer_papers)
   check_readme_program()
 
+elseif(WAY STREQUAL "shared")
+  # A shared library shows what the public headers mark, and nothing else. The core alone: libraries beside it need its
+  # hidden functions, and compile it once more.
+  configure(${COMPILER} -DWAY=add_subdirectory -DCLSDF=${CLSDF} -DBUILD_SHARED_LIBS=ON -DCLSDF_BUILD_IO=OFF
+            -DCLSDF_BUILD_PAPERS=OFF)
+  run(${CMAKE_COMMAND} --build ${build} --target consumer)
+  run(${build}/consumer)
+  find_program(nm nm REQUIRED)
+  execute_process(
+    COMMAND ${nm} -DC --defined-only ${build}/clsdf/lib/libclsdf.so
+    OUTPUT_VARIABLE symbols
+    COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX REPLACE "[][;]" "_" symbols "${symbols}")  # which divide CMake's lists
+  string(REGEX MATCHALL "[^\n]+" symbols "${symbols}")
+  set(own "(typeinfo for |typeinfo name for |vtable for |VTT for |guard variable for |non-virtual thunk to )?clsdf::")
+  set(count 0)
+  foreach(symbol IN LISTS symbols)
+    # Templates and exceptions of headers, of which every library may have a copy.
+    if(symbol MATCHES "^[0-9a-f]+ [VWu] .*(std|boost)::" AND NOT symbol MATCHES "^[0-9a-f]+ . ${own}")
+      continue()
+    endif()
+    math(EXPR count "${count} + 1")
+    if(NOT symbol MATCHES "^[0-9a-f]+ . ${own}" OR symbol MATCHES "^[^:]*clsdf::(device|scan|points|polyhedra|transform)::")
+      message(SEND_ERROR "The shared library shows ${symbol}")
+    endif()
+  endforeach()
+  message("The shared library shows ${count} symbols of clsdf")
+  if(count GREATER 400)
+    message(SEND_ERROR "The shared library shows ${count} symbols; which ones are marked CLSDF_EXPORT by mistake?")
+  endif()
+
 elseif(WAY STREQUAL "components")
   # The core alone: a project that asks for more is told what is missing; then it gets it.
   install_package(core development)

@@ -1,16 +1,22 @@
 # A program of another project builds and runs against the library, in each of the ways there are to get at it.
 # A sanitized library is not one to install.
 if(NOT CLSDF_SANITIZE)
-  foreach(way documents find_package clang add_subdirectory components pkg_config parallel_hdf5)
+  foreach(way documents find_package clang add_subdirectory components pkg_config parallel_hdf5 shared)
+    # It compiles the core as a shared library, which no other test does.
+    set(configurations "")
+    if(way STREQUAL "shared")
+      set(configurations CONFIGURATIONS nightly)
+    endif()
     add_test(
       NAME consumer_${way}
       COMMAND
         ${CMAKE_COMMAND} -DWAY=${way} -DCLSDF=${PROJECT_SOURCE_DIR} -DBUILD=${PROJECT_BINARY_DIR}
         -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/consumer/${way} -DGENERATOR=${CMAKE_GENERATOR}
         -DCOMPILER=${CMAKE_CXX_COMPILER} -DLAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
-        -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+        -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake ${configurations})
     set_tests_properties(consumer_${way} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
   endforeach()
+  set_tests_properties(consumer_shared PROPERTIES LABELS nightly TIMEOUT 3600)
   # It compiles the library once more.
   set_tests_properties(consumer_add_subdirectory PROPERTIES TIMEOUT 900)
 endif()
