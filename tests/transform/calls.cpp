@@ -322,7 +322,7 @@ BOOST_AUTO_TEST_CASE(steps_of_a_moving_body_leave_memory_as_it_was) {
     const int warm = steps / 5;
     for (int number = 0; number < warm; ++number) step(number);
     const KeptMemory kept = transform.memory();
-    const std::size_t resident = resident_bytes();
+    [[maybe_unused]] const std::size_t resident = resident_bytes();
     for (int number = warm; number < steps; ++number) step(number);
     BOOST_TEST(transform.memory().host_bytes == kept.host_bytes);
     BOOST_TEST(transform.memory().device_bytes == kept.device_bytes);
