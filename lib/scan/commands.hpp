@@ -21,7 +21,7 @@ cl_uint set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arg
 class CommandChain {
 public:
     CommandChain(cl::CommandQueue queue, std::vector<cl::Event> wait_list)
-        : queue_(std::move(queue)), previous_(std::move(wait_list)) {}
+        : queue_(std::move(queue)), awaited_(std::move(wait_list)), previous_(awaited_) {}
 
     /// enqueue_command(queue, wait list or null, event)
     template <class Enqueue>
@@ -46,13 +46,16 @@ public:
 
     /// Whether there is a command, so that there is a last one.
     bool has_begun() const { return !events_.empty(); }
-    const cl::Event& last() const { return previous_.front(); }
+    const cl::Event& last() const { return events_.back(); }
     /// Of all commands so far.
     const std::vector<cl::Event>& events() const { return events_; }
+    /// The wait list.
+    const std::vector<cl::Event>& awaited() const { return awaited_; }
     const cl::CommandQueue& queue() const { return queue_; }
 
 private:
     cl::CommandQueue queue_;
+    std::vector<cl::Event> awaited_;
     std::vector<cl::Event> previous_;
     std::vector<cl::Event> events_;
 };

@@ -14,8 +14,8 @@
 
 namespace clsdf::transform {
 
-/// The functions of a call's options. After an error of theirs the call ends: it is no lack of memory of the call's
-/// own, which the call could go on without.
+/// The functions of a call's options. If one of them throws, the call ends: it does not try again with less memory,
+/// even if the error is out_of_memory.
 class Caller {
 public:
     explicit Caller(const CallOptions& options) : options_(options) {}
@@ -42,8 +42,8 @@ private:
     bool has_thrown_ = false;
 };
 
-/// A mutex that its own thread may not lock again: a function of a call's options that uses the same transform. Such a
-/// call throws Error(invalid_argument); it would wait for ever.
+/// A mutex that notices if its own thread locks it again, as a function of CallOptions does that uses the transform
+/// which calls it. Then lock() throws Error(invalid_argument), and does not wait for ever.
 class CallMutex {
 public:
     void lock();

@@ -91,6 +91,7 @@ bool DistanceTransform::compile(const Grid& grid, const Band& band, const Output
         transform::Caller caller(call);
         caller.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
+        state.check(grid, band, outputs);
         transform::Compiling compiling(caller, state.options.log);
         const bool is_tested = state.compile(grid, band, outputs, call.count, compiling);
         state.compile_seconds += compiling.seconds;
@@ -122,8 +123,9 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
             return;
         }
         device::wait_for(device::context_of(state.device), wait_list);
-        const std::vector<scan::HostTargets> targets = transform::targets_of(
-            requests, [&](const Request& request) { state.stages->check(request.grid, request.band, state.sign); });
+        const std::vector<scan::HostTargets> targets = transform::targets_of(requests, [&](const Request& request) {
+            state.check(request.grid, request.band, scan::outputs_of(request.targets));
+        });
         std::vector<scan::HostArrays> arrays;
         for (const scan::HostTargets& target : targets) arrays.push_back(target.arrays());
         const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, state.mesh().box());
@@ -158,7 +160,9 @@ void DistanceTransform::compute(std::span<const Request> requests, const CallOpt
 void DistanceTransform::compute_on_device(std::span<const Request> requests, const CallOptions& call,
                                           std::span<const cl_event> wait_list) const {
     const device::Context& context = device::context_of(state().device);
-    Plan plan = this->plan(requests, call);
+    CallOptions of_plan = call;
+    of_plan.statistics = nullptr;  // not before the run has succeeded
+    Plan plan(state().plan(true, {requests.begin(), requests.end()}, std::nullopt, of_plan, call.count));
     device::guarded([&] {
         const Stopwatch watch;
         const cl::Event end(plan.enqueue(context.callers_queue()(), wait_list));
@@ -178,7 +182,7 @@ void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const 
         State& state = this->state();
         grid.validate();
         grid.sample_count();
-        state.stages->check(grid, band, state.sign);
+        state.check(grid, band, outputs);
         if (!sink)
             throw Error(ErrorCode::invalid_argument, "DistanceTransform::compute_slabs needs a sink; it is empty");
         const device::Context& context = device::context_of(state.device);

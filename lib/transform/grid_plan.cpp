@@ -45,9 +45,7 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
         sign_bits_ = std::move(signs.bits);
         has_large_triangles = signs.has_large_triangles;
         statistics.sign_seconds += sign_watch.seconds();
-        context.queue().enqueueMarkerWithWaitList(nullptr, &ready_);
         context.queue().flush();
-        runs_.add(ready_);
     });
 
     statistics.triangles = records.triangle_count;
@@ -62,40 +60,29 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
 }
 
 GridPlan::~GridPlan() {
-    if (runs_.wait() == CL_SUCCESS) return;
+    if (!device::context_of(device).is_lost()) return;
     // Whatever takes them next must not share them with what may be under way.
     keep_for_good(scan_);
     keep_for_good(sign_bits_);
     keep_for_good(inputs);
 }
 
-cl::Event GridPlan::enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
-                            const std::vector<cl::Event>& wait_list,
-                            const std::function<void(double)>& between_launches) {
-    std::vector<cl::Event> before = wait_list;
-    const cl::Event latest = runs_.latest();  // which has the same buffers
-    before.push_back(latest() != nullptr ? latest : ready_);
-    CommandChain chain(queue, std::move(before));
-    try {
-        scan_->enqueue_begin(chain, buffers);
-        before_launches_ = chain.last();
-        for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
-            if (between_launches) {
-                chain.wait();
-                between_launches(scan_->fraction_before(launch));
-            }
-            scan_->enqueue_launch(chain, launch);
+void GridPlan::enqueue(CommandChain& chain, const OutputBuffers& buffers,
+                       const std::function<void(double)>& between_launches) {
+    scan_->enqueue_begin(chain, buffers);
+    if (!chain.has_begun())
+        chain.then([](const auto& queue, auto* wait, auto* event) { queue.enqueueMarkerWithWaitList(wait, event); });
+    before_launches_ = chain.last();
+    for (std::size_t launch = 0; launch < scan_->launch_count(); ++launch) {
+        if (between_launches) {
+            chain.wait();
+            between_launches(scan_->fraction_before(launch));
         }
-        after_launches_ = chain.last();
-        scan_->enqueue_end(chain);
-    } catch (...) {
-        if (chain.has_begun()) runs_.add(chain.last(), chain.events());
-        throw;
+        scan_->enqueue_launch(chain, launch);
     }
+    after_launches_ = chain.last();
+    scan_->enqueue_end(chain);
     last_ = chain.last();
-    runs_.add(last_, chain.events());
-    queue.flush();
-    return last_;
 }
 
 void GridPlan::read_counters() {

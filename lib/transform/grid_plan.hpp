@@ -4,7 +4,6 @@
 
 #include "scan/field_scan.hpp"
 #include "scan/programs.hpp"
-#include "transform/runs.hpp"
 #include "transform/stages.hpp"
 
 #include <functional>
@@ -16,7 +15,8 @@ namespace clsdf::transform {
 struct PlanOptions {
     bool count = false;  ///< see CallOptions::count
     std::shared_ptr<const FieldMethod> method{};
-    std::vector<Grid> wanted{};  ///< blocks of the lattice outside which samples may be left undefined; empty: none are
+    /// The blocks whose samples are needed; other samples may stay undefined. Empty: all samples are needed.
+    std::vector<Grid> wanted{};
 };
 
 /// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
@@ -25,22 +25,21 @@ struct GridPlan {
              const Grid& grid_in, const Band& band_in, SignRule sign_in, const Outputs& outputs_in,
              const PlanOptions& options, const std::function<void()>& between_launches);
 
-    /// Waits for what is under way: its buffers go back to the pool.
+    /// No command that uses it may be under way, unless the device is lost.
     ~GridPlan();
     GridPlan(const GridPlan&) = delete;
     GridPlan& operator=(const GridPlan&) = delete;
 
-    /// As Plan::enqueue; `between_launches` (may be empty) is called with the fraction done before each launch.
-    cl::Event enqueue(const cl::CommandQueue& queue, const OutputBuffers& buffers,
-                      const std::vector<cl::Event>& wait_list, const std::function<void(double)>& between_launches);
+    /// Adds the commands of a computation. The chain's wait list must cover the computation before this one, and the
+    /// set-up, if they are not known to have ended and the queue is not theirs. `between_launches` (may be empty) is
+    /// called with the fraction done before each launch, when the commands before it have ended.
+    void enqueue(CommandChain& chain, const OutputBuffers& buffers,
+                 const std::function<void(double)>& between_launches);
 
-    /// The end of what is under way; null if nothing is.
-    cl::Event latest() { return runs_.latest(); }
-
-    /// Reads the counters of the last computation into the statistics, where it was asked for.
+    /// Adds the counters of the last computation to the statistics, if PlanOptions::count is set.
     void read_counters();
 
-    /// Reads the kernels' times of the last computation, which has ended, where the queue it ran on keeps them.
+    /// Reads the kernels' times of the last computation, which has ended, if its queue measures them.
     void read_times(const cl::CommandQueue& queue);
 
     Device device;
@@ -61,8 +60,6 @@ private:
     device::BufferPool::Lease sign_bits_;
     std::optional<Finishing> finishing_;  ///< if more than the distance is asked for
     std::unique_ptr<FieldScan> scan_;
-    cl::Event ready_;  ///< the set-up's launches have ended: computations may run on another queue
-    Runs runs_;        // the set-up's launches among them
     // Events of the latest computation.
     cl::Event before_launches_;
     cl::Event after_launches_;

@@ -105,9 +105,9 @@ Mesh make_mesh() {
     return {std::move(all.vertices), std::move(all.triangles), "known field"};
 }
 
-/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Samples of the later lattice lie beside
-/// vertices and in faces of the second surface: nearer than on_surface, and too far for the rounding of this
-/// arithmetic.
+/// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Some samples of the later lattice lie a few
+/// 1e-9 beside vertices and faces of the second surface. They are nearer than on_surface, so that their gradient is the
+/// pseudonormal, and farther than the rounding of this arithmetic, so that their sign is certain.
 Grid make_grid(const KnownFieldKind& kind) {
     Grid grid;
     if (kind.later) {
@@ -344,7 +344,9 @@ std::string KnownField::wrong_outputs(const HostArrays& found, const Sample& sam
             corners.push_back(to_vector(mesh_.vertices()[vertex]));
     if (corners.empty() || !is_lowest(triangle, site) ||
         !((closest_of_extension(corners, position) - closest).norm() <= error))
-        return fmt::format("has the site {} of triangle {}, which is not nearest or not to be named", site, triangle);
+        return fmt::format(
+            "has the site {} of triangle {}, which is not the nearest, or not in the lowest triangle that shares it",
+            site, triangle);
 
     Vector direction = gradient.normalized();  // free beside the surface
     if (length <= on_surface * grid_.voxel())

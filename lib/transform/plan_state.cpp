@@ -108,17 +108,19 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
                                               "Outputs{{.{0} = true}}",
                                               row.name));
             if (!part.in_place && other.element != like.element)
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the target of the output {} has other elements than the plan was made for, "
-                                        "and the plan copies; make a plan of a request with such a target",
-                                        row.name));
+                throw Error(
+                    ErrorCode::unsupported,
+                    fmt::format("the target of the output {} has another type of elements than the request; make "
+                                "a plan of a request with such a target",
+                                row.name));
         },
         part.arrays, target.arrays(), part.like, target.targets());
     if (part.in_place && !target.in_place())
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("the target of the output {}, and the plan was made without memory to copy from; make "
-                                "it with DistanceTransform::plan(request)",
-                                target.why_not_in_place()));
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("the target of the output {}, but this plan writes to its targets directly and cannot copy; "
+                        "make it with DistanceTransform::plan(request), of a request with such a target",
+                        target.why_not_in_place()));
 }
 
 std::vector<DeviceTargets> PlanState::targets_of(std::span<const OutputTargets> given) const {
@@ -145,12 +147,18 @@ void PlanState::clear() {
     statistics = {};
 }
 
-std::size_t PlanState::own_bytes() const {
+std::size_t PlanState::own_bytes(const Stages& stages) const {
     std::size_t bytes = 0;
     for_each_output([&](const OutputRow&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
                     samples_);
+    Inputs counted;  // the parts of a batch follow one another, and share them
     for (const Part& part : parts_) {
         bytes += part.plan->own_bytes();
+        Inputs inputs = part.plan->inputs;
+        if (inputs.records == counted.records) inputs.records = nullptr;
+        if (inputs.sweep_mesh == counted.sweep_mesh) inputs.sweep_mesh = nullptr;
+        bytes += stages.bytes_beside(inputs);
+        counted = part.plan->inputs;
         for_each_output(
             [&](const OutputRow&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
             part.stores);
@@ -183,41 +191,23 @@ void PlanState::read_counters() {
 cl::Event PlanState::enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
                              std::span<const DeviceTargets> targets) {
     if (const cl::Event latest = runs_.latest(); latest() != nullptr) before.push_back(latest);
-    cl::Event last;
-    std::vector<cl::Event> stores;
+    CommandChain chain(queue, std::move(before));
     try {
-        if (parts_.empty()) queue.enqueueMarkerWithWaitList(before.empty() ? nullptr : &before, &last);
+        if (parts_.empty())
+            chain.then([](const auto& to, auto* wait, auto* event) { to.enqueueMarkerWithWaitList(wait, event); });
         for (Part& part : parts_) {
-            const cl::Event earlier = part.plan->latest();
-            const OutputBuffers& buffers =
-                part.in_place && !targets.empty() ? *targets[part.requests.front()].in_place() : part.buffers;
-            try {
-                last = part.plan->enqueue(queue, buffers, before, {});
-            } catch (...) {
-                const cl::Event begun = part.plan->latest();
-                if (begun() != nullptr && begun() != earlier()) last = begun;
-                throw;
-            }
-            CommandChain chain(queue, {last});
-            try {
-                enqueue_stores(part, chain, targets);
-            } catch (...) {
-                last = chain.last();
-                stores.insert(stores.end(), chain.events().begin(), chain.events().end());
-                throw;
-            }
-            last = chain.last();
-            stores.insert(stores.end(), chain.events().begin(), chain.events().end());
-            before.assign(1, last);
+            const bool has_other = part.in_place && !targets.empty();
+            part.plan->enqueue(chain, has_other ? *targets[part.requests.front()].in_place() : part.buffers, {});
+            enqueue_stores(part, chain, targets);
         }
     } catch (...) {
-        // The next run must follow: all parts share memory. `last` follows all other commands of this run.
-        if (last() != nullptr) runs_.add(last, std::move(stores));
+        // The next run must follow these commands, too: all parts share memory.
+        if (chain.has_begun()) runs_.add(chain);
         throw;
     }
-    runs_.add(last, std::move(stores));
+    runs_.add(chain);
     queue.flush();
-    return last;
+    return chain.last();
 }
 
 }  // namespace clsdf::transform

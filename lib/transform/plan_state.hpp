@@ -40,8 +40,8 @@ struct PlanState {
     /// Waits for all runs, also for those that fail, and gives back what depends on positions and places.
     void clear();
 
-    /// Device memory of this plan, without records that are shared with the transform.
-    std::size_t own_bytes() const;
+    /// Device memory of this plan, without what the stages keep.
+    std::size_t own_bytes(const Stages& stages) const;
 
     /// Throws as Plan::enqueue() does if a run cannot write to these targets, one for each request.
     std::vector<DeviceTargets> targets_of(std::span<const OutputTargets> given) const;
@@ -50,11 +50,12 @@ struct PlanState {
     cl::Event enqueue(const cl::CommandQueue& queue, std::vector<cl::Event> before,
                       std::span<const DeviceTargets> targets);
 
-    /// Reads the counters of the last run, which has ended, into the statistics, where they were asked for.
+    /// Adds the counters of the last run, which has ended, to the statistics, if they were asked for.
     void read_counters();
 
     Device device;
     bool has_own_pool;
+    bool counts = false;  ///< runs count the device's work, for read_counters()
     std::shared_ptr<device::BufferPool> pool;
     std::vector<Request> requests;
     std::optional<Outputs> outputs_without_targets;  ///< of a plan of one grid that was made without memory

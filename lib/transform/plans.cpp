@@ -58,8 +58,9 @@ std::vector<PlanState::Block> blocks_of(std::span<const Batch> batches, std::spa
 
 std::unique_ptr<transform::PlanState> DistanceTransform::State::plan(bool has_own_pool, std::vector<Request> requests,
                                                                      std::optional<Outputs> outputs_without_targets,
-                                                                     const CallOptions& call) {
+                                                                     const CallOptions& call, bool counts) {
     auto made = std::make_unique<transform::PlanState>(device, has_own_pool ? pool->beside() : pool, has_own_pool);
+    made->counts = counts;
     plan(*made, std::move(requests), outputs_without_targets, call);
     return made;
 }
@@ -67,21 +68,25 @@ std::unique_ptr<transform::PlanState> DistanceTransform::State::plan(bool has_ow
 void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Request> requests,
                                     std::optional<Outputs> outputs_without_targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);
-    if (device::context_of(made.device).context()() != context.context()())
+    if (&device::context_of(made.device) != &context)
         throw Error(ErrorCode::invalid_argument,
                     "the transform has another device than the plan; move the plan with a transform of its Device");
-    const auto check = [this](const Request& request) { stages->check(request.grid, request.band, sign); };
+    const auto check_request = [&](const Request& request) {
+        check(request.grid, request.band, outputs_without_targets.value_or(scan::outputs_of(request.targets)));
+    };
     const std::vector<scan::DeviceTargets> targets =
-        outputs_without_targets ? transform::device_targets_of(requests, *outputs_without_targets, check)
-                                : transform::device_targets_of(requests, context, check);
+        outputs_without_targets ? transform::device_targets_of(requests, *outputs_without_targets, check_request)
+                                : transform::device_targets_of(requests, context, check_request);
+    mutex.check_thread();
+    made.clear();  // waits for its runs before the mutex is locked: other threads may use the transform
     std::swap(made.requests, requests);
     std::swap(made.outputs_without_targets, outputs_without_targets);
-    made.is_whole = false;
     try {
         plan(made, targets, call);
     } catch (...) {
         std::swap(made.requests, requests);
         std::swap(made.outputs_without_targets, outputs_without_targets);
+        context.drain();  // the set-up's commands
         made.clear();
         if (made.has_own_pool) made.pool->release();
         throw;
@@ -128,7 +133,6 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
                                           std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
                                           transform::Compiling& compiling) {
     double polyhedra_seconds = 0;
-    std::size_t bytes_of_inputs = 0;  // that the transform does not keep
     transform::Inputs inputs_of_batch;
     const transform::Batch* batch = nullptr;
     for (const transform::PlanState::Block& block : blocks) {
@@ -137,11 +141,10 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
         const Outputs outputs = scan::outputs_of(targets[first].arrays());
         if (block.batch != batch) {
             batch = block.batch;
-            compile(batch->block, band, outputs, caller.options().count, compiling);
+            compile(batch->block, band, outputs, made.counts, compiling);
             const Stopwatch watch;
             inputs_of_batch = inputs(batch->block, band, outputs, true);
             polyhedra_seconds += watch.seconds();
-            bytes_of_inputs += stages->bytes_beside(inputs_of_batch);
         }
         std::vector<Grid> wanted;
         if (batch->requests.size() > 1)
@@ -149,13 +152,14 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
         transform::Inputs inputs_of_block = inputs_of_batch;
         if (!(block.grid == batch->block))
             stages->select(block.grid, scan::layout_of(block.grid, band, sign), inputs_of_block);
-        auto of_block =
-            make_plan(std::move(inputs_of_block), block.grid, band, outputs, wanted, caller, compiling, made.pool);
+        auto of_block = make_plan(std::move(inputs_of_block), block.grid, band, outputs, wanted, made.counts, caller,
+                                  compiling, made.pool);
         transform::add_slab(made.statistics, of_block->statistics);
         made.add(block, std::move(of_block), targets, programs);
     }
     made.statistics.polyhedra_seconds = polyhedra_seconds;
-    made.statistics.device_bytes = made.own_bytes() + bytes_of_inputs;
+    keep_within_budget();
+    made.statistics.device_bytes = made.own_bytes(*stages);
 }
 
 Plan::Plan(std::unique_ptr<transform::PlanState> state) : state_(std::move(state)) {}
@@ -185,7 +189,9 @@ cl_event Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_li
     if (state.outputs_without_targets)
         throw Error(ErrorCode::invalid_argument,
                     "the plan was made of a grid and has no targets; give enqueue() targets, or plan a Request");
-    return device::guarded([&] { return transform::enqueue_run(state, queue, wait_list, {}); });
+    return with_host_memory("for a run of the plan", [&] {
+        return device::guarded([&] { return transform::enqueue_run(state, queue, wait_list, {}); });
+    });
 }
 
 cl_event Plan::enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,

@@ -1,49 +1,54 @@
 #pragma once
 
-#include "device/opencl.hpp"
+#include "core/lifetime.hpp"
+#include "scan/commands.hpp"
 
+#include <algorithm>
 #include <deque>
+#include <iterator>
 #include <utility>
 #include <vector>
 
 namespace clsdf::transform {
 
-/// Computations of a plan that may be unfinished. If a computation fails, it ends at once, even before the ones that it
-/// waits for. So the end of the latest does not mean that all have ended.
+/// Runs of a plan that may be unfinished. A run that fails ends at once, even before the runs that it waits for. So the
+/// end of the latest does not mean that all have ended.
 class Runs {
 public:
-    /// commands: those before the end. Their events are held until the run ends: PoCL 3.1 aborts if an event fails
-    /// while released events wait for it.
-    void add(cl::Event end, std::vector<cl::Event> commands = {}) {
-        forget_ended();
-        running_.push_back({std::move(end), std::move(commands)});
+    void add(const scan::CommandChain& commands) {
+        while (!running_.empty() && running_.front().is_over()) running_.pop_front();
+        running_.push_back({commands.last(), commands.awaited()});
+        running_.back().events.insert(running_.back().events.end(), commands.events().begin(), commands.events().end());
     }
 
-    /// The event that the next computation must wait for: the latest that has not ended. Null if all have ended.
-    cl::Event latest() {
-        forget_ended();
-        return running_.empty() ? cl::Event() : running_.back().end;
+    /// The event that the next run must wait for: the end of the latest that has not ended. Null if all have ended.
+    cl::Event latest() const {
+        const auto last = std::find_if(running_.rbegin(), running_.rend(),
+                                       [](const Run& run) { return !device::has_ended(run.end); });
+        return last == running_.rend() ? cl::Event() : last->end;
     }
 
     /// Waits for all of them, whether they fail or not. Returns the error of a wait that could not be made.
     cl_int wait() noexcept {
         for (; !running_.empty(); running_.pop_front()) {
-            if (device::has_ended(running_.front().end)) continue;
-            const cl_int code = clWaitForEvents(1, &running_.front().end());
-            if (code != CL_SUCCESS && code != CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return code;
+            Run& run = running_.front();
+            if (!device::has_ended(run.end)) {
+                const cl_int code = clWaitForEvents(1, &run.end());
+                if (code != CL_SUCCESS && code != CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST) return code;
+            }
+            if (!run.is_over()) keep_for_good(run);
         }
         return CL_SUCCESS;
     }
 
 private:
-    void forget_ended() {
-        while (!running_.empty() && device::has_ended(running_.front().end)) running_.pop_front();
-        while (!running_.empty() && device::has_ended(running_.back().end)) running_.pop_back();
-    }
-
+    /// PoCL 3.1 ends the process if an event ends for which a failed command waited whose own event was released. So a
+    /// run has the events of its commands, and is not forgotten before all that they waited for have ended.
     struct Run {
         cl::Event end;
-        std::vector<cl::Event> commands;
+        std::vector<cl::Event> events;  // of the commands, and those that they waited for
+
+        bool is_over() const { return std::all_of(events.begin(), events.end(), device::has_ended); }
     };
     std::deque<Run> running_;  // in their order
 };

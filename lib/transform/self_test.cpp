@@ -85,7 +85,8 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
         const auto between = [&](double) {
             if (watch.begins) watch.begins();
         };
-        plan.enqueue(context.queue(), memories.buffers(), {}, between);
+        CommandChain chain(context.queue(), {});
+        plan.enqueue(chain, memories.buffers(), between);
         memories.enqueue_handover(context.queue());
         context.queue().finish();
         memories.read(context, context.queue());
@@ -206,9 +207,9 @@ bool test_once(const Device& device, const TestSubject& subject, const device::B
             if (!difference) return;
             throw Error(
                 ErrorCode::device_failure,
-                fmt::format("{} computes wrong fields, so it is not used: of a small field that is known, computed by "
-                            "the kernels \"{}\", {}. Its OpenCL compiler or driver is at fault: update it, or take "
-                            "another device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",
+                fmt::format("{} computes wrong fields, so it is not used. In a small known field, computed by the "
+                            "kernels \"{}\", {}. The OpenCL compiler or driver is at fault: update it, or take another "
+                            "device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",
                             device::one_line(context.identity()), subject.name, *difference));
         });
     }

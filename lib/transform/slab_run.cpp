@@ -21,7 +21,6 @@ public:
           outputs_(outputs),
           wanted_(wanted),
           pipeline_(pipeline),
-          call_(call),
           caller_(call),
           compiling_(caller_, state.options.log) {}
 
@@ -56,6 +55,7 @@ public:
             }
             pipeline_.deliver(slot, slab);
             done_ += slab.sample_count();
+            has_room_ = false;
         }
         finish();
     }
@@ -65,9 +65,9 @@ private:
     void prepare(bool is_whole) {
         const std::scoped_lock lock(state_.mutex);
         caller_.throw_if_stopped();
-        state_.compile(grid_, band_, outputs_, call_.count, compiling_);
+        state_.compile(grid_, band_, outputs_, caller_.options().count, compiling_);
         state_.pool->restart_peak();
-        if (is_whole) plan_ = state_.take_plan(grid_, band_, outputs_, wanted_, call_.count);
+        if (is_whole) plan_ = state_.take_plan(grid_, band_, outputs_, wanted_, caller_.options().count);
         if (!plan_) make_inputs();
     }
 
@@ -93,7 +93,8 @@ private:
             // A part of the grid needs a part of what the grid needs.
             transform::Inputs inputs = inputs_;
             if (is_part) state_.stages->select(slab, scan::layout_of(slab, band_, state_.sign), inputs);
-            plan_ = state_.make_plan(std::move(inputs), slab, band_, outputs_, wanted_, caller_, compiling_);
+            plan_ = state_.make_plan(std::move(inputs), slab, band_, outputs_, wanted_, caller_.options().count,
+                                     caller_, compiling_);
         }
         caller_.throw_if_stopped();
         const auto share = [&](std::size_t samples) {
@@ -116,7 +117,8 @@ private:
             };
         device::guarded([&] {
             try {
-                plan_->enqueue(context.queue(), slot.buffers(), {}, between);
+                scan::CommandChain chain(context.queue(), {});
+                plan_->enqueue(chain, slot.buffers(), between);
                 slot.enqueue_handover(context.queue());
                 context.queue().finish();
                 plan_->read_counters();
@@ -150,10 +152,10 @@ private:
             statistics_.device_bytes = state_.pool->peak();
             statistics_.host_bytes = pipeline_.host_bytes();
             inputs_ = {};
-            if (plan_) state_.keep(std::move(plan_), call_.count);
+            if (plan_) state_.keep(std::move(plan_), caller_.options().count);
         }
         caller_.progress(1.0);
-        if (call_.statistics != nullptr) *call_.statistics = statistics_;
+        if (TransformStatistics* const wanted = caller_.options().statistics) *wanted = statistics_;
     }
 
     KeepsBudget keeps_budget_;  // destroyed last, when the other members have released their memory
@@ -163,14 +165,13 @@ private:
     const Outputs& outputs_;
     std::span<const Grid> wanted_;
     scan::SlabPipeline& pipeline_;
-    const CallOptions& call_;
     transform::Caller caller_;
     transform::Compiling compiling_;
     transform::Inputs inputs_;  ///< of the whole grid
     std::unique_ptr<transform::GridPlan> plan_;
     TransformStatistics statistics_;
     std::size_t done_ = 0;   ///< samples
-    bool has_room_ = false;  ///< a slab that cannot be divided was tried again
+    bool has_room_ = false;  ///< the present slab cannot be divided, and is tried again
 };
 
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
@@ -183,7 +184,7 @@ void DistanceTransform::State::compute(const Grid& grid, const Band& band, const
 void DistanceTransform::State::compute(const Grid& grid, const Band& band, const Outputs& outputs,
                                        const scan::HostTargets& targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);
-    stages->check(grid, band, sign);
+    check(grid, band, outputs);
     const bool in_place = targets.are_packed();
     const auto store = [&](const Grid& part, const scan::HostArrays& values) { targets.store(part, values); };
     const scan::SlabLimits limits =

@@ -145,8 +145,28 @@ Stages::~Stages() {
     wait_for_readers();
 }
 
+class Stages::ReaderMark {
+public:
+    explicit ReaderMark(Stages& stages) : stages_(stages) {}
+    ReaderMark(const ReaderMark&) = delete;
+    ReaderMark& operator=(const ReaderMark&) = delete;
+    ~ReaderMark() {
+        if (!stages_.context_.capabilities().is_processor) return;
+        cl_event mark = nullptr;
+        stages_.is_last_reader_known_ =
+            clEnqueueMarkerWithWaitList(stages_.context_.queue()(), 0, nullptr, &mark) == CL_SUCCESS;
+        stages_.last_reader_ = cl::Event(mark);
+    }
+
+private:
+    Stages& stages_;
+};
+
 void Stages::wait_for_readers() {
-    if (!frusta_ || !context_.capabilities().is_processor || context_.drain()) return;
+    if (!frusta_) return;
+    if (is_last_reader_known_ && (device::has_ended(last_reader_) || clWaitForEvents(1, &last_reader_()) == CL_SUCCESS))
+        return;
+    if (context_.drain()) return;
     keep_for_good(faces_);
     keep_for_good(frusta_);
 }
@@ -193,6 +213,7 @@ std::optional<PreparedMesh> Stages::make_frusta(const polyhedra::LatticeView* la
         return std::nullopt;
     }
     const DeviceSetUp job = set_up();
+    const ReaderMark mark(*this);
     if (!frusta_sources_) frusta_sources_ = std::make_shared<const FrustaSources>(job, topology());
     MadeFrusta made = frusta_by_kernels(job, names(), frusta_sources_, mesh_, lattice);
     frusta_.emplace(std::move(made.frusta));
@@ -222,8 +243,10 @@ PreparedMesh Stages::all_records(const polyhedra::LatticeView& lattice) {
 
 PreparedMesh Stages::records(const polyhedra::LatticeView& lattice, std::span<const polyhedra::RecordRange> of_faces,
                              std::span<const polyhedra::RecordRange> of_sites) {
-    if (const auto faces = device_faces(lattice))
+    if (const auto faces = device_faces(lattice)) {
+        const ReaderMark mark(*this);
         return records_on_device(set_up(), *faces, topology(), frusta(), lattice, of_faces, of_sites);
+    }
     return records_by_host(context_, pool_, topology(), frusta(), lattice, of_faces, of_sites);
 }
 
@@ -337,9 +360,12 @@ void Stages::set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, I
         if (!lone) kept.faces_swept += near->face_count;
         return;
     }
-    if (!kept.sweep_mesh)
-        kept.sweep_mesh = std::make_shared<const SweepMesh>(
-            make_sweep_mesh(context_, pool_, grid, mesh_, set_up(), device_faces(lattice_of(grid))));
+    if (!kept.sweep_mesh) {
+        const auto faces = device_faces(lattice_of(grid));
+        const ReaderMark mark(*this);
+        kept.sweep_mesh =
+            std::make_shared<const SweepMesh>(make_sweep_mesh(context_, pool_, grid, mesh_, set_up(), faces));
+    }
     inputs.sweep_mesh = kept.sweep_mesh;
     if (near) inputs.sweep_selection = select_triangles(context_, *kept.sweep_mesh, topology(), *near);
 }

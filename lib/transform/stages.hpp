@@ -165,6 +165,9 @@ private:
     };
 
     const polyhedra::ClusterIndex& index();
+    /// Marks the end of the commands so far, in its destructor: what was enqueued since it was made may read the
+    /// frusta.
+    class ReaderMark;
     /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
     void wait_for_readers();
     DeviceSetUp set_up() const { return {context_, pool_, options_.set_up.program, options_.set_up.lanes}; }
@@ -206,6 +209,8 @@ private:
     std::optional<polyhedra::ClusterIndex> index_;  // of the frusta; a grid around the whole mesh needs none
     std::shared_ptr<const DeviceFaces::Names> names_;
     std::shared_ptr<const DeviceFaces> faces_;
+    cl::Event last_reader_;  // of the frusta, on a processor
+    bool is_last_reader_known_ = true;
     DeviceSites sites_;
     std::optional<bool> encloses_negative_volume_;
     std::shared_ptr<const points::PointMesh> points_;

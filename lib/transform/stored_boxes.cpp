@@ -71,7 +71,7 @@ BoxStore::BoxStore(const device::Context& context, const cl::Program& program, c
 }
 
 void BoxStore::write(CommandChain& chain, std::span<const Place> places) {
-    // A write that failed, with the run it belonged to, left the boxes of before, or some of them.
+    // If the last write failed, the device may have old boxes. Then all are written again.
     const bool is_known =
         last_write_() == nullptr || last_write_.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() >= CL_COMPLETE;
     for (std::size_t n = 0; n < places.size(); ++n) {

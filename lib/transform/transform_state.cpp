@@ -154,10 +154,14 @@ bool DistanceTransform::State::test(const transform::TestCase& test_case, transf
     return is_tested_here;
 }
 
+void DistanceTransform::State::check(const Grid& grid, const Band& band, const Outputs& outputs) const {
+    if (options.method) options.method->check_outputs(outputs);
+    stages->check(grid, band, sign);
+}
+
 bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
                                        transform::Compiling& compiling) const {
     device::context_of(device).require_usable();
-    if (options.method) options.method->check_outputs(outputs);
     transform::TestCase test_case = test_case_of(grid, band, outputs, count);
     transform::TestCase large = test_case;
     large.is_large = true;
@@ -168,7 +172,6 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
 
 transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs,
                                                    bool lone) {
-    stages->check(grid, band, sign);
     return make_room_for([&] { return make_inputs(grid, band, outputs, lone); });
 }
 
@@ -183,16 +186,16 @@ transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const 
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
     transform::Inputs inputs, const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
-    transform::Caller& caller, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
+    bool count, transform::Caller& caller, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
     if (!from) from = pool;
     auto plan = std::make_unique<transform::GridPlan>(
         device, from, programs, std::move(inputs), grid, band, sign, outputs,
-        transform::PlanOptions{caller.options().count, options.method, {wanted.begin(), wanted.end()}},
+        transform::PlanOptions{count, options.method, {wanted.begin(), wanted.end()}},
         [&caller] { caller.throw_if_stopped(); });
     // Only the sweep sees whether triangles are large, and only the stages whether records are made of kept frusta.
     const bool is_later = plan->inputs.records->is_later;
     if (plan->has_large_triangles || is_later) {
-        transform::TestCase found = test_case_of(grid, band, outputs, caller.options().count);
+        transform::TestCase found = test_case_of(grid, band, outputs, count);
         found.is_large = plan->has_large_triangles;
         found.is_later = is_later;
         test(found, compiling);
@@ -230,8 +233,13 @@ void DistanceTransform::State::keep_within_budget() {
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;
     for (auto kept = plans.begin(); kept != plans.end();) {
-        bytes += bytes_of(*kept->plan);
-        kept = bytes > budget ? plans.erase(kept) : std::next(kept);
+        const std::size_t more = bytes_of(*kept->plan);
+        if (bytes + more > budget) {
+            kept = plans.erase(kept);
+        } else {
+            bytes += more;
+            ++kept;
+        }
     }
     if (lattices > budget) stages->keep_within(budget);
 }

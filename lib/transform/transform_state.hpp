@@ -47,6 +47,9 @@ struct DistanceTransform::State {
     void move(std::span<const Vec3> positions);
     void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
+    /// Throws if a computation of such a field is refused, whatever the device does.
+    void check(const Grid& grid, const Band& band, const Outputs& outputs) const;
+
     /// Builds and tests, the first time, what such a computation runs on the device.
     bool compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
                  transform::Compiling& compiling) const;
@@ -55,7 +58,7 @@ struct DistanceTransform::State {
     transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone = false);
     /// wanted: see PlanOptions. from: where its buffers are taken; null: the transform's pool.
     std::unique_ptr<transform::GridPlan> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
-                                                   const Outputs& outputs, std::span<const Grid> wanted,
+                                                   const Outputs& outputs, std::span<const Grid> wanted, bool count,
                                                    transform::Caller& caller, transform::Compiling& compiling,
                                                    std::shared_ptr<device::BufferPool> from = nullptr);
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
@@ -126,9 +129,10 @@ struct DistanceTransform::State {
 
     // plans.cpp
     /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
-    /// outputs_without_targets: see PlanState.
+    /// outputs_without_targets and counts: see PlanState.
     std::unique_ptr<transform::PlanState> plan(bool has_own_pool, std::vector<Request> requests,
-                                               std::optional<Outputs> outputs_without_targets, const CallOptions& call);
+                                               std::optional<Outputs> outputs_without_targets, const CallOptions& call,
+                                               bool counts = false);
     /// Makes the blocks of a plan anew, for these requests.
     void plan(transform::PlanState& made, std::vector<Request> requests, std::optional<Outputs> outputs_without_targets,
               const CallOptions& call);

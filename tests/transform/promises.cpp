@@ -263,6 +263,33 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_restricted_is_refused) {
         }
 }
 
+// A method that gives the distance and the triangle alone refuses a gradient before anything is done.
+BOOST_AUTO_TEST_CASE(what_a_method_cannot_give_is_refused_before_anything_changes) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform slices(test_device(), mesh, {.method = papers_method({.scan = Scan::slices})});
+    const Grid grid = grid_around(mesh, 16, 2);
+    const Band band = Band::symmetric(2 * grid.voxel());
+    const std::size_t samples = grid.sample_count();
+
+    std::vector<float> first(samples, 77), second(samples, 77), gradient(3 * samples, 77);
+    const std::vector<Request> on_host{{grid, band, {.distance = first}},
+                                       {grid, band, {.distance = second, .gradient = gradient}}};
+    check_throws(ErrorCode::unsupported, {"request 1 of 2", "gradient"}, [&] { slices.compute(on_host); });
+    for (const std::vector<float>* array : {&first, &second, &gradient})
+        BOOST_TEST(std::ranges::all_of(*array, [](float value) { return value == 77; }));
+
+    const device::Context& context = device::context_of(test_device());
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, samples * sizeof(float)),
+        gradients(context.context(), CL_MEM_READ_WRITE, 3 * samples * sizeof(float));
+    Plan plan = slices.plan(Request{grid, band, {.distance = memory()}});
+    const Request refused{grid, band, {.distance = memory(), .gradient = gradients()}};
+    check_throws(ErrorCode::unsupported, {"gradient"}, [&] { plan.replan(slices, {&refused, 1}); });
+    cl::Event(plan.enqueue(nullptr)).wait();
+    std::vector<float> values(samples);
+    context.callers_queue().enqueueReadBuffer(memory, CL_TRUE, 0, samples * sizeof(float), values.data());
+    BOOST_TEST((bits_of(values) == bits_of(slices(grid, band).distance)));
+}
+
 BOOST_AUTO_TEST_CASE(slabs_are_handed_out_as_they_are_foretold) {
     const DistanceTransform transform(test_device(), make_shape("sphere2"));
     Grid large = grid_around(make_shape("sphere2"), 720, 4);

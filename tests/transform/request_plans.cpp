@@ -391,7 +391,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_run_of_a_plan_of_boxes_cannot_write_to_are_n
     };
     check_throws(ErrorCode::unsupported, {"request 0 of 2", "begins at byte 4"},
                  [&] { enqueue({.distance = shifted}, {.distance = doubles}); });
-    check_throws(ErrorCode::unsupported, {"request 1 of 2", "other elements"},
+    check_throws(ErrorCode::unsupported, {"request 1 of 2", "another type of elements"},
                  [&] { enqueue({.distance = packed}, {.distance = of_fine.handle()}); });
     check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "distance has no target"},
                  [&] { enqueue({.distance = packed}, {}); });
@@ -424,7 +424,7 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_one_grid_cannot_write_to_are_named) 
                      [&] { plan.enqueue(nullptr, {.distance = target}); });
     }
     Plan copying = transform.plan({grid, band, {.distance = shifted}});
-    check_throws(ErrorCode::unsupported, {"output distance", "other elements"},
+    check_throws(ErrorCode::unsupported, {"output distance", "another type of elements"},
                  [&] { copying.enqueue(nullptr, {.distance = doubles}); });
     check_throws(ErrorCode::invalid_argument, {"triangle has a target"},
                  [&] { copying.enqueue(nullptr, {.distance = shifted, .triangle = memory.handle()}); });

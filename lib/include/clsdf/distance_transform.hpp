@@ -97,16 +97,17 @@ struct TransformStatistics {
     double fill_seconds = 0;
 };
 
-/// Options of one call. Its functions run on the calling thread. They must not make or use transforms of the device; a
-/// call of the same transform is refused with Error(invalid_argument).
+/// Options of one call. Its functions run on the calling thread. They must not make or use transforms of the device;
+/// while a transform works, its calls are refused to them with Error(invalid_argument).
 struct CallOptions {
-    /// Called between launches of calls that compute. A plan has no progress: its runs do not return to the host.
+    /// Called between launches of calls that compute; with targets on the device only at the end, with 1. A plan has no
+    /// progress: its runs do not return to the host.
     std::function<void(double fraction)> progress{};
     /// Called before each step of building, loading and testing programs; while another process compiles them, again
     /// and again.
     std::function<void(const Compilation& compilation)> compiling{};
     std::function<bool()> should_stop{};        ///< asked between launches; if it says true, Error(cancelled) is thrown
-    bool count = false;                         ///< fill the statistics counted on the device; costs time
+    bool count = false;                         ///< fill the statistics counted on the device; costs time; not of plans
     TransformStatistics* statistics = nullptr;  ///< set at the end of a call that succeeds
 };
 
@@ -164,14 +165,15 @@ public:
     /// made without targets, after a failed move() or replan(), and for a queue or an event of another context.
     cl_event enqueue(cl_command_queue queue, std::span<const cl_event> wait_list = {});
 
-    /// The same into other targets, one for each request, in this run only: for codes with two sets of arrays. The
-    /// outputs are those of the plan. If a request's target was packed and aligned (OutputTarget::offset), as it is for
-    /// a plan without targets, the other one must be, too. Instead of any other target there may be one of any offset
-    /// and strides, with the same elements; each box whose place in its buffer differs from the run before costs a
-    /// small command.
+    /// Enqueues one run that writes to other targets: one OutputTargets for each request. This is for codes that swap
+    /// two sets of arrays. The outputs are those of the plan. If a request's target is packed and aligned
+    /// (OutputTarget::offset), the new target must be so, too; a plan without targets takes only such targets. In the
+    /// place of any other target the new one may have any offset and strides, but the same elements. A copied box whose
+    /// offset or strides differ from those of the run before costs one small command.
     ///
     /// Also throws Error(invalid_argument) if there are not as many targets as requests, and for memory that is
-    /// missing, read-only, too small or no buffer; Error(unsupported) for other targets. Then nothing is enqueued.
+    /// missing, read-only, too small or no buffer; Error(unsupported) for other targets; Error(out_of_memory) for
+    /// memory of the host. Then nothing is enqueued.
     cl_event enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,
                      std::span<const cl_event> wait_list = {});
     /// The same of a plan with one request.
@@ -180,14 +182,15 @@ public:
     /// Prepares the next runs for the present positions of `transform`, which made the plan or has its Device. If
     /// `grids` is not empty, it has a grid for each request, of any lattice, whose samples fit the request's target.
     /// Blocks: waits for the last run, and replaces the plan's buffers, so that enqueue() need not. The bytes are those
-    /// of a new plan. Throws Error(invalid_argument, out_of_memory or cancelled). If a grid is refused, the plan stays
-    /// as it was. After any other error it must be moved again before enqueue().
+    /// of a new plan. Throws Error(invalid_argument, out_of_memory, device_failure or cancelled). If a grid is refused,
+    /// the plan stays as it was. After any other error it must be moved again before enqueue().
     void move(const DistanceTransform& transform, std::span<const Grid> grids = {}, const CallOptions& call = {});
     /// The same with other requests, any number of them: the boxes of a mesh that was refined anew. The plan uses its
-    /// buffers again where they are large enough. If a request is refused, the plan stays as it was.
+    /// buffers again if they are large enough. If a request is refused, also with Error(unsupported), the plan stays as
+    /// it was.
     void replan(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call = {});
 
-    /// device_bytes: what the plan has on the device, beside the polyhedra that it shares with the transform.
+    /// device_bytes: what the plan has on the device, beside the polyhedra that the transform keeps, too.
     const TransformStatistics& statistics() const;
 
 private:
@@ -351,7 +354,7 @@ public:
     KeptMemory memory() const;
 
     /// A plan of one grid, without targets: each Plan::enqueue() gets them. They must be packed and aligned. Blocks;
-    /// sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory or cancelled).
+    /// sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory, device_failure or cancelled).
     Plan plan(const Grid& grid, const Band& band, const Outputs& outputs = {}, const CallOptions& call = {}) const;
 
     /// The same for the request's targets, buffers of the device's context. Offsets and strides are multiples of the
@@ -360,8 +363,8 @@ public:
     Plan plan(const Request& request, const CallOptions& call = {}) const;
 
     /// The same for many boxes, as compute() has them. The targets must not overlap, and must outlive the plan. Boxes
-    /// that share a block with other boxes are copied, too. Throws Error(invalid_argument, unsupported, out_of_memory
-    /// or cancelled), with the request's index.
+    /// that share a block with other boxes are copied, too. Throws Error(invalid_argument, unsupported, out_of_memory,
+    /// device_failure or cancelled), with the request's index.
     Plan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
 
     /// The statistics().device_bytes of such a plan, which is made and given back. Takes as long as plan().
