@@ -1,5 +1,6 @@
 # The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, io,
-# papers, picture, reference), and so is the command; headers, package files and what else a compiler needs are in development.
+# papers, picture, reference), and so is the command; headers, package files and what else a compiler needs are in
+# development.
 include(CMakePackageConfigHelpers)
 
 set(package_directory ${CMAKE_INSTALL_LIBDIR}/cmake/clsdf)

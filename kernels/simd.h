@@ -8,9 +8,9 @@
 #ifndef CLSDF_SIMD_H
 #define CLSDF_SIMD_H
 
-// With vectors, arguments in memory cost more than these functions' own work. With LANES 1, compilers for GPUs inline
-// by themselves; "static" keeps a body for the calls of those that do not. The host defines PLAIN_INLINE for a compiler
-// that needs C99's "inline" alone.
+// On processors, vectors that are passed through memory cost more than the work of these functions, so all are inlined.
+// With LANES 1 the compiler decides; "static" gives a body to compilers that do not inline. The host defines
+// PLAIN_INLINE for a compiler that takes C99's "inline" alone.
 #if LANES != 1
 #define INLINE static inline __attribute__((always_inline))
 #elif defined(PLAIN_INLINE)

@@ -13,7 +13,8 @@
 #include <xlocale.h>
 #endif
 
-/// Texts to floats and doubles. All is in the header, because the command cannot link hidden functions of the library.
+/// Parsing of floats and doubles. All is in the header, because the command cannot link hidden functions of the
+/// library.
 namespace clsdf {
 
 namespace detail {

@@ -16,8 +16,9 @@ void CL_CALLBACK free_host_memory(cl_mem, void* memory) {
     free_large_memory(memory);
 }
 
-/// A large buffer of a processor lies on huge pages: kernels read records all over it. Of other devices a command uses
-/// the buffer at once: some drivers allocate it at its first use, and a lack of memory is to appear here.
+/// A large buffer of a processor lies on huge pages: kernels read records all over it. On other devices a
+/// fill of one byte uses each new buffer at once. Some drivers allocate a buffer at its first use only; so a lack of
+/// memory is reported here, not later.
 cl::Buffer make_buffer(const Context& context, std::size_t bytes) {
     const bool is_processor = context.capabilities().is_processor;
     if (!is_processor || bytes < large_memory_bytes) {

@@ -22,8 +22,8 @@ namespace clsdf {
 
 namespace {
 
-/// Rounding to nearest and no traps for as long as this lives. The threads of a driver on the processor have the
-/// floating-point environment of the thread that starts them, and kernels divide by zero and round.
+/// Rounding to nearest and no traps during its lifetime. The threads of a driver for processors inherit the
+/// floating-point environment of the thread that starts them. Kernels divide by zero, and rely on that rounding.
 class DefaultEnvironment {
 public:
     DefaultEnvironment() {
@@ -196,7 +196,9 @@ std::string empty_platforms() {
         // The others are not named.
     }
     if (text.empty()) return text;
-    return text + "; a GPU needs access to the files in /dev/dri (AMD's also /dev/kfd), often by the group render";
+    return text +
+           "; a GPU needs access to the files in /dev/dri (AMD's also to /dev/kfd); on most systems, join the group "
+           "render";
 }
 
 Error no_device_found() {

@@ -12,10 +12,11 @@ namespace clsdf::points {
 
 /// The sign on either side of each face, on the device: CLSDF_SIDES_ bits of kernels/point_tree.h.
 ///
-/// A point's way to its nearest point of the surface meets no other face. So the side of the face tells its sign. A
-/// face has known sides if all faces that share no vertex with it are farther away than all rounding, and if it is not
-/// folded onto a neighbour. Then the fronts of neighbouring faces belong to one region, and the crossings of one point
-/// decide the sign of all of them. docs/method.md, 'Sides of faces', proves it.
+/// The segment from a point to its closest point meets no other face. So the sign of the point follows from the side
+/// of its nearest face on which it lies. A face has known sides if all faces that share no vertex with it are farther
+/// away than all rounding, and if it is not folded onto a neighbour. Then the front sides of neighbouring faces bound
+/// one region, and the crossings of one point decide the sign of all these sides. docs/method.md, 'Sides of faces',
+/// proves it.
 struct FaceSides {
     device::BufferPool::Lease sides;
     std::size_t known = 0;  ///< faces whose sides are

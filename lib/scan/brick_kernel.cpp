@@ -8,7 +8,7 @@ namespace clsdf::scan {
 
 namespace {
 
-// In a launch: 64 groups of 128 work-items each, where drivers count work-items in 32 bits.
+// In a launch. Each has 64 groups of 128 work-items, and some drivers count work-items in 32 bits.
 constexpr cl_uint most_coarse_bricks = 1U << 17;
 
 }  // namespace

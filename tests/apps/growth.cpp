@@ -1,8 +1,8 @@
 // No subcommand that reads a mesh takes time that grows with the square of the faces at a vertex or an edge. Processor
 // time is compared at three sizes, each four times the one before: the increments grow by 4 if time is linear, by 16 if
-// it is quadratic. `query` is given as many points as faces. There is one exception: a point that is nearest to many
-// faces at once, as to faces that coincide or to those of a cone around its axis, is compared with each of them. There
-// the number of points stays the same. `slice` and `render` read fields, whose size the faces do not change.
+// it is quadratic. `query` is given as many points as faces. One exception: if many faces are equally near to a
+// point, it is compared with each of them, as with faces that coincide, and on the axis of a cone. There the number of
+// points stays the same. `slice` and `render` read fields, whose size the faces do not change.
 #include "apps/process.hpp"
 
 #include <clsdf/io.hpp>

@@ -80,7 +80,9 @@ public:
     /// The value of CLSDF_DEVICE that preferred() uses; empty if it is not set.
     static std::string environment_choice();
 
-    /// Retains the caller's objects. Error(invalid_argument) if they do not belong together, unsupported without fp64.
+    /// Retains the caller's objects. Throws Error(invalid_argument) if one is null or they do not belong together;
+    /// Error(unsupported) if the device has no OpenCL 1.2 or no double precision, or is known to fail;
+    /// Error(device_failure).
     static Device from_handles(cl_context context, cl_device_id id, cl_command_queue queue);
 
     /// The same device with limits, with a context and a queue of its own. Programs are kept and tested as those of
