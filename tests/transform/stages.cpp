@@ -4,6 +4,7 @@
 #include "support/test_meshes.hpp"
 #include "support/throws.hpp"
 
+#include "device/context.hpp"
 #include "polyhedron.h"
 
 #include <algorithm>
