@@ -19,6 +19,13 @@ clsdf_require(CGAL libcgal-dev CONFIG)
 clsdf_require(Eigen3 libeigen3-dev CONFIG)
 clsdf_require(TBB libtbb-dev CONFIG)
 clsdf_require(fmt libfmt-dev CONFIG)
+# A system's fmt is compiled for the types of its standard library, which on Linux is not libc++.
+include(CheckCXXSymbolExists)
+check_cxx_symbol_exists(_LIBCPP_VERSION version CLSDF_HAS_LIBCXX)
+set(CLSDF_FMT fmt::fmt)
+if(CLSDF_HAS_LIBCXX)
+  set(CLSDF_FMT fmt::fmt-header-only)
+endif()
 clsdf_require(OpenCL ocl-icd-opencl-dev)
 
 find_path(CLSDF_OPENCL_CXX_BINDING CL/opencl.hpp HINTS ${OpenCL_INCLUDE_DIRS})

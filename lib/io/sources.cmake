@@ -28,7 +28,7 @@ target_compile_options(clsdf_io PRIVATE -ffp-contract=off -fno-math-errno -fno-s
 target_link_libraries(
   clsdf_io
   PUBLIC clsdf::clsdf
-  PRIVATE $<BUILD_INTERFACE:clsdf_internals> TBB::tbb fmt::fmt $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> $<BUILD_INTERFACE:clsdf_warnings>
+  PRIVATE $<BUILD_INTERFACE:clsdf_internals> TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> $<BUILD_INTERFACE:clsdf_warnings>
           $<BUILD_INTERFACE:EXPAT::EXPAT> $<BUILD_INTERFACE:clsdf_hdf5> $<INSTALL_INTERFACE:expat>
           $<INSTALL_INTERFACE:${CLSDF_HDF5_NAME}>)
 if(CLSDF_WITH_OPENVDB)

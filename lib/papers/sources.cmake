@@ -24,7 +24,7 @@ target_compile_options(clsdf_papers PRIVATE -ffp-contract=off -fno-math-errno -f
 target_link_libraries(
   clsdf_papers
   PUBLIC clsdf::clsdf
-  PRIVATE $<BUILD_INTERFACE:clsdf_internals> OpenCL::OpenCL TBB::tbb fmt::fmt $<BUILD_INTERFACE:CGAL::CGAL> $<BUILD_INTERFACE:Eigen3::Eigen>
+  PRIVATE $<BUILD_INTERFACE:clsdf_internals> OpenCL::OpenCL TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:CGAL::CGAL> $<BUILD_INTERFACE:Eigen3::Eigen>
           $<BUILD_INTERFACE:clsdf_warnings> $<INSTALL_INTERFACE:mpfr> $<INSTALL_INTERFACE:gmp>)
 # Only the LGPL parts of CGAL, as in the library proper.
 target_compile_definitions(clsdf_papers PRIVATE CGAL_LICENSE_ERROR=1)

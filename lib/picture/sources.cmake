@@ -22,5 +22,5 @@ target_compile_options(clsdf_picture PRIVATE -ffp-contract=off)
 target_link_libraries(
   clsdf_picture
   PUBLIC clsdf::clsdf
-  PRIVATE $<BUILD_INTERFACE:clsdf_internals> OpenCL::OpenCL TBB::tbb fmt::fmt $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
+  PRIVATE $<BUILD_INTERFACE:clsdf_internals> OpenCL::OpenCL TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:PkgConfig::cairo> $<BUILD_INTERFACE:clsdf_warnings>
           $<INSTALL_INTERFACE:cairo>)

@@ -20,5 +20,5 @@ target_compile_options(clsdf_reference PRIVATE -ffp-contract=off)
 target_link_libraries(
   clsdf_reference
   PUBLIC clsdf::clsdf
-  PRIVATE $<BUILD_INTERFACE:clsdf_internals> TBB::tbb fmt::fmt $<BUILD_INTERFACE:CGAL::CGAL> $<BUILD_INTERFACE:Eigen3::Eigen> $<BUILD_INTERFACE:clsdf_warnings> $<INSTALL_INTERFACE:mpfr>
+  PRIVATE $<BUILD_INTERFACE:clsdf_internals> TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:CGAL::CGAL> $<BUILD_INTERFACE:Eigen3::Eigen> $<BUILD_INTERFACE:clsdf_warnings> $<INSTALL_INTERFACE:mpfr>
           $<INSTALL_INTERFACE:gmp>)

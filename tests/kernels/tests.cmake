@@ -1,7 +1,7 @@
 # The programs as a GPU's compiler gets them, for the test below and for scripts/gpu-compile.
 add_executable(write_programs ${CMAKE_CURRENT_LIST_DIR}/write_programs.cpp)
 target_link_libraries(write_programs PRIVATE clsdf::clsdf clsdf::papers clsdf_papers_internals clsdf_internals clsdf_warnings Eigen3::Eigen OpenCL::OpenCL
-                                             TBB::tbb fmt::fmt)
+                                             TBB::tbb ${CLSDF_FMT})
 if(CLSDF_BUILD_PICTURE)
   target_compile_definitions(write_programs PRIVATE CLSDF_TEST_PICTURE)
   target_link_libraries(write_programs PRIVATE clsdf::picture clsdf_picture_internals)
