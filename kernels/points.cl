@@ -255,7 +255,7 @@ __kernel void finish_points(__global const double* points, __global const uint* 
         is_within = length <= within;
         if (is_within && sign != CLSDF_POINT_UNDECIDED) {
             // Zero is for points on the surface: beside it, rounding may leave nothing of the length.
-            const float rounded = is_on_surface ? 0.0f : GREATER((float)length, FLT_MIN);
+            const float rounded = is_on_surface ? 0.0f : (float)length > 0.0f ? (float)length : as_float(1u);
             distance[place] = inside ? -rounded : rounded;
             nearest.sign = inside ? -1.0 : 1.0;
             if (how.wanted != 0) store_outputs(&finishing, &nearest, place);

@@ -25,6 +25,8 @@ constexpr double least_altitude = 1e-5;  // of a face
 constexpr double least_sine = 1e-3;      // of a face's angles
 // Sine of an angle between faces with a common vertex or edge.
 constexpr double least_angle = 1e-2;
+// Faces at a vertex: all pairs of them are compared.
+constexpr std::size_t most_in_fan = 256;
 // Cosine between a vertex' pseudonormal and the normals of its faces: 44 degrees.
 constexpr double least_cosine_at_vertex = 0.7193;
 // A point in front of a face whose crossings are counted: nearer than other faces are.
@@ -127,7 +129,10 @@ public:
         for_each_index(count, [&](std::size_t face) {
             shapes_[face] = shape_of(mesh_, face);
             const Shape& shape = shapes_[face];
-            if (!(shape.altitude > std::max(least_altitude, least_sine * shape.longest))) is_spoilt_[face] = 1;
+            const bool is_sliver = !(shape.altitude > std::max(least_altitude, least_sine * shape.longest));
+            const bool is_in_a_large_fan = std::ranges::any_of(
+                vertices(face), [&](std::uint32_t vertex) { return topology_.rings.size(vertex) > most_in_fan; });
+            is_spoilt_[face] = is_sliver || is_in_a_large_fan ? 1 : 0;
         });
     }
 
@@ -144,10 +149,14 @@ public:
 private:
     const Triangle& vertices(std::size_t face) const { return topology_.faces.triangles[face]; }
 
+    /// Each pair of which one face at least is not spoilt from the start. Large fans and slivers have too many pairs.
     void compare_all() {
+        const std::vector<std::uint8_t> at_first = is_spoilt_;
         for_each_index(mesh_.face_count(), [&](std::size_t face) {
+            if (at_first[face] != 0) return;
             visit_faces(mesh_, face_box(mesh_, face), [&](std::size_t other) {
-                if (other > face && !is_harmless(face, other)) {
+                const bool is_once = other > face || at_first[other] != 0;
+                if (other != face && is_once && !is_harmless(face, other)) {
                     spoil(face);
                     spoil(other);
                 }

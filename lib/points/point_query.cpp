@@ -184,13 +184,14 @@ private:
 
 }  // namespace
 
-void check_points(const PointMesh& mesh, std::span<const Vec3> points) {
-    const double far = scan::farthest * mesh.lattice.unit;
+void check_points(const Box& box, std::span<const Vec3> points) {
+    const double longest = box.longest_side();
+    const double far = scan::farthest * (longest > 0 ? longest / 256 : 1);
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec3& p = points[i];
         bool is_usable = true;
         for (std::size_t axis = 0; axis < 3; ++axis)
-            is_usable = is_usable && std::abs(p[axis] - mesh.lattice.origin[axis]) < far;
+            is_usable = is_usable && p[axis] >= box.lower[axis] - far && p[axis] <= box.upper[axis] + far;
         if (is_usable) continue;
         const bool is_finite = std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
         throw Error(ErrorCode::invalid_argument,

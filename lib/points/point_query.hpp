@@ -36,8 +36,8 @@ struct PointTimes {
 /// Points that are computed at once. The memory that they take is bounded by it; results do not depend on it.
 inline constexpr std::size_t most_points = std::size_t{1} << 20;
 
-/// Throws Error(invalid_argument) that names the first point that is not finite or too far from the mesh.
-void check_points(const PointMesh& mesh, std::span<const Vec3> points);
+/// Throws Error(invalid_argument) that names the first point that is not finite or too far from the mesh's box.
+void check_points(const Box& box, std::span<const Vec3> points);
 
 /// The outputs of at most `most_points` points into packed arrays on the host. `between`, which may be empty and may
 /// throw, is called between launches with the fraction done. Throws Error(device_failure or out_of_memory).

@@ -60,6 +60,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         const std::scoped_lock lock(mutex);
         device::context_of(device).require_usable();
         caller.throw_if_stopped();
+        points::check_points(mesh().box(), all);  // before anything is made
         if (stages->restriction() != nullptr) stages->restriction()->check(all, within);
         const Stopwatch compile_watch;
         const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
@@ -81,8 +82,6 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
                 compiling.first_use = true;
             compiling.seconds += test_watch.seconds();
         }
-        // Nothing is computed if a point is refused.
-        points::check_points(*inputs.mesh, all);
     }
     scan::OwnArrays own;
     std::size_t most = points::most_points, count = 0;

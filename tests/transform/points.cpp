@@ -413,6 +413,30 @@ BOOST_AUTO_TEST_CASE(a_mesh_without_extent_has_points_around_it) {
     BOOST_TEST(field.closest[6] == 1, boost::test_tools::tolerance(1e-12));
 }
 
+BOOST_AUTO_TEST_CASE(small_meshes_have_distances_below_the_normal_floats) {
+    for (const double side : {4e-36, 1e-32}) {
+        const Mesh mesh = box({0, 0, 0}, {side, side, side});
+        std::vector<Vec3> points;
+        for (const double voxels : {1e-4, 0.01, 0.3}) points.push_back({side / 2, side / 2, -voxels * side / 256});
+        const Field field = query(DistanceTransform(test_device(), mesh), points);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            BOOST_TEST(std::abs(static_cast<double>(field.distance[i]) + points[i][2]) <= 1e-5 * side / 256);
+    }
+}
+
+BOOST_AUTO_TEST_CASE(points_may_be_1e14_voxels_from_the_box) {
+    for (const double side : {1.0, 1.5, 1.99}) {
+        const DistanceTransform transform(test_device(), box({0, 0, 0}, {side, side, side}));
+        const double far = 0.99e14 * side / 256;
+        std::vector<Vec3> points{{side + far, 0.5, 0.5}, {0.5, -far, 0.5}};
+        const Field field = query(transform, points);
+        for (const float distance : field.distance)
+            BOOST_TEST(std::abs(static_cast<double>(distance) / far - 1) < 1e-6);
+        points[1][1] = -1.02 * far;
+        check_throws(ErrorCode::invalid_argument, {"point 1", "1e14 voxels"}, [&] { query(transform, points); });
+    }
+}
+
 BOOST_AUTO_TEST_CASE(errors_name_the_point_and_the_argument) {
     const Mesh mesh = cube(1);
     const DistanceTransform transform(test_device(), mesh);
