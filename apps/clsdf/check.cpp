@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <limits>
@@ -55,7 +56,11 @@ ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid)
 std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field) {
     const std::string name = std::filesystem::path(field.mesh_name).filename().string();
     if (name.empty() || name == std::filesystem::path(mesh).filename().string()) return {};
-    return fmt::format("the field says it was made from {}, and was held against {}", name, mesh);
+    // A file's text must not reach the terminal as it is.
+    std::string printable = name.substr(0, 80);
+    std::ranges::replace_if(
+        printable, [](unsigned char letter) { return letter < 0x20 || letter == 0x7F; }, '?');
+    return fmt::format("the field says it was made from '{}', and was held against {}", printable, mesh);
 }
 
 void print_human(const CheckReport& report, const clsdf::Field& field, double seconds) {

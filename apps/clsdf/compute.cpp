@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -182,6 +183,16 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
                                                               clsdf::Scan::slices, clsdf::Scan::brute_force}))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
+    if (scan != clsdf::Scan::bricks)
+        visit_extras(
+            [&](std::string_view name, bool wanted) {
+                if (wanted && name != "triangle")
+                    throw Error(ErrorCode::unsupported,
+                                fmt::format("--with: the scan {} does not know the output {}; use --scan bricks, or do "
+                                            "without",
+                                            name_of(scan), name));
+            },
+            outputs);
     if (!options.size.empty() || !options.origin.empty()) {
         stated_grid = parse_stated_grid(options);
         return;
@@ -202,7 +213,14 @@ Grid ComputeRequest::grid_around(const Box& box) const {
 
 Band ComputeRequest::band_on(const Grid& samples, const Box& box) const {
     const double extent = box.longest_side();
-    return {band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
+    const Band band{band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
+    for (const double half_width : {band.inside, band.outside})
+        if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("--band: a half width of {} is beyond the floats that distances are given in; "
+                                    "choose a narrower band, or full",
+                                    half_width));
+    return band;
 }
 
 namespace {
@@ -272,7 +290,8 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     transform.compile(layout.grid, layout.band, layout.outputs, call);
     result.device_name = device.name();
     result.device_platform = device.platform();
-    result.keeps_records = !device.record_folder().empty();
+    const std::string folder = device.record_folder();
+    result.keeps_records = !folder.empty() && ::access(folder.c_str(), W_OK | X_OK) == 0;
     const double setup_seconds = setup.seconds();
     progress.restart();
 
@@ -339,6 +358,10 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     warn(report, warning_of_format(layout, options.output));
     if (!report.quiet) print_layout(layout);
     if (options.dry_run) {
+        // The format may refuse the field. A pipe or a device is left alone.
+        std::error_code ignored;
+        if (!options.output.empty() && !std::filesystem::is_other(options.output, ignored))
+            clsdf::FieldWriter(options.output, describe_field(layout), layout.outputs);
         if (!report.quiet) print_memory(layout);
         if (device) report.print("device  {} ({})\n", device->name(), device->platform());
         warn(report, warning_of_memory(layout));

@@ -198,7 +198,7 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
     const clsdf::TransformStatistics& statistics = computation.statistics;
     if (statistics.first_use)
         print_text("setup   compiled the kernels for this device, {}, in {:.1f} s\n",
-                   computation.keeps_records ? "once" : "and do so in every run without a cache folder",
+                   computation.keeps_records ? "once" : "as every run does without a cache folder that it can write",
                    statistics.compile_seconds);
     print_text("done    computed in {:.3f} s: {} samples, {} of them within the band's limits; {} samples a second\n",
                computation.compute_seconds, human_count(samples),

@@ -185,9 +185,11 @@ ExitStatus CommandLine::run(int argument_count, char** arguments) {
     try {
         program_.parse(argument_count, arguments);
     } catch (const CLI::CallForVersion& request) {
+        report_.json = false;  // the text is the result
         print_result(std::string(request.what()) + '\n');
         return ExitStatus::done;
     } catch (const CLI::CallForHelp&) {
+        report_.json = false;
         print_result(program_.help());  // the subcommand's page, if there is one
         return ExitStatus::done;
     } catch (const CLI::ParseError& error) {

@@ -104,8 +104,14 @@ double half_width_of(const std::string& text, const Mesh& mesh) {
     const clsdf::Length length = parse_length("--half-width", text);
     if (length.is_infinite()) throw wrong("polyhedra have an end");
     if (length.unit == clsdf::Length::Unit::voxels) throw wrong("there are no voxels here");
-    const double result = length.resolve(0, mesh.box().longest_side());
+    const double side = mesh.box().longest_side(), result = length.resolve(0, side);
     if (!(result > 0)) throw wrong(fmt::format("'{}' is no positive length", text));
+    constexpr double most = 1e6;
+    if (result > most * side || result < side / most)
+        throw wrong(
+            fmt::format("'{}' is beyond {:g} times the longest side of the mesh, {:g}, or below it divided by "
+                        "as much",
+                        text, most, side));
     return result;
 }
 

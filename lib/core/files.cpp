@@ -82,6 +82,13 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
     open_beside(without_links(path_));
 }
 
+void check_writable(const std::string& path) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(path, ignored);
+    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status))
+        AtomicFile(std::string(path));  // without commit() it leaves nothing
+}
+
 AtomicFile::~AtomicFile() {
     if (!temporary_.empty()) remove_temporary();
 }
@@ -285,9 +292,11 @@ void remove_stale_files(const fs::path& folder) noexcept {
     }
 }
 
-void UnfinishedFiles::abandon() noexcept {
+void UnfinishedFiles::abandon(bool is_interrupted) noexcept {
     mutex.lock();  // for ever: nothing may be created or renamed from here on
     for (const std::string& name : names) ::unlink(name.c_str());
+    if (!is_interrupted) return;
+    for (const std::string& marker : markers) ::unlink(marker.c_str());
 }
 
 }  // namespace clsdf

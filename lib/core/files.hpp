@@ -106,13 +106,19 @@ private:
 struct CLSDF_EXPORT UnfinishedFiles {
     std::mutex mutex;
     std::set<std::string> names;
+    std::set<std::string> markers;  ///< of builds under way; see device::BuildMarker
 
     /// Never destroyed: threads may outlive main().
     static UnfinishedFiles& of_process();
 
-    /// Removes the files, and lets no thread create, rename or remove one any more.
-    void abandon() noexcept;
+    /// Removes the files, and lets no thread create, rename or remove one any more. is_interrupted: the user ends the
+    /// process, so that no build under way is to blame; its marker is removed, too.
+    void abandon(bool is_interrupted) noexcept;
 };
+
+/// Throws as AtomicFile does if the file cannot be written. Leaves nothing. Does not open a pipe or a device, whose
+/// reader would take that for the end.
+CLSDF_EXPORT void check_writable(const std::string& path);
 
 /// Creates and locks a file ".clsdf-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its descriptor
 /// and sets `name` to its path; returns a negative number, with errno, if it cannot be created. The file is not locked

@@ -177,6 +177,11 @@ BuildMarker::BuildMarker(const BuildRecords& records, const std::string& key, co
 void BuildMarker::begin() {
     begun_ = true;
     if (descriptor_ < 0) return;
+    UnfinishedFiles& files = UnfinishedFiles::of_process();
+    {
+        const std::scoped_lock lock(files.mutex);
+        files.markers.insert(path_.string());
+    }
     const std::string content = fmt::format("{}{}\n{}", marker_mark, earlier_attempts_ + 1, key_);
     // A disk that is full takes none: then nothing is recognised.
     if (::pwrite(descriptor_, content.data(), content.size(), 0) != static_cast<ssize_t>(content.size()))
@@ -186,6 +191,9 @@ void BuildMarker::begin() {
 BuildMarker::~BuildMarker() {
     if (descriptor_ < 0) return;
     if (begun_ || earlier_attempts_ == 0) ::unlink(path_.c_str());
+    UnfinishedFiles& files = UnfinishedFiles::of_process();
+    const std::scoped_lock lock(files.mutex);
+    files.markers.erase(path_.string());
     ::close(descriptor_);
 }
 

@@ -71,7 +71,10 @@ private:
     }
 
     [[noreturn]] void fail(const json::json_pointer& member, const json& value, const std::string& what) const {
-        const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80);
+        // A dump of nested brackets is recursive, and a file may have half a million.
+        const std::string text = value.is_structured()
+                                     ? value.type_name()
+                                     : value.dump(-1, ' ', false, json::error_handler_t::replace).substr(0, 80);
         fail(fmt::format("member '{}': {}: {}", member.to_string(), text, what));
     }
 

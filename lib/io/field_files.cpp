@@ -85,10 +85,7 @@ namespace fs = std::filesystem;
 
 void check_output(const std::string& path, const Outputs& outputs) {
     check_place_for(outputs, path, format_of(path, ErrorCode::unsupported));
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status))
-        AtomicFile(std::string(path));  // without commit() it leaves nothing
+    check_writable(path);
 }
 
 void write(const Field& field, const std::string& path) {
@@ -188,8 +185,8 @@ void FieldWriter::finish() {
     format->finish();
 }
 
-void abandon_unfinished_files() noexcept {
-    UnfinishedFiles::of_process().abandon();
+void abandon_unfinished_files(bool is_interrupted) noexcept {
+    UnfinishedFiles::of_process().abandon(is_interrupted);
 }
 
 }  // namespace clsdf

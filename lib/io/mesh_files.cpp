@@ -127,6 +127,11 @@ std::string_view TextScanner::word() {
     return {begin, static_cast<std::size_t>(position_ - begin)};
 }
 
+void TextScanner::skip(std::size_t letters) {
+    skip_blanks();
+    position_ += letters;
+}
+
 std::string_view TextScanner::word_of_text() {
     before_first_line_ = false;
     while (at_end_of_line()) {

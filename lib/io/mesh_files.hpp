@@ -37,6 +37,9 @@ public:
     /// The next word of this line; empty at its end.
     std::string_view word();
 
+    /// Skips letters with which the next word of this line begins.
+    void skip(std::size_t letters);
+
     /// The next word of the text, on this line or a later one; empty at the end of the text.
     std::string_view word_of_text();
 

@@ -214,8 +214,10 @@ Vec3 read_directions(const NrrdHeader& header, const std::string& text) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::optional<Vec3> direction = take_vector(rest);
         if (!direction) header.fail("space directions", text, "expected three vectors, as (hx,0,0) (0,hy,0) (0,0,hz)");
+        // Programs that multiply rotations leave some rounding.
+        const double step = std::abs((*direction)[axis]), slack = std::isnan(step) ? 0 : 1e-12 * step;
         for (std::size_t other = 0; other < 3; ++other)
-            if (other != axis && (*direction)[other] != 0)
+            if (other != axis && !(std::abs((*direction)[other]) <= slack))
                 header.fail("space directions", text, "the grid is not parallel to the axes; resample it");
         spacing[axis] = (*direction)[axis];
     }

@@ -129,15 +129,26 @@ private:
     std::size_t line_ = 0;
 };
 
+/// Whether a column has the coordinates along an axis. ParaView names them "Points:0" or "Points_0".
+bool is_axis(std::string_view name, std::size_t axis) {
+    constexpr std::array<std::string_view, 3> letters{"x", "y", "z"};
+    if (equals_ignoring_case(name, letters[axis])) return true;
+    return name.size() == 8 && name.starts_with("Points") && (name[6] == ':' || name[6] == '_') &&
+           name[7] == "012"[axis];
+}
+
 std::vector<Vec3> read_csv_points(const FileContent& file) {
     CsvRows rows(file);
     std::vector<std::string_view> fields;
     if (!rows.next(fields)) rows.fail("the file is empty; it begins with a row of names, x,y,z among them");
+    // NumPy writes the names as a comment.
+    if (fields.front().starts_with('#'))
+        fields.front().remove_prefix(std::min(fields.front().find_first_not_of("# \t"), fields.front().size()));
     std::array<std::size_t, 3> columns{};
     constexpr std::array<const char*, 3> names{"x", "y", "z"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto found = std::find_if(fields.begin(), fields.end(),
-                                        [&](std::string_view name) { return equals_ignoring_case(name, names[axis]); });
+        const auto found =
+            std::find_if(fields.begin(), fields.end(), [&](std::string_view name) { return is_axis(name, axis); });
         if (found == fields.end())
             rows.fail(
                 fmt::format("there is no column '{}' in the first row, {}; it names the columns, with commas "
@@ -337,7 +348,7 @@ void write_points(std::span<const Vec3> points, const FieldSlab& results, const 
 
 void check_points_output(const std::string& path) {
     format_of_points(path);
-    const AtomicFile file(path);  // which is removed
+    check_writable(path);
 }
 
 }  // namespace clsdf

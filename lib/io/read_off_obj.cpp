@@ -54,6 +54,10 @@ Counts read_header(TextScanner& scanner) {
         if (scanner.word() == "BINARY")
             scanner.fail(ErrorCode::unsupported, "this is a binary OFF file; convert it to text");
         scanner = after_keyword;
+    } else if (keyword.starts_with("OFF") && keyword.find_first_not_of("0123456789", 3) == std::string_view::npos) {
+        // Files of ModelNet40 lack the space after the keyword.
+        scanner = start;
+        scanner.skip(3);
     } else {
         // The keyword may be missing; then the file begins with the counts.
         if (keyword.find_first_not_of("0123456789") != std::string_view::npos)

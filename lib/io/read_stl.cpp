@@ -186,6 +186,10 @@ MeshArrays read_stl(const FileContent& file) {
     if (count && file.size() == header_bytes + *count * triangle_bytes) return read_binary(file, *count);
     const bool has_zero_byte = file.text().substr(0, 4096).find('\0') != std::string_view::npos;
     if (starts_with_solid(file) && !has_zero_byte) return read_ascii(file);
+    // Some programs write bytes after the last triangle. With room for another triangle the count may be wrong.
+    if (const std::size_t size = header_bytes + count.value_or(0) * triangle_bytes;
+        count && file.size() > size && file.size() - size < triangle_bytes)
+        return read_binary(file, *count);
     if (file.size() == 0) throw Error(ErrorCode::unreadable_input, fmt::format("{}: the file is empty", file.path()));
     if (!count)
         throw Error(

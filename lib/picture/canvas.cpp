@@ -281,10 +281,7 @@ std::string ending_of(const std::string& path, std::initializer_list<std::string
 }
 
 void check_writable(const std::string& path) {
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    if (!fs::exists(status) || fs::is_regular_file(status) || fs::is_directory(status))
-        AtomicFile(std::string(path));  // without commit() it leaves nothing
+    clsdf::check_writable(path);
 }
 
 void write_file(const std::string& path, const std::string& bytes) {

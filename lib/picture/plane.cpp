@@ -28,7 +28,7 @@ void check(const Grid& grid, const Slice& slice, const std::array<Axis, 2>& axes
     for (const Axis axis : axes)
         if (grid.size[index_of(axis)] < 2)
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("slice: the field has a single sample along {}, so a slice perpendicular to {} has "
+                        fmt::format("field: it has a single sample along {}, so a slice perpendicular to {} has "
                                     "no extent; choose another axis",
                                     name_of(axis), name_of(slice.axis)));
 }

@@ -64,14 +64,14 @@ TracedSamples::TracedSamples(const Field& field)
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (size[axis] < 2 || size[axis] > std::numeric_limits<std::int32_t>::max())
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("render: the field has {} samples along {}; a surface needs 2 or more on every "
+                        fmt::format("field: its number of samples along {} is {}; a surface needs 2 or more on every "
                                     "axis, and less than 2^31; draw a flat field with \"clsdf slice\"",
-                                    size[axis], "xyz"[axis]));
+                                    "xyz"[axis], size[axis]));
     const Range range = range_of(field.distance);
     if (range.first_not_a_number < field.distance.size()) {
         const auto index = static_cast<std::int64_t>(range.first_not_a_number);
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("render: the field's sample ({}, {}, {}) is not a number, so there is no surface to "
+                    fmt::format("field: sample ({}, {}, {}) is not a number, so there is no surface to "
                                 "follow; \"clsdf slice\" draws such fields",
                                 index % size[0], index / size[0] % size[1], index / size[0] / size[1]));
     }

@@ -39,6 +39,26 @@ BOOST_AUTO_TEST_CASE(prints_the_grid_and_the_memory_needs_no_device_and_writes_n
     BOOST_TEST(folder.file_count() == 1U);
 }
 
+BOOST_AUTO_TEST_CASE(refuses_what_the_computation_would_refuse) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron);
+    const std::vector<std::vector<std::string>> refused{
+        {"-o", folder.file("a.sdf"), "--spacing", "0.1,0.1,0.2"},
+        {"-o", folder.file("a.nrrd"), "--band", "1e39", "--margin", "1"},
+        {"-o", folder.file("a.nrrd"), "--scan", "brute-force", "--with", "gradient"}};
+    const std::vector<std::string> fragments{"one spacing", "beyond the floats", "gradient"};
+    for (std::size_t i = 0; i < refused.size(); ++i)
+        for (const bool is_dry : {false, true}) {
+            std::vector<std::string> arguments{"compute", mesh};
+            arguments.insert(arguments.end(), refused[i].begin(), refused[i].end());
+            if (is_dry) arguments.emplace_back("--dry-run");
+            check_refused(run_command(arguments), 2, {fragments[i]});
+        }
+    check_refused(run_command({"compute", mesh, "--dry-run", "-o", folder.file(std::string(252, 'a') + ".npy")}), 5,
+                  {"too long"});
+    BOOST_TEST(folder.file_count() == 1U);
+}
+
 BOOST_AUTO_TEST_CASE(lays_the_grid_out_as_the_options_say) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off", "OFF\n3 1 0\n0 0 0\n4 0 0\n0 2 1\n3 0 1 2\n");
@@ -309,7 +329,7 @@ BOOST_AUTO_TEST_CASE(notes_that_a_field_which_fails_names_another_mesh_and_is_qu
     const Outcome failed = run_command({"check", other, field, "--quiet"});
     BOOST_TEST(failed.status == 1);
     BOOST_TEST(failed.error.find("FAILED") != std::string::npos);
-    BOOST_TEST(failed.error.find("made from mesh.off") != std::string::npos);
+    BOOST_TEST(failed.error.find("made from 'mesh.off'") != std::string::npos);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

@@ -107,6 +107,28 @@ BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_was_writing) {
     BOOST_TEST(nlohmann::json::parse(outcome.out)["error"]["code"] == "cancelled");
 }
 
+// The second signal does not wait for the compiler. A device is refused after two compilations that ended the process.
+BOOST_AUTO_TEST_CASE(does_not_blame_a_compiler_that_it_did_not_wait_for) {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.file("mesh.off", tetrahedron), cache = folder.file("cache");
+    const auto markers = [&] {
+        std::size_t count = 0;
+        std::error_code ignored;
+        for (const auto& entry : std::filesystem::directory_iterator(cache, ignored))
+            count += entry.path().extension() == ".building" ? 1U : 0U;
+        return count;
+    };
+    Process process({"compute", mesh, "-o", folder.file("field.nrrd"), "--resolution", "16"},
+                    {"CLSDF_CACHE_DIR=" + cache, "POCL_CACHE_DIR=" + folder.file("pocl")});
+    process.wait_until([&] { return markers() > 0; });
+    BOOST_REQUIRE(markers() > 0U);
+    process.send(SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    process.send(SIGINT);
+    check_refused(process.wait(), 6, {"cancelled"});
+    BOOST_TEST(markers() == 0U);
+}
+
 BOOST_AUTO_TEST_CASE(ends_at_once_where_nothing_has_to_be_put_in_order) {
     const TemporaryFolder folder;
     const std::string mesh = folder.file("mesh.off");

@@ -94,6 +94,7 @@ BOOST_AUTO_TEST_CASE(that_cannot_be_had_are_refused_with_the_remedy) {
     refused({"--half-width", "3v"}, 2, {"--half-width", "no voxels", "percent"});
     refused({"--half-width", "full"}, 2, {"--half-width", "percent"});
     refused({"--half-width", "0"}, 2, {"--half-width", "positive"});
+    for (const char* width : {"1e308", "1e300", "1e-320"}) refused({"--half-width", width}, 2, {"--half-width", width});
     refused({"--half-width", "wide"}, 2, {"--half-width", "wide"});
     for (const std::string number : {"0x1", "-1", "1.5", "4294967296", "1 "}) {
         refused({"--around", number}, 2, {"--around", "'" + number + "'", "a whole number from 0 to 4294967295"});

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <sys/stat.h>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -81,6 +82,32 @@ std::string bytes_of(const std::vector<Vec3>& points) {
 }  // namespace
 
 BOOST_AUTO_TEST_SUITE(the_query_command)
+
+BOOST_AUTO_TEST_CASE(reads_tables_as_numpy_and_paraview_write_them) {
+    const Inputs inputs;
+    const std::string rows = "0.5,0,0\n3,0.25,-0.5\n1,0.5,0.25\n-2,-3,0\n";
+    const auto found = [&](const std::string& names) {
+        const std::string result = inputs.folder.file("found.csv");
+        const std::string table = inputs.folder.file("table.csv", names + "\n" + rows);
+        BOOST_REQUIRE(run_command({"query", inputs.mesh, table, "-o", result}).status == 0);
+        return content_of(result);
+    };
+    const std::string plain = found("x,y,z");
+    for (const char* names : {"# x,y,z", "#x, y, z", "Points:0,Points:1,Points:2", "Points_0,Points_1,Points_2"})
+        BOOST_TEST(found(names) == plain, names);
+}
+
+BOOST_AUTO_TEST_CASE(writes_its_result_into_a_pipe) {
+    const Inputs inputs;
+    const std::string pipe = inputs.folder.file("pipe.csv");
+    BOOST_REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+    Process process({"query", inputs.mesh, inputs.csv, "-o", pipe});
+    const std::string written = content_of(pipe);
+    BOOST_TEST(process.wait().status == 0);
+    const std::string path = inputs.folder.file("file.csv");
+    BOOST_REQUIRE(run_command({"query", inputs.mesh, inputs.csv, "-o", path}).status == 0);
+    BOOST_TEST(written == content_of(path));
+}
 
 BOOST_AUTO_TEST_CASE(writes_a_table_with_a_row_for_each_point) {
     const Inputs inputs;

@@ -108,6 +108,12 @@ BOOST_AUTO_TEST_CASE(with_a_description_that_is_missing_or_wrong_is_refused) {
         folder.file("a.npy.json", description);
         check_throws(ErrorCode::unreadable_input, {path, fragment}, [&] { read_field(path); });
     };
+    // Half a million brackets would not fit a stack.
+    const std::string deep = std::string(400'000, '[') + std::string(400'000, ']');
+    for (const char* member : {"size", "mesh", "sign"})
+        refused(R"({"size": [3, 2, 1], "origin": [0, 0, 0], "spacing": [1, 1, 1], ")" + std::string(member) + R"(": )" +
+                    deep + "}",
+                member);
     refused("", "not JSON");
     refused("{\"origin\": [1, 2", "not JSON");
     refused(std::string(100000, '['), "not JSON");

@@ -105,6 +105,8 @@ BOOST_AUTO_TEST_CASE(that_does_not_say_enough_is_refused_with_the_field_the_valu
     refused(replaced(whole, "sizes: 3 2 1", "sizes: 4294967296 4294967296 4294967296"), {"sizes", "truncated"});
     refused(replaced(whole, "sizes: 3 2 1", "sizes: 99999999999999999999 1 1"), {"sizes"});
     refused(replaced(whole, "(0.5,0,0)", "(0.5,0.1,0)"), {"space directions", "parallel"});
+    const std::string turned = replaced(whole, "(0.5,0,0)", "(0.5,3e-17,0)") + "\n" + six_bytes();
+    BOOST_TEST(read_field(folder.file("turned.nrrd", turned)).grid.spacing[0] == 0.5);
     refused(replaced(whole, "(0.5,0,0)", "none"), {"space directions"});
     refused(replaced(whole, "(0.5,0,0)", "(-0.5,0,0)"), {"spacing", "-0.5"});
     refused(replaced(whole, "(0.5,0,0)", "(nan,0,0)"), {"spacing", "nan"});

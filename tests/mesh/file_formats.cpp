@@ -76,6 +76,7 @@ BOOST_AUTO_TEST_CASE(off_comes_in_many_forms) {
     const std::string body = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
     check_is_square("a.off", "OFF\n4 2 5\n" + body);
     check_is_square("a.off", "OFF 4 2 5\n" + body);
+    check_is_square("a.off", "OFF4 2 5\n" + body);
     check_is_square("a.off", "OFF\n4 2\n" + body);
     check_is_square("a.off", "OFF\n4\n2\n5\n" + body);
     check_is_square("a.off", "OFF\n4\n2\n" + body);

@@ -353,7 +353,7 @@ BOOST_AUTO_TEST_CASE(is_refused_where_there_is_none) {
     damaged.distance.pop_back();
     check_throws(ErrorCode::invalid_argument, {"values", "samples"}, [&] { SurfacePictures(damaged, device()); });
     Field flat = field_of({{-2, -2, 0}, {0.1, 0.1, 0.1}, {41, 41, 1}, {}}, Band::full(), ball);
-    check_throws(ErrorCode::invalid_argument, {"1 samples along z", "slice"}, [&] { SurfacePictures(flat, device()); });
+    check_throws(ErrorCode::invalid_argument, {"along z is 1", "slice"}, [&] { SurfacePictures(flat, device()); });
 }
 
 BOOST_AUTO_TEST_CASE(is_refused_where_the_device_cannot_hold_the_field) {
