@@ -194,8 +194,7 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_blocks_nor_depends_on_the_queue) {
 
 BOOST_AUTO_TEST_CASE(progress_is_told_and_a_stop_is_heard_between_launches) {
     // A launch on a GPU does more.
-    const bool is_processor = device::context_of(test_device()).capabilities().is_processor;
-    const Mesh mesh = make_shape(is_processor ? "sphere3" : "sphere5");
+    const Mesh mesh = make_shape(is_processor() ? "sphere3" : "sphere5");
     const Grid grid = grid_around(mesh, 110, 2);
     bool stop = false;
     std::vector<double> seen;

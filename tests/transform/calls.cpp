@@ -22,6 +22,7 @@ const Mesh& dense() {
     static const Mesh mesh = make_shape("sphere7");
     return mesh;
 }
+/// Some launches for one core of a processor, and one for a GPU.
 Grid around_dense() {
     return grid_around(dense(), 72, 3);
 }
@@ -117,7 +118,7 @@ BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
                   BOOST_TEST((std::this_thread::get_id() == caller));
                   seen.push_back(fraction);
               }});
-    BOOST_TEST(seen.size() >= 4U);
+    BOOST_TEST(seen.size() >= (is_processor() ? 4U : 2U));
     BOOST_TEST(seen.front() == 0);
     BOOST_TEST(seen.back() == 1);
     BOOST_TEST(std::is_sorted(seen.begin(), seen.end()));
@@ -134,9 +135,13 @@ BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) 
                                    if (fraction > 0) stop = true;
                                },
                            .should_stop = [&] { return stop; }};
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
+    if (is_processor()) {
+        check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
+        BOOST_TEST(seen.back() < 1);
+    } else {
+        transform(around_dense(), Band::full(), {}, call);
+    }
     BOOST_TEST(seen.size() == 2U);
-    BOOST_TEST(seen.back() < 1);
     // A call that is to stop at once computes nothing.
     check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
     BOOST_TEST(seen.size() == 2U);

@@ -371,7 +371,8 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_points) {
 }
 
 BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
-    Changed changed{"fill.cl", "inside ? layout.inside_fill : layout.outside_fill", "layout.outside_fill"};
+    Changed changed{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;",
+                    "to_foot = is_right ? f.right : f.left;"};
     const Device device = changed.device("");
     const Mesh mesh = make_shape("cube");
     const Band band = Band::symmetric(0.1);

@@ -4,7 +4,6 @@
 #include "support/test_meshes.hpp"
 #include "support/throws.hpp"
 
-#include "device/context.hpp"
 #include "polyhedron.h"
 
 #include <algorithm>
@@ -161,8 +160,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
     BOOST_TEST(small.statistics().coarse_pairs > 0U);
     BOOST_TEST(small.statistics().device_bytes < 4U << 20);
     // The plan has the polyhedra near it. What all polyhedra are made of is in the memory of a GPU, too.
-    const bool is_processor = device::context_of(test_device()).capabilities().is_processor;
-    const std::size_t of_faces = is_processor ? 0 : 52 * mesh.triangles().size();
+    const std::size_t of_faces = is_processor() ? 0 : 52 * mesh.triangles().size();
     BOOST_TEST(transform.memory().device_bytes < of_faces + (1U << 20));
     BOOST_TEST(small.statistics().device_bytes > 280 * mesh.triangles().size() / 1000);
     const Plan whole = transform.plan(grid, band);
