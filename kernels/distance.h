@@ -5,9 +5,9 @@
 // else the slanted one: with r the distance outward from that edge and t the position along it, in the coordinates of
 // polyhedron.h,
 //   distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
-// (for the base, t is the distance from the altitude, where it has no end: it goes on in the other half). Each value is
-// an offset at a brick's centre, formed in double, plus a displacement by at most 3.5 samples along each axis: it
-// rounds with the size of a brick.
+// (for the base, t is the distance from the altitude; the base goes on in the other half, so t has no lower limit).
+// Each value is an offset at a brick's centre, formed in double, plus a displacement by at most 3.5 samples along each
+// axis: it rounds with the size of a brick.
 #ifndef CLSDF_DISTANCE_H
 #define CLSDF_DISTANCE_H
 

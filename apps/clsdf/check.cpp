@@ -59,7 +59,7 @@ std::string note_on_the_mesh(const std::string& mesh, const clsdf::Field& field)
     // A file's text must not reach the terminal as it is.
     std::string printable = name.substr(0, 80);
     std::ranges::replace_if(
-        printable, [](unsigned char letter) { return letter < 0x20 || letter == 0x7F; }, '?');
+        printable, [](unsigned char letter) { return letter < 0x20 || letter > 0x7E; }, '?');
     return fmt::format("the field says it was made from '{}', and was held against {}", printable, mesh);
 }
 

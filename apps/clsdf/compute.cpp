@@ -20,6 +20,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 using clsdf::Band;
 using clsdf::Box;
@@ -188,8 +189,8 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
             [&](std::string_view name, bool wanted) {
                 if (wanted && name != "triangle")
                     throw Error(ErrorCode::unsupported,
-                                fmt::format("--with: the scan {} does not know the output {}; use --scan bricks, or do "
-                                            "without",
+                                fmt::format("--with: the scan {} does not know the output {}; use --polyhedra leaned "
+                                            "and --scan bricks, or leave the output out",
                                             name_of(scan), name));
             },
             outputs);
@@ -214,12 +215,12 @@ Grid ComputeRequest::grid_around(const Box& box) const {
 Band ComputeRequest::band_on(const Grid& samples, const Box& box) const {
     const double extent = box.longest_side();
     const Band band{band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
-    for (const double half_width : {band.inside, band.outside})
+    for (const auto& [side, half_width] : {std::pair("inside", band.inside), std::pair("outside", band.outside)})
         if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("--band: a half width of {} is beyond the floats that distances are given in; "
-                                    "choose a narrower band, or full",
-                                    half_width));
+                        fmt::format("--band, --band-{}: a half width of {} is beyond the floats that distances are "
+                                    "given in; choose a narrower band, or full",
+                                    side, half_width));
     return band;
 }
 

@@ -108,10 +108,8 @@ double half_width_of(const std::string& text, const Mesh& mesh) {
     if (!(result > 0)) throw wrong(fmt::format("'{}' is no positive length", text));
     constexpr double most = 1e6;
     if (result > most * side || result < side / most)
-        throw wrong(
-            fmt::format("'{}' is beyond {:g} times the longest side of the mesh, {:g}, or below it divided by "
-                        "as much",
-                        text, most, side));
+        throw wrong(fmt::format("'{}' is not between {:g} and {:g} times the longest side of the mesh, {:g}", text,
+                                1 / most, most, side));
     return result;
 }
 

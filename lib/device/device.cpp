@@ -215,7 +215,7 @@ Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& inf
 /// A stand-in for speed: a larger one is stronger.
 struct Strength {
     int kind;     ///< GPUs with memory of their own, other GPUs, processors, other devices
-    double rate;  ///< lanes times clock
+    double rate;  ///< units times lanes times clock
 
     auto operator<=>(const Strength&) const = default;
 };

@@ -180,7 +180,7 @@ void BuildMarker::begin() {
     UnfinishedFiles& files = UnfinishedFiles::of_process();
     {
         const std::scoped_lock lock(files.mutex);
-        files.markers.insert(path_.string());
+        files.markers.insert(path_.native());
     }
     const std::string content = fmt::format("{}{}\n{}", marker_mark, earlier_attempts_ + 1, key_);
     // A disk that is full takes none: then nothing is recognised.
@@ -190,10 +190,10 @@ void BuildMarker::begin() {
 
 BuildMarker::~BuildMarker() {
     if (descriptor_ < 0) return;
-    if (begun_ || earlier_attempts_ == 0) ::unlink(path_.c_str());
     UnfinishedFiles& files = UnfinishedFiles::of_process();
     const std::scoped_lock lock(files.mutex);
-    files.markers.erase(path_.string());
+    if (begun_ || earlier_attempts_ == 0) ::unlink(path_.c_str());
+    files.markers.erase(path_.native());
     ::close(descriptor_);
 }
 

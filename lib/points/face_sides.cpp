@@ -149,7 +149,7 @@ public:
 private:
     const Triangle& vertices(std::size_t face) const { return topology_.faces.triangles[face]; }
 
-    /// Each pair of which one face at least is not spoilt from the start. Large fans and slivers have too many pairs.
+    /// All pairs but those of two faces that are spoilt from the start. Slivers and large fans have too many of these.
     void compare_all() {
         const std::vector<std::uint8_t> at_first = is_spoilt_;
         for_each_index(mesh_.face_count(), [&](std::size_t face) {

@@ -42,8 +42,8 @@ private:
     bool has_thrown_ = false;
 };
 
-/// A mutex that notices if its own thread locks it again, as a function of CallOptions does that uses the transform
-/// which calls it. Then lock() throws Error(invalid_argument), and does not wait for ever.
+/// A mutex that detects a second lock() by the same thread: a function of CallOptions uses the transform that called
+/// it. Then lock() throws Error(invalid_argument); it would wait for ever.
 class CallMutex {
 public:
     void lock();

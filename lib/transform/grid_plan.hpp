@@ -30,9 +30,9 @@ struct GridPlan {
     GridPlan(const GridPlan&) = delete;
     GridPlan& operator=(const GridPlan&) = delete;
 
-    /// Adds the commands of a computation. The chain's wait list must cover the computation before this one, and the
-    /// set-up, if they are not known to have ended and the queue is not theirs. `between_launches` (may be empty) is
-    /// called with the fraction done before each launch, when the commands before it have ended.
+    /// Adds the commands of a computation. If the set-up or the computation before may still run on another queue, the
+    /// chain's wait list must have their events. `between_launches` (may be empty) is called with the fraction done
+    /// before each launch, when the commands before it have ended.
     void enqueue(CommandChain& chain, const OutputBuffers& buffers,
                  const std::function<void(double)>& between_launches);
 

@@ -86,7 +86,6 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Requ
     } catch (...) {
         std::swap(made.requests, requests);
         std::swap(made.outputs_without_targets, outputs_without_targets);
-        context.drain();  // the set-up's commands
         made.clear();
         if (made.has_own_pool) made.pool->release();
         throw;
@@ -116,8 +115,13 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     const auto make = [&] {
         made.clear();
         if (std::exchange(is_retry, true) && made.has_own_pool) made.pool->release();
-        made.make_room(blocks, targets);
-        add_blocks(made, blocks, targets, caller, compiling);
+        try {
+            made.make_room(blocks, targets);
+            add_blocks(made, blocks, targets, caller, compiling);
+        } catch (...) {
+            context.drain();  // the set-up's commands use what is given back
+            throw;
+        }
         return true;
     };
     make_room_for([&] { return device::guarded(make); }, &caller);

@@ -16,7 +16,7 @@ namespace clsdf::transform {
 class Runs {
 public:
     void add(const scan::CommandChain& commands) {
-        while (!running_.empty() && running_.front().is_over()) running_.pop_front();
+        std::erase_if(running_, [](const Run& run) { return run.is_over(); });
         running_.push_back({commands.last(), commands.awaited()});
         running_.back().events.insert(running_.back().events.end(), commands.events().begin(), commands.events().end());
     }
@@ -42,8 +42,8 @@ public:
     }
 
 private:
-    /// PoCL 3.1 ends the process if an event ends for which a failed command waited whose own event was released. So a
-    /// run has the events of its commands, and is not forgotten before all that they waited for have ended.
+    /// PoCL 3.1 ends the process in this case: a command fails, its event is released, and later an event of its wait
+    /// list ends. So a run holds the events of its commands and of their wait list. It is removed when all have ended.
     struct Run {
         cl::Event end;
         std::vector<cl::Event> events;  // of the commands, and those that they waited for

@@ -96,7 +96,6 @@ private:
             plan_ = state_.make_plan(std::move(inputs), slab, band_, outputs_, wanted_, caller_.options().count,
                                      caller_, compiling_);
         }
-        caller_.throw_if_stopped();
         const auto share = [&](std::size_t samples) {
             return static_cast<double>(samples) / static_cast<double>(grid_.sample_count());
         };
@@ -117,6 +116,7 @@ private:
             };
         device::guarded([&] {
             try {
+                caller_.throw_if_stopped();
                 scan::CommandChain chain(context.queue(), {});
                 plan_->enqueue(chain, slot.buffers(), between);
                 slot.enqueue_handover(context.queue());

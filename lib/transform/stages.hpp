@@ -165,8 +165,8 @@ private:
     };
 
     const polyhedra::ClusterIndex& index();
-    /// Marks the end of the commands so far, in its destructor: what was enqueued since it was made may read the
-    /// frusta.
+    /// On a processor its destructor enqueues a marker, for which wait_for_readers() waits: the commands before it may
+    /// read the frusta.
     class ReaderMark;
     /// Waits until no kernel reads the frusta any more: on a processor kernels use the host's memory.
     void wait_for_readers();

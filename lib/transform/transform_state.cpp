@@ -198,7 +198,12 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
         transform::TestCase found = test_case_of(grid, band, outputs, count);
         found.is_large = plan->has_large_triangles;
         found.is_later = is_later;
-        test(found, compiling);
+        try {
+            test(found, compiling);
+        } catch (...) {
+            device::context_of(device).drain();  // the set-up's commands use the plan's buffers
+            throw;
+        }
     }
     from->trim();
     return plan;
