@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace clsdf::points {
@@ -101,7 +101,8 @@ UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, con
     const Box box = box_within(points, most);
     constexpr double cells = 1U << cell_bits;
     const double longest = box.longest_side();
-    const double scale = std::isfinite(cells / longest) ? cells / longest : 0;
+    constexpr double least = cells / std::numeric_limits<double>::max();
+    const double scale = longest > least ? cells / longest : 0;
     UninitializedVector<Keyed> keyed(points.size()), sorted(points.size());
     for_each_range(points.size(), [&](std::size_t begin, std::size_t end) {
         constexpr std::size_t at_once = 64;
