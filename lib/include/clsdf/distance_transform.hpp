@@ -97,8 +97,8 @@ struct TransformStatistics {
     double fill_seconds = 0;
 };
 
-/// Options of one call. Its functions run on the calling thread. They must not make or use transforms of the device;
-/// while a transform works, its calls are refused to them with Error(invalid_argument).
+/// Options of one call. Its functions run on the calling thread. They must not make or use transforms of the device. A
+/// call of the transform that is at work throws Error(invalid_argument).
 struct CallOptions {
     /// Called between launches of calls that compute; with targets on the device only at the end, with 1. A plan has no
     /// progress: its runs do not return to the host.
@@ -167,13 +167,13 @@ public:
 
     /// Enqueues one run that writes to other targets: one OutputTargets for each request. This is for codes that swap
     /// two sets of arrays. The outputs are those of the plan. If a request's target is packed and aligned
-    /// (OutputTarget::offset), the new target must be so, too; a plan without targets takes only such targets. In the
-    /// place of any other target the new one may have any offset and strides, but the same elements. A copied box whose
-    /// offset or strides differ from those of the run before costs one small command.
+    /// (OutputTarget::offset), the new target must be so, too; a plan without targets takes only such targets. Any
+    /// other target may be replaced by one with any offset and strides, of the same elements. A copied box whose offset
+    /// or strides differ from those of the run before costs one small command.
     ///
     /// Also throws Error(invalid_argument) if there are not as many targets as requests, and for memory that is
-    /// missing, read-only, too small or no buffer; Error(unsupported) for other targets; Error(out_of_memory) for
-    /// memory of the host. Then nothing is enqueued.
+    /// missing, read-only, too small or no buffer; Error(unsupported) for other targets. Then nothing is enqueued.
+    /// Error(out_of_memory): the host's memory does not suffice.
     cl_event enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,
                      std::span<const cl_event> wait_list = {});
     /// The same of a plan with one request.
