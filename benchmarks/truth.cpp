@@ -38,7 +38,7 @@ void Judgement::take_worse(const Judgement& other) {
     max_error_voxels = std::max(max_error_voxels, other.max_error_voxels);
 }
 
-std::vector<Truth::Sample> Truth::choose(const Workload& workload, std::size_t samples, std::uint64_t seed) const {
+std::vector<Truth::Sample> Truth::choose(const Workload& workload, std::size_t samples, std::uint64_t seed) {
     const SampleList& list = workload.list;
     const std::size_t count = workload.grid.sample_count();
     std::vector<Sample> chosen;

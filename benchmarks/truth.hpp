@@ -45,7 +45,7 @@ private:
     };
     static constexpr std::size_t not_listed = ~std::size_t{0};
 
-    std::vector<Sample> choose(const Workload& workload, std::size_t samples, std::uint64_t seed) const;
+    static std::vector<Sample> choose(const Workload& workload, std::size_t samples, std::uint64_t seed);
 
     std::vector<Sample> samples_;
     Band band_;

@@ -7,6 +7,7 @@
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>

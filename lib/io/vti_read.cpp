@@ -17,6 +17,13 @@
 #include <string_view>
 #include <vector>
 
+// Deprecated since Expat 2.9 for the functions whose results have 64 bits everywhere.
+#if XML_MAJOR_VERSION > 2 || (XML_MAJOR_VERSION == 2 && XML_MINOR_VERSION >= 9)
+#define XML_GetCurrentLineNumber XML_GetCurrentLineNumber64
+#define XML_GetCurrentByteIndex XML_GetCurrentByteIndex64
+#define XML_GetCurrentByteCount XML_GetCurrentByteCount64
+#endif
+
 namespace clsdf {
 namespace {
 
