@@ -5,6 +5,10 @@
 // number of work-items:
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 // The first pass counts and stores the (cluster, brick) pairs; the second fills the lists from them.
+//
+// A part's counters are a row of `histograms`. Loops over them run from row_begin to row_end, not from 0: PoCL 7.0 and
+// 7.1 put barriers into a loop that all work-items run alike, and if it is in a branch, their code is wrong
+// (docs/devices.md).
 
 #include "coarse_clusters.h"
 #include "face_sources.h"
@@ -47,10 +51,11 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
                            uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const size_t bricks = coarse_brick_count(layout);
+    const size_t row_begin = part * bricks, row_end = row_begin + bricks;
     PairSink sink = {pairs + pair_starts[part], pair_starts[part + 1] - pair_starts[part],
-                     step == 0 ? 0 : pair_counts[part], histograms + part * bricks};
+                     step == 0 ? 0 : pair_counts[part], histograms + row_begin};
     if (step == 0)
-        for (size_t brick = 0; brick < bricks; ++brick) sink.histogram[brick] = 0;
+        for (size_t n = row_begin; n < row_end; ++n) histograms[n] = 0;
 
     float group_bounds[CLSDF_COARSE_GROUP];
     for (uint v = 0; v < CLSDF_COARSE_GROUP / LANES; ++v) store_lanes((floatL)layout.half_width, v, group_bounds);
@@ -68,7 +73,7 @@ __kernel void coarse_count(Layout layout, uint count, uint clusters, __global co
     }
     pair_counts[part] = sink.count;
     if (step + 1 == steps)
-        for (size_t brick = 0; brick < bricks; ++brick) counts[brick * parts + part] = sink.histogram[brick];
+        for (size_t n = row_begin; n < row_end; ++n) counts[(n - row_begin) * parts + part] = histograms[n];
 }
 
 // Writes the entries. Launch `step` of `steps` takes its share of each part. histograms: a part's next entries.
@@ -77,13 +82,13 @@ __kernel void coarse_fill(Layout layout, __global const uint* pair_starts, __glo
                           __global uint* entries, uint step, uint steps) {
     const uint part = get_global_id(0), parts = get_global_size(0);
     const size_t bricks = coarse_brick_count(layout);
-    __global uint* next = histograms + part * bricks;
+    const size_t row_begin = part * bricks, row_end = row_begin + bricks;
     if (step == 0)
-        for (size_t brick = 0; brick < bricks; ++brick) next[brick] = starts[brick * parts + part];
+        for (size_t n = row_begin; n < row_end; ++n) histograms[n] = starts[(n - row_begin) * parts + part];
     const uint count = pair_counts[part], end = share_of(count, step + 1, steps);
     for (uint n = share_of(count, step, steps); n < end; ++n) {
         const ClusterPair pair = pairs[pair_starts[part] + n];
-        __global uint* own = next + pair.brick;
+        __global uint* own = histograms + row_begin + pair.brick;
         uint entry = *own;
         for (uint rest = pair.lanes; rest; rest &= rest - 1) entries[entry++] = pair.cluster * LANES + lowest_bit(rest);
         *own = entry;
