@@ -3,7 +3,9 @@ set(ENV{OMPI_ALLOW_RUN_AS_ROOT} 1)
 # MPI's own libraries keep memory that the leak sanitizer finds.
 set(ENV{ASAN_OPTIONS} "$ENV{ASAN_OPTIONS}:detect_leaks=0")
 set(ENV{OMPI_ALLOW_RUN_AS_ROOT_CONFIRM} 1)
+# More ranks than cores, for Open MPI 4 and 5.
 set(ENV{OMPI_MCA_rmaps_base_oversubscribe} 1)
+set(ENV{PRTE_MCA_rmaps_default_mapping_policy} :oversubscribe)
 foreach(ranks 1 2 7)
   execute_process(
     COMMAND ${MPIEXEC} ${COUNT_FLAG} ${ranks} ${PROGRAM} 64
