@@ -78,7 +78,8 @@ cl::Device part_of(const cl::Device& whole, unsigned compute_units) {
         cl::Device(whole).createSubDevices(properties.data(), &parts);
     } catch (const cl::Error& error) {
         throw Error(ErrorCode::unsupported,
-                    fmt::format("the device \"{}\" cannot be divided ({}); use all of its {} compute units",
+                    fmt::format("the device \"{}\" cannot be divided ({}); use all of its {} compute units, or limit "
+                                "them by the driver's own means (PoCL: POCL_CPU_MAX_CU_COUNT in the environment)",
                                 whole.getInfo<CL_DEVICE_NAME>(), device::code_name(error.err()), all));
     }
     return parts.at(0);

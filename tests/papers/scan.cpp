@@ -88,7 +88,7 @@ BOOST_AUTO_TEST_CASE(the_lowest_of_the_nearest_triangles_is_named) {
 }
 
 BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
-    const Device one = test_device().limited({.compute_units = 1});
+    const Device one = one_compute_unit();
     const Grid grid = around(noisy(), 40);
     const Band band = Band::symmetric(4 * grid.voxel());
     for (const Polyhedra kind : all_kinds)
@@ -198,8 +198,7 @@ BOOST_AUTO_TEST_CASE(progress_is_told_and_a_stop_is_heard_between_launches) {
     const Grid grid = grid_around(mesh, 110, 2);
     bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(test_device().limited({.compute_units = 1}), mesh,
-                                {.method = papers_method({.scan = Scan::slices})});
+    DistanceTransform transform(one_compute_unit(), mesh, {.method = papers_method({.scan = Scan::slices})});
     const CallOptions call{.progress =
                                [&](double fraction) {
                                    seen.push_back(fraction);

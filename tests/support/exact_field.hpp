@@ -32,6 +32,17 @@ inline bool is_processor() {
     return result;
 }
 
+/// The device with one compute unit; all of it if it cannot be divided, as Debian's PoCL 7.1.
+inline Device one_compute_unit() {
+    try {
+        return test_device().limited({.compute_units = 1});
+    } catch (const Error& error) {
+        BOOST_TEST((error.code() == ErrorCode::unsupported));
+        BOOST_TEST_MESSAGE(error.what());
+        return test_device();
+    }
+}
+
 /// The allowed error: the larger of a number of voxels and a number of units in the last place.
 struct Accuracy {
     double voxels;

@@ -113,7 +113,7 @@ BOOST_AUTO_TEST_CASE(transforms_on_threads_of_their_own_are_independent) {
 BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
     std::vector<double> seen;
     const std::thread::id caller = std::this_thread::get_id();
-    DistanceTransform transform(test_device().limited({.compute_units = 1}), dense());
+    DistanceTransform transform(one_compute_unit(), dense());
     transform(around_dense(), Band::full(), {}, {.progress = [&](double fraction) {
                   BOOST_TEST((std::this_thread::get_id() == caller));
                   seen.push_back(fraction);
@@ -128,7 +128,7 @@ BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) 
     const Field expected = compute(dense(), around_dense(), Band::full());
     bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(test_device().limited({.compute_units = 1}), dense());
+    DistanceTransform transform(one_compute_unit(), dense());
     const CallOptions call{.progress =
                                [&](double fraction) {
                                    seen.push_back(fraction);

@@ -510,7 +510,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_any_number_of_other_boxes) {
     BOOST_TEST(plan.requests().empty());
     few.clear();
     run(plan, nullptr);
-    const Device other = test_device().limited({.compute_units = 1});
+    const Device other = one_compute_unit();
     const DistanceTransform of_other(other, mesh);
     if (device::context_of(other).context()() != context().context()())
         check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { plan.replan(of_other, {}); });
