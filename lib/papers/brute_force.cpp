@@ -39,7 +39,7 @@ cl::Program program_of(device::Context& context, const scan::ProgramSource& sour
 /// Layers of bricks by z that are computed together, then all their samples, some triangles at a time.
 class BruteForceScan final : public scan::FieldScan {
 public:
-    explicit BruteForceScan(const transform::ScanInputs& inputs)
+    explicit BruteForceScan(const scan::ScanInputs& inputs)
         : layout_(inputs.layout),
           variant_(inputs.variant),
           record_count_(inputs.mesh.record_count),
@@ -220,7 +220,7 @@ public:
         return prepared;
     }
 
-    std::unique_ptr<scan::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
+    std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const override {
         return std::make_unique<BruteForceScan>(inputs);
     }
 

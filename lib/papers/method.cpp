@@ -82,7 +82,7 @@ public:
         return prepared;
     }
 
-    std::unique_ptr<scan::FieldScan> make_scan(const transform::ScanInputs& inputs) const override {
+    std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const override {
         return make_slice_scan(inputs, options_.slice_minimum);
     }
 

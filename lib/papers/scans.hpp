@@ -115,7 +115,7 @@ void enqueue_finish(scan::CommandChain& chain, const cl::Kernel& kernel, const L
 bool takes_64_bits(const device::Context& context, const Layout& layout, bool with_triangle, SliceMinimum asked);
 
 /// The scan by slices of PreparedPieces. Throws what takes_64_bits() does.
-std::unique_ptr<scan::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum);
+std::unique_ptr<scan::FieldScan> make_slice_scan(const scan::ScanInputs& inputs, SliceMinimum minimum);
 
 /// The distance at every sample to every triangle, on the device: exact, and a time that grows with their product. It
 /// gives the distance and the triangle.

@@ -33,7 +33,7 @@ bool has_64_bit_atomics(const cl::Device& device) {
 
 class SliceScan final : public scan::FieldScan {
 public:
-    SliceScan(const transform::ScanInputs& inputs, const PreparedPieces& mesh, SliceMinimum minimum)
+    SliceScan(const scan::ScanInputs& inputs, const PreparedPieces& mesh, SliceMinimum minimum)
         : layout_(inputs.layout),
           variant_{inputs.variant, takes_64_bits(inputs.context, layout_, inputs.variant.nearest, minimum)},
           shape_(slice_shape(inputs.programs.body)),
@@ -336,7 +336,7 @@ bool takes_64_bits(const device::Context& context, const Layout& layout, bool wi
            (has_atomics && samples_of_slice(layout) * sizeof(cl_ulong) <= context.capabilities().largest_allocation);
 }
 
-std::unique_ptr<scan::FieldScan> make_slice_scan(const transform::ScanInputs& inputs, SliceMinimum minimum) {
+std::unique_ptr<scan::FieldScan> make_slice_scan(const scan::ScanInputs& inputs, SliceMinimum minimum) {
     return std::make_unique<SliceScan>(inputs, static_cast<const PreparedPieces&>(inputs.mesh), minimum);
 }
 

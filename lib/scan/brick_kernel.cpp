@@ -13,10 +13,9 @@ constexpr cl_uint most_coarse_bricks = 1U << 17;
 
 }  // namespace
 
-BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device::BufferPool>& pool,
-                         const BrickInputs& inputs, double pairs_per_launch, std::size_t counter_sets)
+BrickKernel::BrickKernel(const ScanInputs& inputs, const CoarseLists& lists, double pairs_per_launch,
+                         std::size_t counter_sets)
     : finishing_(inputs.finishing), counter_sets_(counter_sets) {
-    const CoarseLists& lists = inputs.lists;
     double before = 0;
     double pairs = 0;
     cl_uint begin = 0;
@@ -29,16 +28,14 @@ BrickKernel::BrickKernel(device::Context& context, const std::shared_ptr<device:
         pairs = 0;
         begin = i + 1;
     }
-    if (!lists.order.empty()) order_ = device::copied(context, lists.order);
-    if (counter_sets > 0) counters_ = pool->lease(counter_sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
+    if (!lists.order.empty()) order_ = device::copied(inputs.context, lists.order);
+    if (counter_sets > 0) counters_ = inputs.pool->lease(counter_sets * CLSDF_COUNTERS * sizeof(cl_ulong), "counters");
 }
 
-void BrickKernel::set_outputs(cl::Kernel& kernel, cl_uint distance, const OutputBuffers& outputs) const {
-    const cl_uint optional = distance + 1;
-    kernel.setArg(distance, outputs.distance);
-    if (finishing_ != nullptr) finishing_->set_arguments(kernel, optional, outputs);
-    if (counter_sets_ > 0)
-        kernel.setArg(finishing_ != nullptr ? optional + Finishing::argument_count : optional, *counters_);
+void BrickKernel::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
+    cl_uint next = set_arguments(kernel, first, outputs.distance);
+    if (finishing_ != nullptr) next = finishing_->set_arguments(kernel, next, outputs);
+    if (counter_sets_ > 0) kernel.setArg(next, *counters_);
 }
 
 std::vector<std::size_t> BrickKernel::read_counters(const cl::CommandQueue& queue) const {

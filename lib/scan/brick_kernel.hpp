@@ -3,25 +3,12 @@
 #include <clsdf/distance_transform.hpp>
 
 #include "scan/coarse_lists.hpp"
-#include "scan/commands.hpp"
-#include "scan/finishing.hpp"
-#include "scan/prepared_mesh.hpp"
-#include "scan/programs.hpp"
+#include "scan/field_scan.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace clsdf::scan {
-
-/// The inputs of a brick kernel; they must outlive the kernel.
-struct BrickInputs {
-    Layout layout;
-    const PreparedMesh& mesh;
-    const CoarseLists& lists;
-    const cl::Buffer& sign_bits;
-    const cl::Buffer& computed;  ///< written: a mark for each computed brick
-    const Finishing* finishing;  ///< null if the distance alone is asked for
-};
 
 /// Computes the samples of all bricks that a polyhedron overlaps, in launches of bounded length.
 class BrickKernel {
@@ -49,11 +36,11 @@ protected:
         double fraction_before;
     };
 
-    BrickKernel(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const BrickInputs& inputs,
-                double pairs_per_launch, std::size_t counter_sets);
+    BrickKernel(const ScanInputs& inputs, const CoarseLists& lists, double pairs_per_launch, std::size_t counter_sets);
 
-    /// Sets the last arguments: the distance, then those of Finishing and the counters if they are asked for.
-    void set_outputs(cl::Kernel& kernel, cl_uint distance, const OutputBuffers& outputs) const;
+    /// Sets the last arguments, from number `first` on: the distance, then those of Finishing and the counters if they
+    /// are asked for.
+    void set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const;
 
     std::vector<Launch> launches_;
     const Finishing* finishing_;
@@ -62,11 +49,10 @@ protected:
     std::size_t counter_sets_;  ///< 0: nothing is counted
 };
 
-std::unique_ptr<BrickKernel> make_bricks_by_vector(device::Context& context, const Programs& programs,
-                                                   const std::shared_ptr<device::BufferPool>& pool,
-                                                   const BrickInputs& inputs, const BrickVariant& variant);
-std::unique_ptr<BrickKernel> make_bricks_by_group(device::Context& context, const Programs& programs,
-                                                  const std::shared_ptr<device::BufferPool>& pool,
-                                                  const BrickInputs& inputs, const BrickVariant& variant);
+/// `computed` gets a mark for each brick that is computed. Both it and the lists must outlive the kernel.
+std::unique_ptr<BrickKernel> make_bricks_by_vector(const ScanInputs& inputs, const CoarseLists& lists,
+                                                   const cl::Buffer& computed);
+std::unique_ptr<BrickKernel> make_bricks_by_group(const ScanInputs& inputs, const CoarseLists& lists,
+                                                  const cl::Buffer& computed);
 
 }  // namespace clsdf::scan

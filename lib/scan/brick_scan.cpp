@@ -48,34 +48,25 @@ std::vector<cl_uchar> marks_of(const Layout& layout, std::span<const Grid> wante
 
 class BrickScan final : public FieldScan {
 public:
-    BrickScan(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-              const Layout& layout, const PreparedMesh& mesh, const RecordSelection& selection,
-              const std::shared_ptr<const SurfacePoints>& points, const cl::Buffer& sign_bits,
-              const Finishing* finishing, const BrickVariant& variant, std::span<const Grid> wanted,
-              const ShortLaunches& launches)
-        : layout_(layout),
+    explicit BrickScan(const ScanInputs& inputs)
+        : layout_(inputs.layout),
           // A processor stores long runs; neighbouring work-items of a GPU should store beside each other.
-          fill_group_pieces_(programs.body == KernelBody::by_group ? pieces_of_a_group(layout) : 1),
-          fill_group_slices_(programs.body == KernelBody::by_group ? common_group / fill_group_pieces_
-                                                                   : slices_of_a_group),
-          fill_pieces_(programs.body == KernelBody::by_group
-                           ? in_whole_groups(static_cast<std::size_t>(layout.bricks[0]), fill_group_pieces_)
+          fill_group_pieces_(is_by_group(inputs) ? pieces_of_a_group(layout_) : 1),
+          fill_group_slices_(is_by_group(inputs) ? common_group / fill_group_pieces_ : slices_of_a_group),
+          fill_pieces_(is_by_group(inputs)
+                           ? in_whole_groups(static_cast<std::size_t>(layout_.bricks[0]), fill_group_pieces_)
                            : 1),
-          lists_(make_coarse_lists(context, programs, pool, layout, mesh, selection, points, launches)),
-          computed_(pool->lease(brick_count(layout), "marks of the computed bricks")) {
-        if (!wanted.empty()) first_marks_ = device::copied(context, marks_of(layout, wanted));
-        const BrickInputs inputs{layout, mesh, lists_, sign_bits, *computed_, finishing};
-        const auto make = programs.body == KernelBody::by_group ? make_bricks_by_group : make_bricks_by_vector;
-        bricks_ = make(context, programs, pool, inputs, variant);
-        fill_kernel_ = cl::Kernel(programs.fill, "fill_empty_bricks");
-        fill_kernel_.setArg(fill_layout, layout);
-        fill_kernel_.setArg(fill_computed, *computed_);
-        fill_kernel_.setArg(fill_sign_bits, sign_bits);
-        leave_kernel_ = cl::Kernel(programs.fill, "leave_empty_bricks");
-        leave_kernel_.setArg(leave_layout, layout);
-        leave_kernel_.setArg(leave_computed, *computed_);
-        const double slice = static_cast<double>(layout.size[0]) * static_cast<double>(layout.size[1]);
-        const std::size_t most_slices = launches.most(seconds_per_filled_sample * slice);
+          lists_(make_coarse_lists(inputs)),
+          computed_(inputs.pool->lease(brick_count(layout_), "marks of the computed bricks")) {
+        if (!inputs.wanted.empty()) first_marks_ = device::copied(inputs.context, marks_of(layout_, inputs.wanted));
+        const auto make = is_by_group(inputs) ? make_bricks_by_group : make_bricks_by_vector;
+        bricks_ = make(inputs, lists_, *computed_);
+        fill_kernel_ = cl::Kernel(inputs.programs.fill, "fill_empty_bricks");
+        fill_outputs_ = set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits);
+        leave_kernel_ = cl::Kernel(inputs.programs.fill, "leave_empty_bricks");
+        leave_outputs_ = set_arguments(leave_kernel_, 0, layout_, *computed_);
+        const double slice = static_cast<double>(layout_.size[0]) * static_cast<double>(layout_.size[1]);
+        const std::size_t most_slices = inputs.launches.most(seconds_per_filled_sample * slice);
         if (most_slices < fill_group_slices_) fill_group_slices_ = 1;
         slices_per_fill_ = most_slices / fill_group_slices_ * fill_group_slices_;
     }
@@ -91,21 +82,20 @@ public:
                 queue.enqueueCopyBuffer(first_marks_, *computed_, 0, 0, brick_count(layout_), wait, event);
             });
         bricks_->enqueue_reset(chain, outputs);
-        fill_kernel_.setArg(fill_distance, outputs.distance);
         outputs_ = outputs;
     }
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
 
     void enqueue_end(CommandChain& chain) override {
-        enqueue_slices(chain, fill_kernel_, fill_first_slice, slices_per_fill_);
+        enqueue_slices(chain, fill_kernel_, set_arguments(fill_kernel_, fill_outputs_, outputs_.distance),
+                       slices_per_fill_);
         for_each_extra(
             [&](const OutputRow& row, const cl::Buffer& buffer) {
                 if (buffer() == nullptr) return;
-                leave_kernel_.setArg(leave_output, buffer);
                 const std::size_t bytes = row.sample_bytes((outputs_.in_double & row.bit) != 0);
-                leave_kernel_.setArg(leave_sample_bytes, static_cast<cl_int>(bytes));
-                enqueue_slices(chain, leave_kernel_, leave_first_slice,
+                enqueue_slices(chain, leave_kernel_,
+                               set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
                                in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
             },
             outputs_);
@@ -130,11 +120,10 @@ public:
     }
 
 private:
-    enum FillArgument : cl_uint { fill_layout, fill_computed, fill_sign_bits, fill_distance, fill_first_slice };
-    enum LeaveArgument : cl_uint { leave_layout, leave_computed, leave_output, leave_sample_bytes, leave_first_slice };
+    static bool is_by_group(const ScanInputs& inputs) { return inputs.programs.body == KernelBody::by_group; }
 
-    /// All slices of the empty bricks, at most `most` a launch, whole groups.
-    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint first_slice_argument, std::size_t most) const {
+    /// All slices of the empty bricks, at most `most` a launch, whole groups. The last argument is the first slice.
+    void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const {
         const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]);
         // The kernel skips slices beyond the last one.
         const std::size_t slices = in_whole_groups(static_cast<std::size_t>(layout_.size[2]), fill_group_slices_);
@@ -142,7 +131,7 @@ private:
         divided({fill_pieces_, brick_rows, slices}, {most_groups, std::min(most, most_groups * fill_group_slices_)},
                 [&](std::size_t y, std::size_t z, const cl::NDRange& items) {
                     // An argument: PoCL compiles a kernel once more for offsets that are not 0.
-                    kernel.setArg(first_slice_argument, static_cast<cl_int>(z));
+                    kernel.setArg(last_argument, static_cast<cl_int>(z));
                     chain.then([&](auto& target, auto* wait, auto* event) {
                         target.enqueueNDRangeKernel(kernel, cl::NDRange(0, y, 0), items, group, wait, event);
                     });
@@ -164,21 +153,16 @@ private:
     std::unique_ptr<BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
     cl::Kernel leave_kernel_;
+    cl_uint fill_outputs_;  ///< the kernels' first arguments that change from call to call
+    cl_uint leave_outputs_;
     OutputBuffers outputs_;  ///< of the computation that is being enqueued
     std::size_t slices_per_fill_;
 };
 
 }  // namespace
 
-std::unique_ptr<FieldScan> make_brick_scan(device::Context& context, const Programs& programs,
-                                           const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                                           const PreparedMesh& mesh, const RecordSelection& selection,
-                                           const std::shared_ptr<const SurfacePoints>& points,
-                                           const cl::Buffer& sign_bits, const Finishing* finishing,
-                                           const BrickVariant& variant, std::span<const Grid> wanted,
-                                           const ShortLaunches& launches) {
-    return std::make_unique<BrickScan>(context, programs, pool, layout, mesh, selection, points, sign_bits, finishing,
-                                       variant, wanted, launches);
+std::unique_ptr<FieldScan> make_brick_scan(const ScanInputs& inputs) {
+    return std::make_unique<BrickScan>(inputs);
 }
 
 }  // namespace clsdf::scan

@@ -25,43 +25,17 @@ std::size_t work_items(const device::Context& context, const BrickVariant& varia
 
 class BricksByVector final : public BrickKernel {
 public:
-    BricksByVector(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
-                   const BrickInputs& inputs, const BrickVariant& variant)
-        : BrickKernel(context, pool, inputs,
-                      pairs_per_core_and_launch * static_cast<double>(work_items(context, variant)),
-                      variant.count ? work_items(context, variant) : 0),
-          work_items_(work_items(context, variant)),
-          kernel_(programs.bricks(context, variant), "bricks_by_vector") {
-        const CoarseLists& lists = inputs.lists;
-        next_slots_ = pool->lease(launches_.size() * sizeof(cl_uint), "next slots of the launches");
-        scratch_ = pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks");
-        minima_ = pool->lease(work_items_ * minima_bytes(variant), "minima of the bricks");
-
-        kernel_.setArg(arg_layout, inputs.layout);
-        kernel_.setArg(arg_next_slot, *next_slots_);
-        kernel_.setArg(arg_order, order_);
-        kernel_.setArg(arg_starts, *lists.starts);
-        kernel_.setArg(arg_parts, static_cast<cl_uint>(lists.parts));
-        kernel_.setArg(arg_entries, *lists.entries);
-        kernel_.setArg(arg_bounds, *lists.bounds);
-        kernel_.setArg(arg_polyhedra, *inputs.mesh.polyhedra);
-        kernel_.setArg(arg_sign_bits, inputs.sign_bits);
-        kernel_.setArg(arg_computed, inputs.computed);
-        kernel_.setArg(arg_scratch, *scratch_);
-        kernel_.setArg(arg_minima, *minima_);
-        if (!launches_.empty() && context.is_first_use_of(kernel_)) warm_up(context.queue(), inputs.computed);
-    }
+    BricksByVector(const ScanInputs& inputs, const CoarseLists& lists, const cl::Buffer& computed)
+        : BricksByVector(inputs, lists, computed, work_items(inputs.context, inputs.variant)) {}
 
     void enqueue_reset(CommandChain& chain, const OutputBuffers& outputs) override {
-        set_outputs(kernel_, arg_distance, outputs);
+        set_outputs(kernel_, first_output_, outputs);
         chain.then_fill(*counters_, counter_sets_ * CLSDF_COUNTERS * sizeof(cl_ulong));
         chain.then_fill(*next_slots_, launches_.size() * sizeof(cl_uint));
     }
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override {
-        kernel_.setArg(arg_launch, static_cast<cl_uint>(launch));
-        kernel_.setArg(arg_begin, launches_[launch].begin);
-        kernel_.setArg(arg_end, launches_[launch].end);
+        set_launch(launch, launches_[launch].begin, launches_[launch].end);
         chain.then([&](auto& queue, auto* wait, auto* event) {
             queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1), wait, event);
         });
@@ -72,32 +46,31 @@ public:
     }
 
 private:
-    enum Argument : cl_uint {
-        arg_layout,
-        arg_launch,
-        arg_begin,
-        arg_end,
-        arg_next_slot,
-        arg_order,
-        arg_starts,
-        arg_parts,
-        arg_entries,
-        arg_bounds,
-        arg_polyhedra,
-        arg_sign_bits,
-        arg_computed,
-        arg_scratch,
-        arg_minima,
-        arg_distance  // and what set_outputs() sets
-    };
+    BricksByVector(const ScanInputs& inputs, const CoarseLists& lists, const cl::Buffer& computed,
+                   std::size_t work_items)
+        : BrickKernel(inputs, lists, pairs_per_core_and_launch * static_cast<double>(work_items),
+                      inputs.variant.count ? work_items : 0),
+          work_items_(work_items),
+          kernel_(inputs.programs.bricks(inputs.context, inputs.variant), "bricks_by_vector"),
+          next_slots_(inputs.pool->lease(launches_.size() * sizeof(cl_uint), "next slots of the launches")),
+          scratch_(inputs.pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks")),
+          minima_(inputs.pool->lease(work_items_ * minima_bytes(inputs.variant), "minima of the bricks")) {
+        kernel_.setArg(0, inputs.layout);  // 1 to 3: set_launch()
+        first_output_ = set_arguments(kernel_, 4, *next_slots_, order_, *lists.starts,
+                                      static_cast<cl_uint>(lists.parts), *lists.entries, *lists.bounds,
+                                      *inputs.mesh.polyhedra, inputs.sign_bits, computed, *scratch_, *minima_);
+        if (!launches_.empty() && inputs.context.is_first_use_of(kernel_)) warm_up(inputs.queue(), computed);
+    }
+
+    void set_launch(std::size_t launch, cl_uint begin, cl_uint end) {
+        set_arguments(kernel_, 1, static_cast<cl_uint>(launch), begin, end);
+    }
 
     void warm_up(const cl::CommandQueue& queue, const cl::Buffer& unused) {
-        kernel_.setArg(arg_launch, cl_uint{0});
-        kernel_.setArg(arg_begin, cl_uint{0});
-        kernel_.setArg(arg_end, cl_uint{0});
+        set_launch(0, 0, 0);
         OutputBuffers outputs;
         outputs.distance = unused;
-        set_outputs(kernel_, arg_distance, outputs);
+        set_outputs(kernel_, first_output_, outputs);
         queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1));
         queue.finish();
     }
@@ -107,14 +80,14 @@ private:
     device::BufferPool::Lease next_slots_;
     device::BufferPool::Lease scratch_;
     device::BufferPool::Lease minima_;
+    cl_uint first_output_;
 };
 
 }  // namespace
 
-std::unique_ptr<BrickKernel> make_bricks_by_vector(device::Context& context, const Programs& programs,
-                                                   const std::shared_ptr<device::BufferPool>& pool,
-                                                   const BrickInputs& inputs, const BrickVariant& variant) {
-    return std::make_unique<BricksByVector>(context, programs, pool, inputs, variant);
+std::unique_ptr<BrickKernel> make_bricks_by_vector(const ScanInputs& inputs, const CoarseLists& lists,
+                                                   const cl::Buffer& computed) {
+    return std::make_unique<BricksByVector>(inputs, lists, computed);
 }
 
 }  // namespace clsdf::scan

@@ -42,41 +42,41 @@ double seconds_of_a_cluster(const Layout& layout) {
     return groups * seconds_per_cluster;
 }
 
-device::BufferPool::Lease find_bounds(const ListJob& job, const SurfacePoints* surface_points) {
-    const std::size_t groups = coarse_group_count(job.layout), bricks = groups * CLSDF_COARSE_GROUP;
-    auto bounds = job.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
-    if (surface_points == nullptr) {
-        job.queue().enqueueFillBuffer(*bounds, job.layout.half_width, 0, bricks * sizeof(float));
+device::BufferPool::Lease find_bounds(const ScanInputs& inputs) {
+    const std::size_t groups = coarse_group_count(inputs.layout), bricks = groups * CLSDF_COARSE_GROUP;
+    auto bounds = inputs.pool->lease(bricks * sizeof(float), "bounds of the coarse bricks");
+    if (!inputs.points) {
+        inputs.queue().enqueueFillBuffer(*bounds, inputs.layout.half_width, 0, bricks * sizeof(float));
         return bounds;
     }
-    const std::size_t count = surface_points->size();
-    const auto points = job.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
-    job.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), surface_points->data());
+    const std::size_t count = inputs.points->size();
+    const auto points = inputs.pool->lease(count * sizeof(SurfacePoint), "points of the surface");
+    inputs.queue().enqueueWriteBuffer(*points, CL_FALSE, 0, count * sizeof(SurfacePoint), inputs.points->data());
 
-    cl::Kernel kernel(job.programs.coarse_lists, "coarse_bounds");
+    cl::Kernel kernel(inputs.programs.coarse_lists, "coarse_bounds");
     const double seconds = seconds_per_surface_point * static_cast<double>(count);
     // PoCL compiles a kernel anew for each size of a group: one size for all grids.
-    const cl::NDRange alone = job.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
-    job.launches.over(groups * CLSDF_COARSE_COLUMNS / job.programs.lanes, seconds,
-                      [&](std::size_t begin, std::size_t end) {
-                          set_arguments(kernel, 0, job.layout, static_cast<cl_uint>(count), *points, *bounds,
-                                        static_cast<cl_uint>(begin));
-                          job.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
-                      });
+    const cl::NDRange alone = inputs.programs.body == KernelBody::by_group ? cl::NullRange : cl::NDRange(1);
+    inputs.launches.over(
+        groups * CLSDF_COARSE_COLUMNS / inputs.programs.lanes, seconds, [&](std::size_t begin, std::size_t end) {
+            set_arguments(kernel, 0, inputs.layout, static_cast<cl_uint>(count), *points, *bounds,
+                          static_cast<cl_uint>(begin));
+            inputs.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(end - begin), alone);
+        });
     return bounds;
 }
 
 /// The launches that make the lists of the vector body.
 class ListsByVector {
 public:
-    explicit ListsByVector(const ListJob& job)
-        : job_(job),
-          bricks_(coarse_brick_count(job.layout)),
-          parts_(job.programs.parallel_parts(job.context, bricks_)),
+    explicit ListsByVector(const ScanInputs& inputs)
+        : inputs_(inputs),
+          bricks_(coarse_brick_count(inputs.layout)),
+          parts_(inputs.programs.parallel_parts(inputs.context, bricks_)),
           counters_(bricks_ * parts_),
-          histograms_(job.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
-          pair_counts_(job.pool->lease(parts_ * sizeof(cl_uint), pairs_purpose)),
-          pair_starts_(job.pool->lease((parts_ + 1) * sizeof(cl_uint), pairs_purpose)),
+          histograms_(inputs.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
+          pair_counts_(inputs.pool->lease(parts_ * sizeof(cl_uint), pairs_purpose)),
+          pair_starts_(inputs.pool->lease((parts_ + 1) * sizeof(cl_uint), pairs_purpose)),
           pairs_found_(parts_),
           starts_(counters_ + 1) {}
 
@@ -84,17 +84,17 @@ public:
     ListsByVector& operator=(const ListsByVector&) = delete;
     ~ListsByVector() {
         // After an error: what is under way reads and writes what lies here.
-        if (room_starts_.empty() || job_.context.drain()) return;
+        if (room_starts_.empty() || inputs_.context.drain()) return;
         for (std::vector<cl_uint>* used : {&room_starts_, &pairs_found_, &starts_}) keep_for_good(*used);
     }
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = parts_;
-        lists.starts = job_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        lists.starts = inputs_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
         lists.passes = find_pairs(*lists.bounds, *lists.starts);
         lists.pairs = starts_.back();
-        lists.entries = job_.pool->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        lists.entries = inputs_.pool->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
         write_entries(*lists.starts, *lists.entries);
         std::vector<cl_uint> list_starts(bricks_ + 1);
         for (std::size_t brick = 0; brick <= bricks_; ++brick) list_starts[brick] = starts_[brick * parts_];
@@ -108,40 +108,41 @@ private:
     /// Counts the entries, where those of each coarse brick and part start, and keeps the pairs; returns how
     /// many passes that took.
     std::size_t find_pairs(const cl::Buffer& bounds, const cl::Buffer& starts) {
-        const auto counts = job_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
-        const bool has_groups = job_.selection.groups() != nullptr;
+        const auto counts = inputs_.pool->lease(counters_ * sizeof(cl_uint), "counts of the coarse lists");
+        const bool has_groups = inputs_.selection.groups() != nullptr;
         const std::size_t records =
-            has_groups ? job_.selection.group_count * polyhedra::record_group : job_.records.record_count;
-        const std::size_t clusters = chunk_count(records, job_.programs.lanes);
-        cl::Kernel kernel(job_.programs.coarse_lists, "coarse_count");
-        const double seconds = seconds_of_a_cluster(job_.layout) * static_cast<double>(clusters);
-        const std::size_t expected = std::min(expected_pairs(job_.layout, job_.programs.lanes) * records,
-                                              job_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2);
+            has_groups ? inputs_.selection.group_count * polyhedra::record_group : inputs_.mesh.record_count;
+        const std::size_t clusters = chunk_count(records, inputs_.programs.lanes);
+        cl::Kernel kernel(inputs_.programs.coarse_lists, "coarse_count");
+        const double seconds = seconds_of_a_cluster(inputs_.layout) * static_cast<double>(clusters);
+        const std::size_t expected =
+            std::min(expected_pairs(inputs_.layout, inputs_.programs.lanes) * records,
+                     inputs_.context.capabilities().largest_allocation / sizeof(ClusterPair) / 2);
         // The first room is a guess. If there is no memory for it, the first pass only counts pairs.
         std::vector<cl_uint> room(parts_, static_cast<cl_uint>(expected / parts_));
-        if (auto guess = job_.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))
+        if (auto guess = inputs_.pool->lease_if_it_fits(bytes_of(room), pairs_purpose))
             pairs_ = std::move(*guess);
         else
             make_room(room = std::vector<cl_uint>(parts_));
         std::size_t passes = 1;
         for (;; ++passes) {
             place_parts(room);
-            launch(kernel, seconds, job_.layout, static_cast<cl_uint>(job_.records.record_count),
-                   static_cast<cl_uint>(clusters), *job_.records.polyhedra, cl_int{has_groups ? 1 : 0},
-                   has_groups ? job_.selection.groups : *job_.records.polyhedra, bounds,
-                   cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, *pair_starts_, *pairs_, *pair_counts_, *histograms_,
-                   *counts);
+            launch(kernel, seconds, inputs_.layout, static_cast<cl_uint>(inputs_.mesh.record_count),
+                   static_cast<cl_uint>(clusters), *inputs_.mesh.polyhedra, cl_int{has_groups ? 1 : 0},
+                   has_groups ? inputs_.selection.groups : *inputs_.mesh.polyhedra, bounds,
+                   cl_int{has_uniform_bounds(inputs_.layout) ? 1 : 0}, *pair_starts_, *pairs_, *pair_counts_,
+                   *histograms_, *counts);
             // All that the host waits for at once: to wake it takes as long as a small kernel.
-            PrefixSums sums(job_.context, job_.programs, job_.pool, *counts, starts, counters_,
+            PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts, starts, counters_,
                             "pairs of a triangle and a coarse brick");
             std::vector<cl::Event> read(2);
             {
-                CommandGate gate(job_.context);
+                CommandGate gate(inputs_.context);
                 sums.enqueue();
-                job_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                               pairs_found_.data(), nullptr, &read[0]);
-                job_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(),
-                                               nullptr, &read[1]);
+                inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
+                                                  pairs_found_.data(), nullptr, &read[0]);
+                inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(),
+                                                  nullptr, &read[1]);
                 gate.open();
             }
             cl::Event::waitForEvents(read);
@@ -161,20 +162,20 @@ private:
     /// For so many pairs of each part.
     void make_room(const std::vector<cl_uint>& pairs_of_parts) {
         pairs_ = {};  // the smaller one goes back first
-        pairs_ = job_.pool->lease(bytes_of(pairs_of_parts), pairs_purpose);
+        pairs_ = inputs_.pool->lease(bytes_of(pairs_of_parts), pairs_purpose);
     }
 
     /// Writes the start of the room for each part's pairs. Does not wait: the launch that follows is waited for.
     void place_parts(const std::vector<cl_uint>& pairs_of_parts) {
         room_starts_.assign(parts_ + 1, 0);
         std::partial_sum(pairs_of_parts.begin(), pairs_of_parts.end(), room_starts_.begin() + 1);
-        job_.queue().enqueueWriteBuffer(*pair_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
-                                        room_starts_.data());
+        inputs_.queue().enqueueWriteBuffer(*pair_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
+                                           room_starts_.data());
     }
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
-        cl::Kernel kernel(job_.programs.coarse_lists, "coarse_fill");
-        launch(kernel, seconds_per_pair * static_cast<double>(pair_count_), job_.layout, *pair_starts_, *pairs_,
+        cl::Kernel kernel(inputs_.programs.coarse_lists, "coarse_fill");
+        launch(kernel, seconds_per_pair * static_cast<double>(pair_count_), inputs_.layout, *pair_starts_, *pairs_,
                *pair_counts_, starts, *histograms_, entries);
     }
 
@@ -182,15 +183,15 @@ private:
     /// other arguments.
     template <class... Arguments>
     void launch(cl::Kernel& kernel, double core_seconds, const Arguments&... arguments) const {
-        const std::size_t steps = job_.launches.steps(core_seconds);
-        job_.launches.one_by_one(steps, [&](std::size_t step) {
+        const std::size_t steps = inputs_.launches.steps(core_seconds);
+        inputs_.launches.one_by_one(steps, [&](std::size_t step) {
             set_arguments(kernel, 0, arguments..., static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
-            job_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(parts_),
-                                              cl::NDRange(job_.programs.part_group()));
+            inputs_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(parts_),
+                                                 cl::NDRange(inputs_.programs.part_group()));
         });
     }
 
-    const ListJob& job_;
+    const ScanInputs& inputs_;
     std::size_t bricks_;
     std::size_t parts_;
     std::size_t counters_;  ///< one a brick and part
@@ -239,19 +240,15 @@ bool has_uniform_bounds(const Layout& layout) {
     return layout.half_width <= 2 * layout.coarse_radius;
 }
 
-CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
-                              const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const PreparedMesh& records, const RecordSelection& selection,
-                              const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches) {
+CoarseLists make_coarse_lists(const ScanInputs& inputs) {
     return device::guarded([&] {
-        const ListJob job{context, programs, pool, layout, records, selection, launches};
-        PointsInUse in_use(context, points);
+        PointsInUse in_use(inputs.context, inputs.points);
         CoarseLists lists;
-        lists.bounds = find_bounds(job, points.get());
-        order_by_length(lists, programs.body == KernelBody::by_group
-                                   ? make_lists_by_group(job, seconds_of_a_cluster(layout), lists)
-                                   : ListsByVector(job).make(lists));
-        context.queue().flush();
+        lists.bounds = find_bounds(inputs);
+        order_by_length(lists, inputs.programs.body == KernelBody::by_group
+                                   ? make_lists_by_group(inputs, seconds_of_a_cluster(inputs.layout), lists)
+                                   : ListsByVector(inputs).make(lists));
+        inputs.queue().flush();
         in_use.release();  // lists that are known follow the bounds
         return lists;
     });

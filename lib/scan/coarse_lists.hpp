@@ -2,15 +2,11 @@
 
 #include "device/buffer_pool.hpp"
 #include "layout.h"
-#include "scan/prepared_mesh.hpp"
-#include "scan/short_launches.hpp"
+#include "scan/field_scan.hpp"
 
-#include <memory>
 #include <vector>
 
 namespace clsdf::scan {
-
-struct Programs;
 
 /// An upper estimate of a core's time for a pair of the lists; it limits the work of a launch.
 inline constexpr double seconds_per_pair = 5e-8;
@@ -30,31 +26,14 @@ struct CoarseLists {
     std::vector<cl_uint> lengths;
 };
 
-/// The inputs of the lists, for either body. It refers to the caller's objects, which must outlive it.
-struct ListJob {
-    device::Context& context;
-    const Programs& programs;
-    const std::shared_ptr<device::BufferPool>& pool;
-    const Layout& layout;
-    const PreparedMesh& records;
-    const RecordSelection& selection;
-    const ShortLaunches& launches;
-
-    const cl::CommandQueue& queue() const { return context.queue(); }
-};
-
 /// The lists of the group body, whose bounds are known. Returns where each brick's list begins, and behind the last one
 /// the end of all. `seconds`: of a core, for a polyhedron.
-std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, CoarseLists& lists);
+std::vector<cl_uint> make_lists_by_group(const ScanInputs& inputs, double seconds, CoarseLists& lists);
 
 /// Whether all coarse bricks are bounded by the half width alone: in a narrow band hardly any bound of their own is
 /// below it.
 bool has_uniform_bounds(const Layout& layout);
 
-/// `points`, `selection`: as in Inputs.
-CoarseLists make_coarse_lists(device::Context& context, const Programs& programs,
-                              const std::shared_ptr<device::BufferPool>& pool, const Layout& layout,
-                              const PreparedMesh& records, const RecordSelection& selection,
-                              const std::shared_ptr<const SurfacePoints>& points, const ShortLaunches& launches);
+CoarseLists make_coarse_lists(const ScanInputs& inputs);
 
 }  // namespace clsdf::scan

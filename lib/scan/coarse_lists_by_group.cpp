@@ -28,43 +28,44 @@ std::size_t expected_pairs(const Layout& layout) {
 /// of its entries of each segment.
 class ListsByGroup {
 public:
-    ListsByGroup(const ListJob& job, double seconds)
-        : job_(job),
+    ListsByGroup(const ScanInputs& inputs, double seconds)
+        : inputs_(inputs),
           seconds_(seconds),
-          bricks_(coarse_brick_count(job.layout)),
-          per_segment_(polyhedra_of_a_segment(job.records.record_count, bricks_)),
-          segments_(job.records.record_count / per_segment_ + 1),
-          counts_(job.pool->lease(bricks_ * segments_ * sizeof(cl_uint), "counts of the coarse lists")),
-          taken_(job.pool->lease(sizeof(cl_uint), pairs_purpose)),
-          device_starts_(job.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
-          pair_kernel_(job.programs.coarse_lists, "coarse_pairs"),
+          bricks_(coarse_brick_count(inputs.layout)),
+          per_segment_(polyhedra_of_a_segment(inputs.mesh.record_count, bricks_)),
+          segments_(inputs.mesh.record_count / per_segment_ + 1),
+          counts_(inputs.pool->lease(bricks_ * segments_ * sizeof(cl_uint), "counts of the coarse lists")),
+          taken_(inputs.pool->lease(sizeof(cl_uint), pairs_purpose)),
+          device_starts_(inputs.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
+          pair_kernel_(inputs.programs.coarse_lists, "coarse_pairs"),
           found_(bricks_ + 2) {}
 
     ListsByGroup(const ListsByGroup&) = delete;
     ListsByGroup& operator=(const ListsByGroup&) = delete;
     ~ListsByGroup() {
         // After an error: what is under way writes here.
-        if (is_under_way_ && !job_.context.drain()) keep_for_good(found_);
+        if (is_under_way_ && !inputs_.context.drain()) keep_for_good(found_);
     }
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = segments_;
-        lists.starts = job_.pool->lease((bricks_ * segments_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
-        const std::size_t most = std::min<std::size_t>(
-            job_.context.capabilities().largest_allocation / sizeof(CoarsePair), std::numeric_limits<cl_uint>::max());
+        lists.starts = inputs_.pool->lease((bricks_ * segments_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
+        const std::size_t most =
+            std::min<std::size_t>(inputs_.context.capabilities().largest_allocation / sizeof(CoarsePair),
+                                  std::numeric_limits<cl_uint>::max());
         // The first room is a guess. If there is no memory for it, pairs are only counted at first.
-        std::size_t capacity = std::min(expected_pairs(job_.layout) * job_.records.record_count, most);
-        if (auto guess = job_.pool->lease_if_it_fits(capacity * sizeof(CoarsePair), pairs_purpose))
+        std::size_t capacity = std::min(expected_pairs(inputs_.layout) * inputs_.mesh.record_count, most);
+        if (auto guess = inputs_.pool->lease_if_it_fits(capacity * sizeof(CoarsePair), pairs_purpose))
             pairs_ = std::move(*guess);
         else
-            pairs_ = job_.pool->lease(capacity = 0, pairs_purpose);
+            pairs_ = inputs_.pool->lease(capacity = 0, pairs_purpose);
         for (lists.passes = 1;; ++lists.passes) {
             find_pairs(lists, capacity);
             if (found_.back() <= capacity) break;
             capacity = found_.back();
             pairs_ = {};  // the smaller one goes back first
-            pairs_ = job_.pool->lease(capacity * sizeof(CoarsePair), pairs_purpose);
+            pairs_ = inputs_.pool->lease(capacity * sizeof(CoarsePair), pairs_purpose);
         }
         write_entries(lists, found_.back());
         found_.pop_back();
@@ -86,18 +87,18 @@ private:
     /// Finds the pairs, and waits for their number and the lists' starts.
     void find_pairs(CoarseLists& lists, std::size_t capacity) {
         is_under_way_ = true;
-        const cl::CommandQueue& queue = job_.queue();
+        const cl::CommandQueue& queue = inputs_.queue();
         const std::size_t counters = bricks_ * segments_;
         queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
         queue.enqueueFillBuffer(*taken_, cl_uint{0}, 0, sizeof(cl_uint));
-        job_.launches.over_items(pair_kernel_, job_.records.record_count, seconds_, [&](cl_uint begin, cl_uint end) {
-            set_arguments(pair_kernel_, 0, job_.layout, begin, end, *job_.records.polyhedra, *lists.bounds,
-                          cl_int{has_uniform_bounds(job_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
+        inputs_.launches.over_items(pair_kernel_, inputs_.mesh.record_count, seconds_, [&](cl_uint begin, cl_uint end) {
+            set_arguments(pair_kernel_, 0, inputs_.layout, begin, end, *inputs_.mesh.polyhedra, *lists.bounds,
+                          cl_int{has_uniform_bounds(inputs_.layout) ? 1 : 0}, static_cast<cl_uint>(per_segment_),
                           static_cast<cl_uint>(segments_), *counts_, *taken_, static_cast<cl_uint>(capacity), *pairs_);
         });
-        PrefixSums sums(job_.context, job_.programs, job_.pool, *counts_, *lists.starts, counters, listed);
+        PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts_, *lists.starts, counters, listed);
         sums.enqueue();
-        cl::Kernel gather(job_.programs.coarse_lists, "coarse_list_starts");
+        cl::Kernel gather(inputs_.programs.coarse_lists, "coarse_list_starts");
         set_arguments(gather, 0, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_), *lists.starts,
                       *device_starts_);
         queue.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(in_whole_groups(bricks_ + 1)),
@@ -113,23 +114,23 @@ private:
     }
 
     void write_entries(CoarseLists& lists, std::size_t taken) {
-        const auto scattered = job_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
-        lists.entries = job_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
-        cl::Kernel scatter(job_.programs.coarse_lists, "coarse_scatter"),
-            sort(job_.programs.coarse_lists, "coarse_sort");
+        const auto scattered = inputs_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
+        lists.entries = inputs_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
+        cl::Kernel scatter(inputs_.programs.coarse_lists, "coarse_scatter"),
+            sort(inputs_.programs.coarse_lists, "coarse_sort");
         const auto per_segment = static_cast<cl_uint>(per_segment_), segments = static_cast<cl_uint>(segments_);
-        job_.launches.over_items(scatter, taken, seconds_per_pair, [&](cl_uint begin, cl_uint end) {
+        inputs_.launches.over_items(scatter, taken, seconds_per_pair, [&](cl_uint begin, cl_uint end) {
             set_arguments(scatter, 0, begin, end, *pairs_, per_segment, segments, *lists.starts, *scattered);
         });
-        job_.launches.over_items(sort, taken,
-                                 seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_),
-                                 [&](cl_uint begin, cl_uint end) {
-                                     set_arguments(sort, 0, begin, end, *pairs_, per_segment, segments, *lists.starts,
-                                                   *scattered, *lists.entries);
-                                 });
+        inputs_.launches.over_items(sort, taken,
+                                    seconds_per_pair + seconds_per_comparison * static_cast<double>(per_segment_),
+                                    [&](cl_uint begin, cl_uint end) {
+                                        set_arguments(sort, 0, begin, end, *pairs_, per_segment, segments,
+                                                      *lists.starts, *scattered, *lists.entries);
+                                    });
     }
 
-    const ListJob& job_;
+    const ScanInputs& inputs_;
     double seconds_;  ///< of a polyhedron, on a core
     std::size_t bricks_;
     std::size_t per_segment_;  ///< polyhedra
@@ -145,8 +146,8 @@ private:
 
 }  // namespace
 
-std::vector<cl_uint> make_lists_by_group(const ListJob& job, double seconds, CoarseLists& lists) {
-    return ListsByGroup(job, seconds).make(lists);
+std::vector<cl_uint> make_lists_by_group(const ScanInputs& inputs, double seconds, CoarseLists& lists) {
+    return ListsByGroup(inputs, seconds).make(lists);
 }
 
 }  // namespace clsdf::scan

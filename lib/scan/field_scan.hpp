@@ -4,8 +4,33 @@
 
 #include "scan/commands.hpp"
 #include "scan/finishing.hpp"
+#include "scan/prepared_mesh.hpp"
+#include "scan/programs.hpp"
+#include "scan/short_launches.hpp"
+
+#include <memory>
+#include <span>
 
 namespace clsdf::scan {
+
+/// The inputs of a plan's scan. The mesh, the sign bits and `finishing` must outlive the scan.
+struct ScanInputs {
+    device::Context& context;
+    const Programs& programs;
+    std::shared_ptr<device::BufferPool> pool;
+    const Layout& layout;
+    const PreparedMesh& mesh;
+    const ShortLaunches& launches;  ///< of the set-up
+    BrickVariant variant{};
+    cl::Buffer sign_bits{};
+    // Of the scan by bricks alone:
+    RecordSelection selection{};
+    std::shared_ptr<const SurfacePoints> points{};
+    const Finishing* finishing = nullptr;  ///< null if the distance alone is asked for
+    std::span<const Grid> wanted{};        ///< see PlanOptions
+
+    const cl::CommandQueue& queue() const { return context.queue(); }
+};
 
 /// Computes every sample of a plan's part, in launches of bounded length: by bricks, or as another method does.
 class FieldScan {

@@ -55,7 +55,7 @@ Finishing::Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<cons
     finish_.outward = is_inside_out ? -1.0F : 1.0F;
 }
 
-void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
+cl_uint Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
     Finish finish = finish_;
     finish.in_double = outputs.in_double;
     finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
@@ -71,6 +71,7 @@ void Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuf
     kernel.setArg(first, finish);
     kernel.setArg(first + 1, given(sites_->names));
     kernel.setArg(first + 2, given(sites_->normals));
+    return argument;
 }
 
 }  // namespace clsdf::scan

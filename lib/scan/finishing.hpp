@@ -56,9 +56,8 @@ public:
     /// For points, in units of a lattice.
     Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
-    /// The arguments of the macro FINISHING_PARAMETERS.
-    static constexpr cl_uint argument_count = 3 + CLSDF_OUTPUT_COUNT;
-    void set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const;
+    /// The arguments of the macro FINISHING_PARAMETERS. Returns the number of the next one.
+    cl_uint set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const;
 
 private:
     Finish finish_{};

@@ -14,21 +14,6 @@
 
 namespace clsdf {
 
-namespace transform {
-
-/// The inputs of a method's scan of one plan. The mesh and the sign bits outlive the scan.
-struct ScanInputs {
-    device::Context& context;
-    const Programs& programs;
-    const std::shared_ptr<device::BufferPool>& pool;
-    const Layout& layout;
-    const PreparedMesh& mesh;  ///< as FieldMethod::prepare() made it
-    const cl::Buffer& sign_bits;
-    const BrickVariant& variant;
-};
-
-}  // namespace transform
-
 /// Another way from a mesh to its distances than leaned polyhedra scanned by bricks, from a library beside the core.
 /// The sign, slabs, plans and the self-test are the core's. A method has no state: threads and transforms may share it.
 class FieldMethod {
@@ -42,7 +27,8 @@ public:
     virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
                                                               const Layout& layout) const = 0;
 
-    virtual std::unique_ptr<scan::FieldScan> make_scan(const transform::ScanInputs& inputs) const = 0;
+    /// Its mesh is as prepare() made it.
+    virtual std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const = 0;
 
     /// The method that the self-test computes its known field with: it runs the kernels that such a computation runs,
     /// and its fields are exact.

@@ -29,16 +29,22 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     Stopwatch sign_watch;
     SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches);
     statistics.sign_seconds = sign_watch.seconds();
-    const cl::Buffer sign_bits = sweep.bits();
     const PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
-        const BrickVariant variant{outputs != Outputs{}, options.count, has_long_bricks(grid)};
-        scan_ =
-            options.method
-                ? options.method->make_scan({context, programs, pool, layout, records, sign_bits, variant})
-                : make_brick_scan(context, programs, pool, layout, records, inputs.selection, inputs.points, sign_bits,
-                                  finishing_ ? &*finishing_ : nullptr, variant, options.wanted, launches);
+        const ScanInputs scan_inputs{.context = context,
+                                     .programs = programs,
+                                     .pool = pool,
+                                     .layout = layout,
+                                     .mesh = records,
+                                     .launches = launches,
+                                     .variant = {outputs != Outputs{}, options.count, has_long_bricks(grid)},
+                                     .sign_bits = sweep.bits(),
+                                     .selection = inputs.selection,
+                                     .points = inputs.points,
+                                     .finishing = finishing_ ? &*finishing_ : nullptr,
+                                     .wanted = options.wanted};
+        scan_ = options.method ? options.method->make_scan(scan_inputs) : make_brick_scan(scan_inputs);
         // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
         sign_watch = Stopwatch();
         SignBits signs = sweep.finish();

@@ -278,8 +278,7 @@ namespace {
 
 /// The launches of coarse bricks with one pair each.
 struct Launches : scan::BrickKernel {
-    Launches(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const scan::BrickInputs& inputs)
-        : BrickKernel(context, pool, inputs, 1e9, 0) {}
+    Launches(const scan::ScanInputs& inputs, const scan::CoarseLists& lists) : BrickKernel(inputs, lists, 1e9, 0) {}
     void enqueue_reset(scan::CommandChain&, const scan::OutputBuffers&) override {}
     void enqueue_launch(scan::CommandChain&, std::size_t) override {}
     const auto& all() const { return launches_; }
@@ -295,7 +294,14 @@ BOOST_AUTO_TEST_CASE(a_launch_of_bricks_has_at_most_two_to_the_thirty_work_items
     lists.pairs = lists.order.size();
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
     const scan::PreparedMesh mesh;
-    const Launches launches(context, pool, {{}, mesh, lists, {}, {}, nullptr});
+    const scan::Programs programs(context, KernelBody::by_group);
+    const Launches launches({.context = context,
+                             .programs = programs,
+                             .pool = pool,
+                             .layout = {},
+                             .mesh = mesh,
+                             .launches = scan::ShortLaunches(context, {})},
+                            lists);
     BOOST_TEST_REQUIRE(launches.launch_count() == 3U);
     cl_uint begin = 0;
     for (const auto& launch : launches.all()) {

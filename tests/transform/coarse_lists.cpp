@@ -60,8 +60,15 @@ Coarse coarse_of(const Device& device, const Mesh& mesh, const Grid& grid, const
     const transform::Inputs inputs = stages.inputs(grid, layout, SignRule::none);
     const scan::PreparedMesh& prepared = *inputs.records;
     found.polyhedra = read<Polyhedron>(context, *prepared.polyhedra, prepared.record_count);
-    const scan::CoarseLists coarse = scan::make_coarse_lists(
-        context, programs, pool, layout, prepared, inputs.selection, inputs.points, scan::ShortLaunches(context, {}));
+    const scan::ShortLaunches launches(context, {});
+    const scan::CoarseLists coarse = scan::make_coarse_lists({.context = context,
+                                                              .programs = programs,
+                                                              .pool = pool,
+                                                              .layout = layout,
+                                                              .mesh = prepared,
+                                                              .launches = launches,
+                                                              .selection = inputs.selection,
+                                                              .points = inputs.points});
     found.passes = coarse.passes;
     found.peak = pool->peak();
     const std::size_t bricks = scan::coarse_brick_count(layout);
