@@ -1,4 +1,5 @@
 #include "apps/process.hpp"
+#include "support/hostile_meshes.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -28,23 +29,7 @@ struct Inputs {
     std::string csv;
 
     Inputs() {
-        std::vector<Vec3> vertices;
-        for (const double z : {-1.0, 1.0})
-            for (const double y : {-1.0, 1.0})
-                for (const double x : {-1.0, 1.0}) vertices.push_back({x, y, z});
-        write_mesh(Mesh(vertices, {{0, 2, 1},
-                                   {1, 2, 3},
-                                   {4, 5, 6},
-                                   {5, 7, 6},
-                                   {0, 1, 4},
-                                   {1, 5, 4},
-                                   {2, 6, 3},
-                                   {3, 6, 7},
-                                   {0, 4, 2},
-                                   {2, 4, 6},
-                                   {1, 3, 5},
-                                   {3, 7, 5}}),
-                   mesh);
+        write_mesh(cube(1), mesh);
         std::string text = "id, y, X, z\r\n";
         for (const auto& [x, y, z] : points)
             text += "7," + std::to_string(y) + "," + std::to_string(x) + ", " + std::to_string(z) + "\r\n";

@@ -9,20 +9,13 @@
 
 using clsdf::test::check_refused;
 using clsdf::test::content_of;
+using clsdf::test::is_png;
 using clsdf::test::no_devices;
 using clsdf::test::Outcome;
 using clsdf::test::Process;
 using clsdf::test::run_command;
 using clsdf::test::TemporaryFolder;
 using clsdf::test::two_balls;
-
-namespace {
-
-bool is_png(const std::string& path) {
-    return content_of(path).starts_with("\x89PNG");
-}
-
-}  // namespace
 
 BOOST_AUTO_TEST_SUITE(the_render_command)
 

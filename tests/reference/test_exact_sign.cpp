@@ -3,6 +3,7 @@
 #include <boost/test/unit_test.hpp>
 
 #include "support/exact_distance.hpp"
+#include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
@@ -44,28 +45,6 @@ bool is_on(const Mesh& mesh, const Vec3& point) {
     });
 }
 
-/// A cube of side 2 around the origin, its diagonals as given by the order of the corners.
-Mesh cube() {
-    std::vector<Vec3> vertices;
-    for (int i = 0; i < 8; ++i) {
-        vertices.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
-    }
-    return {vertices,
-            {{0, 2, 1},
-             {1, 2, 3},
-             {4, 5, 6},
-             {5, 7, 6},
-             {0, 1, 4},
-             {1, 5, 4},
-             {2, 6, 3},
-             {3, 6, 7},
-             {0, 4, 2},
-             {2, 4, 6},
-             {1, 3, 5},
-             {3, 7, 5}},
-            "cube"};
-}
-
 void expect_solid_angles(const Mesh& mesh, const Vec3& query) {
     const auto winding = Oracle(mesh).winding_number(query);
     BOOST_REQUIRE(winding.has_value());
@@ -95,7 +74,7 @@ BOOST_AUTO_TEST_CASE(the_winding_number_is_the_sum_of_solid_angles) {
 }
 
 BOOST_AUTO_TEST_CASE(rays_through_vertices_and_edges_count_once) {
-    const Mesh mesh = cube();
+    const Mesh mesh = cube(1);
     const Oracle oracle(mesh);
     for (double x = -2; x <= 2; x += 0.5) {
         for (double y = -2; y <= 2; y += 0.5) {
@@ -171,7 +150,7 @@ BOOST_AUTO_TEST_CASE(a_row_says_what_its_points_say) {
 }
 
 BOOST_AUTO_TEST_CASE(one_unit_of_rounding_from_the_surface_decides) {
-    const Mesh mesh = cube();
+    const Mesh mesh = cube(1);
     const Oracle oracle(mesh);
     BOOST_TEST(!oracle.winding_number({1, 0.25, 0.5}).has_value());
     BOOST_TEST(*oracle.winding_number({std::nextafter(1.0, 0.0), 0.25, 0.5}) == 1);
@@ -181,7 +160,7 @@ BOOST_AUTO_TEST_CASE(one_unit_of_rounding_from_the_surface_decides) {
 }
 
 BOOST_AUTO_TEST_CASE(degenerate_faces_change_no_sign_but_are_surface) {
-    const Mesh plain = cube();
+    const Mesh plain = cube(1);
     std::vector<Triangle> triangles = plain.triangles();
     std::vector<Vec3> vertices = plain.vertices();
     vertices.push_back({1, 1, 1});  // equal to vertex 7
@@ -198,7 +177,7 @@ BOOST_AUTO_TEST_CASE(degenerate_faces_change_no_sign_but_are_surface) {
 }
 
 BOOST_AUTO_TEST_CASE(nested_duplicated_and_reversed_shells_add_up) {
-    const Mesh shell = cube();
+    const Mesh shell = cube(1);
     const auto count = static_cast<std::uint32_t>(shell.vertices().size());
     const auto with_second = [&](double scale, bool reversed) {
         std::vector<Vec3> vertices = shell.vertices();

@@ -2,6 +2,7 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/test_meshes.hpp"
 
@@ -15,26 +16,9 @@ namespace {
 constexpr float positive_zero = 0.0F;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A cube [0, 4]^3, its faces on planes of the unit lattice.
+/// Its faces are on planes of the unit lattice.
 Mesh cube() {
-    std::vector<Vec3> vertices;
-    for (int i = 0; i < 8; ++i) {
-        vertices.push_back({i & 1 ? 4.0 : 0.0, i & 2 ? 4.0 : 0.0, i & 4 ? 4.0 : 0.0});
-    }
-    return {vertices,
-            {{0, 2, 1},
-             {1, 2, 3},
-             {4, 5, 6},
-             {5, 7, 6},
-             {0, 1, 4},
-             {1, 5, 4},
-             {2, 6, 3},
-             {3, 6, 7},
-             {0, 4, 2},
-             {2, 4, 6},
-             {1, 3, 5},
-             {3, 7, 5}},
-            "cube"};
+    return box({0, 0, 0}, {4, 4, 4}, "cube");
 }
 
 /// Samples at the integers -3 ... 7 along x through the cube's middle.

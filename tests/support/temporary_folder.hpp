@@ -53,4 +53,8 @@ inline std::string content_of(const std::string& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+inline bool is_png(const std::string& path) {
+    return content_of(path).starts_with("\x89PNG");
+}
+
 }  // namespace clsdf::test

@@ -263,8 +263,19 @@ BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error
     // NOLINTEND(bugprone-use-after-move)
 }
 
+namespace {
+
+/// After a command of an out-of-order queue has failed, Intel's runtime ends the process at the queue's next one.
+boost::test_tools::assertion_result queues_survive_failures(boost::unit_test::test_unit_id) {
+    const cl::Platform platform(device::context_of(test_device()).device().getInfo<CL_DEVICE_PLATFORM>());
+    return platform.getInfo<CL_PLATFORM_NAME>().find("Intel(R) OpenCL") == std::string::npos;
+}
+
+}  // namespace
+
 // A run that fails ends before those that it was to follow.
-BOOST_AUTO_TEST_CASE(a_run_that_fails_hides_no_run_that_is_under_way) {
+BOOST_AUTO_TEST_CASE(a_run_that_fails_hides_no_run_that_is_under_way,
+                     *boost::unit_test::precondition(queues_survive_failures)) {
     const device::Context& context = device::context_of(test_device());
     const cl::CommandQueue queue(context.context(), context.device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
     cl::UserEvent pending(context.context()), failed(context.context());
