@@ -310,7 +310,8 @@ BOOST_AUTO_TEST_CASE(a_run_that_fails_hides_no_run_that_is_under_way,
 
 // Commands of a failed run are listed in the events that they waited for and that are pending. If such an event ends
 // when the commands' own events were released, PoCL 3.1 ends the process.
-BOOST_AUTO_TEST_CASE(an_event_may_fail_while_others_of_its_wait_list_are_pending) {
+BOOST_AUTO_TEST_CASE(an_event_may_fail_while_others_of_its_wait_list_are_pending,
+                     *boost::unit_test::precondition(queues_survive_failures)) {
     const Mesh mesh = make_shape("sphere2");
     const DistanceTransform transform(test_device(), mesh);
     const device::Context& context = device::context_of(test_device());
