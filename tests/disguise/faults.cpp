@@ -29,6 +29,8 @@ const std::set<std::string> passed_over{
     "clGetProgramInfo",           // its binary is not kept
     "clGetEventInfo",             // the library waits for the event
     "clSetEventCallback",         // likewise
+    // Where it marks the last command that reads an array of the host, the library waits for the whole queue instead.
+    "clEnqueueMarkerWithWaitList",
 };
 
 // The time limit on a busy machine.
