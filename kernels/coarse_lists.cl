@@ -6,9 +6,9 @@
 //   starts[brick * parts + part], the scanned counts, is where a part's entries of a brick begin.
 // The first pass counts and stores the (cluster, brick) pairs; the second fills the lists from them.
 //
-// A part's counters are a row of `histograms`. Loops over them run from row_begin to row_end, not from 0: PoCL 7.0 and
-// 7.1 put barriers into a loop that all work-items run alike, and if it is in a branch, their code is wrong
-// (docs/devices.md).
+// A part's counters are a row of `histograms`. Loops over them run from row_begin to row_end, not from 0. PoCL 7.0 and
+// 7.1 insert barriers into an innermost loop that all work-items enter and run alike; in a branch, that makes wrong
+// code (docs/devices.md).
 
 #include "coarse_clusters.h"
 #include "face_sources.h"

@@ -52,6 +52,8 @@ typedef struct NamedSite {
     uint site;
     bool is_reversed;  // of an edge: the named triangle's runs the other way
 } NamedSite;
+#define UNNAMED_SITE \
+    { CLSDF_NO_TRIANGLE, 0xFFu, false }
 
 // The nearest site of a sample, as the outputs need it.
 typedef struct Nearest {
@@ -192,8 +194,8 @@ static inline void find_nearest_at(__private const Finishing* finishing, double3
                                   how.origin[2] + sample.z * how.spacing[2]);
     nearest->polyhedron = p;
     nearest->foot = at.xy - in_plane;
-    // Set in each case: PoCL 7.1 crashes if one branch alone sets it (docs/devices.md).
-    const NamedSite unnamed = {CLSDF_NO_TRIANGLE, 0xFFu, false};
+    // Set in each case: PoCL 7 crashes if one branch alone sets it (docs/devices.md).
+    const NamedSite unnamed = UNNAMED_SITE;
     nearest->named = unnamed;
     if ((how.wanted & CLSDF_OUTPUTS_BY_NAME) != 0) nearest->named = name_site(finishing, p, nearest->frame_site);
 }

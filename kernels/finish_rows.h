@@ -162,7 +162,7 @@ INLINE void store_by_name(__private const Finishing* finishing, __private const 
     for (uint lane = 0; lane < LANES; ++lane) {
         const bool found = (rows->found >> lane & 1u) != 0;
         __global const Polyhedron* p = finishing->polyhedra + rows->polyhedra[lane];
-        NamedSite named = {CLSDF_NO_TRIANGLE, 0xFFu, false};
+        NamedSite named = UNNAMED_SITE;
         if (found) named = name_site(finishing, p, (uint)frame_site[lane]);
         const size_t to = at + OFFSET_OF_LANE(lane);
         if (IS_WANTED(finishing, triangle)) ((__global uint*)finishing->of_triangle)[to] = named.triangle;

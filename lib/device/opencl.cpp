@@ -188,7 +188,8 @@ void refuse_known_fault(const cl::Device& device, KernelBody body) {
 
 std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file) {
     // With optimisation, coarse bricks' lists held numbers of polyhedra that do not exist: PoCL's pass
-    // implicit-loop-barriers made coarse_count wrong. Not tried since its loops were written anew (coarse_lists.cl).
+    // implicit-loop-barriers made coarse_count wrong. Its loops were changed later (coarse_lists.cl); it has not been
+    // tested without this option since.
     const bool makes_wrong_lists = has(implementation.platform, "Portable Computing Language") &&
                                    has(implementation.version, "PoCL 7.") && has(implementation.version, "LLVM 19");
     return makes_wrong_lists && kernel_file == "coarse_lists.cl" ? " -cl-opt-disable" : "";

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-// Deprecated since Expat 2.9 for the functions whose results have 64 bits everywhere.
+// Expat 2.9 deprecates these functions; the replacements return 64 bits on every platform.
 #if XML_MAJOR_VERSION > 2 || (XML_MAJOR_VERSION == 2 && XML_MINOR_VERSION >= 9)
 #define XML_GetCurrentLineNumber XML_GetCurrentLineNumber64
 #define XML_GetCurrentByteIndex XML_GetCurrentByteIndex64

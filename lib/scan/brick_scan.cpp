@@ -122,7 +122,8 @@ public:
 private:
     static bool is_by_group(const ScanInputs& inputs) { return inputs.programs.body == KernelBody::by_group; }
 
-    /// All slices of the empty bricks, at most `most` a launch, whole groups. The last argument is the first slice.
+    /// Enqueues all slices of the empty bricks, in whole groups, at most `most` slices a launch. The kernel's argument
+    /// `last_argument` is a launch's first slice.
     void enqueue_slices(CommandChain& chain, cl::Kernel& kernel, cl_uint last_argument, std::size_t most) const {
         const auto brick_rows = static_cast<std::size_t>(layout_.bricks[1]);
         // The kernel skips slices beyond the last one.

@@ -34,6 +34,7 @@ std::vector<cl_uint> make_lists_by_group(const ScanInputs& inputs, double second
 /// below it.
 bool has_uniform_bounds(const Layout& layout);
 
+/// The lists of a part: of the mesh, the points and the selection. They hold no reference to the inputs.
 CoarseLists make_coarse_lists(const ScanInputs& inputs);
 
 }  // namespace clsdf::scan

@@ -13,7 +13,8 @@
 
 namespace clsdf::scan {
 
-/// The inputs of a plan's scan. The mesh, the sign bits and `finishing` must outlive the scan.
+/// The inputs of a plan's scan. The mesh, `finishing` and the memory of the sign bits must outlive the scan; the rest
+/// is needed until it is made.
 struct ScanInputs {
     device::Context& context;
     const Programs& programs;
@@ -24,10 +25,10 @@ struct ScanInputs {
     BrickVariant variant{};
     cl::Buffer sign_bits{};
     // Of the scan by bricks alone:
-    RecordSelection selection{};
-    std::shared_ptr<const SurfacePoints> points{};
-    const Finishing* finishing = nullptr;  ///< null if the distance alone is asked for
-    std::span<const Grid> wanted{};        ///< see PlanOptions
+    RecordSelection selection{};                    ///< the records that matter
+    std::shared_ptr<const SurfacePoints> points{};  ///< null if the band is so narrow that no bound would be below it
+    const Finishing* finishing = nullptr;           ///< null if the distance alone is asked for
+    std::span<const Grid> wanted{};                 ///< blocks whose samples are needed; empty: all
 
     const cl::CommandQueue& queue() const { return context.queue(); }
 };

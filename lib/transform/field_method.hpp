@@ -27,7 +27,7 @@ public:
     virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
                                                               const Layout& layout) const = 0;
 
-    /// Its mesh is as prepare() made it.
+    /// `inputs.mesh` is the result of prepare().
     virtual std::unique_ptr<scan::FieldScan> make_scan(const scan::ScanInputs& inputs) const = 0;
 
     /// The method that the self-test computes its known field with: it runs the kernels that such a computation runs,

@@ -5,6 +5,7 @@
 
 #include "device/context.hpp"
 
+#include <algorithm>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -85,7 +86,8 @@ BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_it
     BOOST_TEST(device::context_of(half).capabilities().memory == 1U << 20);
     BOOST_TEST(device::context_of(half).capabilities().compute_units == all);
     half.set_program_cache("");
-    if (cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_MAX_SUB_DEVICES>() > 0) {
+    const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
+    if (std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) > 0) {
         BOOST_TEST(device::context_of(half.limited({.compute_units = 1})).capabilities().memory == 1U << 20);
         BOOST_TEST(half.limited({.compute_units = 1}).program_cache().empty());
         BOOST_TEST(device::context_of(whole.limited({.compute_units = 1})).capabilities().compute_units == 1U);

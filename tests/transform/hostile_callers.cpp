@@ -265,8 +265,8 @@ BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error
 
 namespace {
 
-/// Of commands in a row Intel's runtime fails only the one that waits for the failed event. After a command of an
-/// out-of-order queue has failed, it ends the process at the queue's next one.
+/// False for Intel's runtime. It fails only the command that waits for the failed event, not the commands after it. If
+/// a command of an out-of-order queue has failed, the queue's next command ends the process.
 boost::test_tools::assertion_result takes_failing_events(boost::unit_test::test_unit_id) {
     const cl::Platform platform(device::context_of(test_device()).device().getInfo<CL_DEVICE_PLATFORM>());
     return platform.getInfo<CL_PLATFORM_NAME>().find("Intel(R) OpenCL") == std::string::npos;
@@ -445,6 +445,26 @@ BOOST_AUTO_TEST_CASE(a_plan_moves_with_transforms_of_its_device_alone) {
     Plan plan = transform.plan(unit_grid(), Band::symmetric(0.2));
     check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { plan.move(of_other); });
     plan.move(transform);
+}
+
+// The call before it compiles and prepares, so that this one waits for its event when that fails.
+BOOST_AUTO_TEST_CASE(an_event_that_fails_during_a_call_is_an_error_of_the_call) {
+    const Mesh mesh = make_shape("sphere2");
+    const DistanceTransform transform(test_device(), mesh);
+    const device::Context& context = device::context_of(test_device());
+    const Grid grid = grid_around(mesh, 24, 3);
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
+    const OutputTargets targets{.distance = OutputTarget(memory())};
+    transform.compute(grid, band, targets);
+    cl::UserEvent event(context.context());
+    std::thread failing([&] {
+        std::this_thread::sleep_for(std::chrono::seconds(2));
+        event.setStatus(-5);
+    });
+    check_throws(ErrorCode::device_failure, {},
+                 [&] { transform.compute(grid, band, targets, {}, std::array{static_cast<cl_event>(event())}); });
+    failing.join();
 }
 
 // All commands of a run wait for the event, one after the other.

@@ -167,13 +167,14 @@ public:
 
     /// Enqueues one run that writes to other targets: one OutputTargets for each request. This is for codes that swap
     /// two sets of arrays. The outputs are those of the plan. If a request's target is packed and aligned
-    /// (OutputTarget::offset), the new target must be so, too; a plan without targets takes only such targets. Any
-    /// other target may be replaced by one with any offset and strides, of the same elements. A copied box whose offset
-    /// or strides differ from those of the run before costs one small command.
+    /// (OutputTarget::offset), the new target must be so, too; a plan without targets takes only such targets. The
+    /// replacement of any other target may have another offset and other strides; its elements must be the same. A
+    /// copied box whose offset or strides differ from those of the run before costs one small command.
     ///
     /// Also throws Error(invalid_argument) if there are not as many targets as requests, and for memory that is
     /// missing, read-only, too small or no buffer; Error(unsupported) for other targets. Then nothing is enqueued.
-    /// Error(out_of_memory): the host's memory does not suffice.
+    /// Error(out_of_memory): the host's memory does not suffice. Some commands may be enqueued then, and the next run
+    /// follows them.
     cl_event enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,
                      std::span<const cl_event> wait_list = {});
     /// The same of a plan with one request.
