@@ -1,5 +1,3 @@
-#include "scan/brick_scan.hpp"
-
 #include "core/outputs.hpp"
 #include "device/buffer_pool.hpp"
 #include "scan/brick_kernel.hpp"

@@ -54,4 +54,7 @@ public:
     virtual void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const = 0;
 };
 
+/// The scan of leaned polyhedra by bricks.
+std::unique_ptr<FieldScan> make_brick_scan(const ScanInputs& inputs);
+
 }  // namespace clsdf::scan

@@ -3,7 +3,6 @@
 #include "core/lifetime.hpp"
 #include "core/stopwatch.hpp"
 #include "device/opencl.hpp"
-#include "scan/brick_scan.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/programs.hpp"
 #include "scan/sign_sweep.hpp"
@@ -27,7 +26,7 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     const Layout layout = layout_of(grid, band, sign);
     const ShortLaunches launches(context, between_launches);
     Stopwatch sign_watch;
-    SignSweep sweep(context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches);
+    SignSweep sweep({context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches});
     statistics.sign_seconds = sign_watch.seconds();
     const PreparedMesh& records = *inputs.records;
     if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
