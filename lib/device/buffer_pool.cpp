@@ -81,6 +81,8 @@ std::optional<BufferPool::Lease> BufferPool::take_free(std::size_t wanted) {
     return lease;
 }
 
+static constexpr std::size_t least_bytes = 64;  // of a buffer
+
 // Kept data has been released before.
 static constexpr const char* remedy =
     "compute a smaller part of the grid or fewer points at a time, or a narrower band, and release plans";
@@ -94,7 +96,7 @@ void BufferPool::check_size(std::size_t bytes, const char* purpose) const {
 }
 
 BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
-    const std::size_t wanted = std::max<std::size_t>(bytes, 64);
+    const std::size_t wanted = std::max(bytes, least_bytes);
     if (auto free = take_free(wanted)) return std::move(*free);
     check_size(wanted, purpose);
     const Context::Capabilities& device = context_->capabilities();
@@ -118,6 +120,12 @@ BufferPool::Lease BufferPool::lease(std::size_t bytes, const char* purpose) {
         forget(wanted);
         throw;
     }
+}
+
+BufferPool::Lease BufferPool::lease_for_list(std::size_t bytes, const char* purpose) {
+    if (auto free = take_free(std::max(bytes, least_bytes))) return std::move(*free);
+    if (auto longer = lease_if_it_fits(bytes + bytes / 8, purpose)) return std::move(*longer);
+    return lease(bytes, purpose);
 }
 
 std::optional<BufferPool::Lease> BufferPool::lease_if_it_fits(std::size_t bytes, const char* purpose) {

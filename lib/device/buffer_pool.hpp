@@ -60,6 +60,10 @@ public:
     /// much memory left.
     Lease lease(std::size_t bytes, const char* purpose);
 
+    /// The same for lists, whose length changes when vertices move: a buffer that must be made gets an eighth more
+    /// than asked for, if that fits, so that it serves longer lists, too.
+    Lease lease_for_list(std::size_t bytes, const char* purpose);
+
     /// The same for what one can do without: nothing where it does not fit.
     std::optional<Lease> lease_if_it_fits(std::size_t bytes, const char* purpose);
 

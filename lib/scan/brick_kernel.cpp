@@ -98,7 +98,7 @@ private:
                       inputs.variant.count ? work_items : 0),
           work_items_(work_items),
           kernel_(inputs.programs.bricks(inputs.context, inputs.variant), "bricks_by_vector"),
-          next_slots_(inputs.pool->lease(launches_.size() * sizeof(cl_uint), "next slots of the launches")),
+          next_slots_(inputs.pool->lease_for_list(launches_.size() * sizeof(cl_uint), "next slots of the launches")),
           scratch_(inputs.pool->lease(work_items_ * std::size_t{CLSDF_SCRATCH_BYTES}, "scratch of the bricks")),
           minima_(inputs.pool->lease(work_items_ * minima_bytes(inputs.variant), "minima of the bricks")) {
         kernel_.setArg(0, inputs.layout);  // 1 to 3: set_launch()
@@ -155,9 +155,9 @@ public:
                       inputs.variant.count ? lists.order.size() * groups_per_coarse_brick : 0),
           group_size_(inputs.programs.group_size),
           program_(inputs.programs.bricks(inputs.context, inputs.variant)),
-          bounds_(
-              inputs.pool->lease(lists.order.size() * groups_per_coarse_brick * sizeof(float), "bounds of the bricks")),
-          masks_(inputs.pool->lease(lists.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
+          bounds_(inputs.pool->lease_for_list(lists.order.size() * groups_per_coarse_brick * sizeof(float),
+                                              "bounds of the bricks")),
+          masks_(inputs.pool->lease_for_list(lists.pairs * sizeof(cl_ulong), "masks of the coarse lists' bricks")),
           kernel_(program_, "bricks_by_group") {
         kernel_.setArg(0, inputs.layout);  // 1: enqueue_launch()
         first_output_ =

@@ -94,7 +94,7 @@ public:
         lists.starts = inputs_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
         lists.passes = find_pairs(*lists.bounds, *lists.starts);
         lists.pairs = starts_.back();
-        lists.entries = inputs_.pool->lease((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
+        lists.entries = inputs_.pool->lease_for_list((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
         write_entries(*lists.starts, *lists.entries);
         std::vector<cl_uint> list_starts(bricks_ + 1);
         for (std::size_t brick = 0; brick <= bricks_; ++brick) list_starts[brick] = starts_[brick * parts_];
@@ -162,7 +162,7 @@ private:
     /// For so many pairs of each part.
     void make_room(const std::vector<cl_uint>& pairs_of_parts) {
         pairs_ = {};  // the smaller one goes back first
-        pairs_ = inputs_.pool->lease(bytes_of(pairs_of_parts), pairs_purpose);
+        pairs_ = inputs_.pool->lease_for_list(bytes_of(pairs_of_parts), pairs_purpose);
     }
 
     /// Writes the start of the room for each part's pairs. Does not wait: the launch that follows is waited for.

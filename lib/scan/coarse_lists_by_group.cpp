@@ -65,7 +65,7 @@ public:
             if (found_.back() <= capacity) break;
             capacity = found_.back();
             pairs_ = {};  // the smaller one goes back first
-            pairs_ = inputs_.pool->lease(capacity * sizeof(CoarsePair), pairs_purpose);
+            pairs_ = inputs_.pool->lease_for_list(capacity * sizeof(CoarsePair), pairs_purpose);
         }
         write_entries(lists, found_.back());
         found_.pop_back();
@@ -114,8 +114,8 @@ private:
     }
 
     void write_entries(CoarseLists& lists, std::size_t taken) {
-        const auto scattered = inputs_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
-        lists.entries = inputs_.pool->lease(lists.pairs * sizeof(cl_uint), "coarse lists");
+        const auto scattered = inputs_.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
+        lists.entries = inputs_.pool->lease_for_list(lists.pairs * sizeof(cl_uint), "coarse lists");
         cl::Kernel scatter(inputs_.programs.coarse_lists, "coarse_scatter"),
             sort(inputs_.programs.coarse_lists, "coarse_sort");
         const auto per_segment = static_cast<cl_uint>(per_segment_), segments = static_cast<cl_uint>(segments_);

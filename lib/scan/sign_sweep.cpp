@@ -105,7 +105,7 @@ public:
             if (crossings_.record_count <= capacity_) return std::move(crossings_);
             capacity_ = crossings_.record_count;
             crossings_.records = {};  // the smaller one goes back first
-            crossings_.records = inputs_.pool->lease(capacity_ * sizeof(SweepRecord), records_purpose);
+            crossings_.records = inputs_.pool->lease_for_list(capacity_ * sizeof(SweepRecord), records_purpose);
             begin();
         }
     }
@@ -188,7 +188,7 @@ namespace {
 
 /// The keys of the crossings, row by row.
 device::BufferPool::Lease keys_by_row(const SweepInputs& inputs, const Crossings& crossings) {
-    auto keys = inputs.pool->lease(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
+    auto keys = inputs.pool->lease_for_list(crossings.count * sizeof(cl_uint), "crossings of the sign's sweep by rows");
     cl::Kernel scatter(inputs.programs.sign_sweep, "sign_scatter");
     inputs.launches.over_items(scatter, crossings.record_count, seconds_per_record, [&](cl_uint begin, cl_uint end) {
         set_arguments(scatter, 0, begin, end, *crossings.records, *crossings.starts, *keys);

@@ -12,6 +12,8 @@
 #include "scan/brick_kernel.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 using namespace clsdf;
 using namespace clsdf::test;
@@ -182,6 +184,52 @@ BOOST_AUTO_TEST_CASE(vertices_that_move_go_to_the_device_and_nothing_else_of_the
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.bytes_up <= 24 * mesh().vertices().size() + 4096);
     BOOST_TEST(counts.blocking_waits <= 4U);
+}
+
+// Its lists have another length in each step. Buffers for lists are made with an eighth more than they need. What is
+// made in each step is a buffer for the order of the coarse bricks.
+BOOST_AUTO_TEST_CASE(a_body_that_turns_finds_the_memory_of_the_step_before) {
+    const Mesh body = make_shape("stairs");
+    const Grid around = grid_around(body, 90, 12);
+    const Band narrow = Band::symmetric(3 * around.voxel());
+    DistanceTransform transform(test_device(), body);
+    std::vector<float> distance(around.sample_count());
+    std::set<std::size_t> lengths;
+    const auto step = [&](int number) {
+        const double angle = 0.01 * number, c = std::cos(angle), s = std::sin(angle);
+        transform.move({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {});
+        disguise::restart();
+        TransformStatistics statistics;
+        transform.compute(around, narrow, {.distance = distance}, {.statistics = &statistics});
+        lengths.insert(statistics.coarse_pairs);
+    };
+    for (int number = 0; number < 3; ++number) step(number);
+    lengths.clear();
+    for (int number = 3; number < 20; ++number) {
+        step(number);
+        const disguise::Counts counts = disguise::counts();
+        BOOST_TEST(counts.allocations <= 1U);
+        BOOST_TEST(counts.allocated_bytes <= 4096U);
+    }
+    BOOST_TEST(lengths.size() > 10U);
+    BOOST_TEST(static_cast<double>(*lengths.rbegin()) < 1.125 * static_cast<double>(*lengths.begin()));
+}
+
+BOOST_AUTO_TEST_CASE(the_lattice_that_was_used_last_is_kept) {
+    const std::size_t records = 280 * mesh().triangles().size();
+    const DistanceTransform transform(test_device(), mesh(),
+                                      {.kept_bytes = 52 * mesh().triangles().size() + 5 * records / 2});
+    /// Whether the lattice's records were still there.
+    const auto finds = [&](int resolution) {
+        const Grid at = grid_around(mesh(), resolution, 3);
+        std::vector<float> distance(at.sample_count());
+        disguise::restart();
+        transform.compute(at, Band::symmetric(2 * at.voxel()), {.distance = distance});
+        return !disguise::counts().kernels.contains("sweep_vertices");
+    };
+    for (const int resolution : {60, 70, 80}) BOOST_TEST(!finds(resolution));  // there is room for two at most
+    BOOST_TEST(finds(80));
+    BOOST_TEST(!finds(60));
 }
 
 namespace {
