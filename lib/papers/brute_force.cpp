@@ -100,10 +100,7 @@ public:
                            static_cast<cl_uint>(std::min(first_record + records_at_once_, record_count_)));
             const std::size_t items = (end_brick - first_brick) * (CLSDF_BRICK * CLSDF_BRICK / rows_of_item_);
             const std::size_t group = rows_of_item_ == 1 ? scan::common_group : 1;
-            chain.then([&](auto& queue, auto* wait, auto* event) {
-                queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(scan::in_whole_groups(items, group)),
-                                           cl::NDRange(group), wait, event);
-            });
+            chain.then_launch(kernel_, {items, group});
         }
         if (of_chunk + 1 == launches_of_chunk()) finish(chain, first_slice, end_slice);
     }

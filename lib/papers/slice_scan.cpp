@@ -169,7 +169,7 @@ private:
                 return chunk.active_end - first->active_begin > active_counted_at_once;
             });
             set_active_range(first->begin, (next - 1)->end, 0, false);
-            queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_));
+            scan::launch(queue, active_kernel_, {parts_, part_group_});
             first = next;
         }
         scan::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
@@ -210,7 +210,7 @@ private:
         scan_kernel_.setArg(scan_end, cl_uint{0});
         scan_kernel_.setArg(scan_first_slice, layout_.first[2]);
         if (variant_.brick.count) queue.enqueueFillBuffer(*counters_, cl_uchar{0}, 0, counters_.bytes());
-        queue.enqueueNDRangeKernel(scan_kernel_, cl::NullRange, cl::NDRange(shape_.group), cl::NDRange(shape_.group));
+        scan::launch(queue, scan_kernel_, {shape_.group, shape_.group});
         finish_kernel_.setArg(finish_first_slice, layout_.first[2]);
         finish_kernel_.setArg(finish_end_slice, layout_.first[2]);
         cl_uint argument = finish_outputs_;
@@ -240,10 +240,7 @@ private:
         if (has_triangles()) fill(triangles_, samples * sizeof(cl_uint));
         if (chunk.active_begin == chunk.active_end) return;
         set_active_range(chunk.begin, chunk.end, chunk.active_begin, true);
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(active_kernel_, cl::NullRange, cl::NDRange(parts_), cl::NDRange(part_group_),
-                                       wait, event);
-        });
+        chain.then_launch(active_kernel_, {parts_, part_group_});
     }
 
     void enqueue_scan(CommandChain& chain, const SliceChunk& chunk, const SliceLaunch& launch) {
@@ -251,10 +248,7 @@ private:
         scan_kernel_.setArg(scan_end, static_cast<cl_uint>(launch.end));
         scan_kernel_.setArg(scan_first_slice, chunk.begin);
         if (!variant_.key_64) scan_kernel_.setArg(scan_pass, cl_int{launch.pass});
-        const cl::NDRange items(work_items(launch.end - launch.begin));
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(scan_kernel_, cl::NullRange, items, cl::NDRange(shape_.group), wait, event);
-        });
+        chain.then_launch(scan_kernel_, {work_items(launch.end - launch.begin), shape_.group});
     }
 
     void finish_chunk(CommandChain& chain, const SliceChunk& chunk) {

@@ -85,10 +85,10 @@ public:
         scan::measured_launches(
             context_, count(), seconds_per_search, most_run * scan::cores_of(context_.capabilities()), between,
             [&](std::size_t begin, std::size_t end) {
-                scan::set_arguments(kernel, 0, mesh.tree, *mesh.device_nodes, *mesh.leaves, *mesh.frames,
-                                    *device_points_, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
-                                    static_cast<cl_uint>(run()), cl_double{most()}, *device_faces_, *device_squared_);
-                enqueue(kernel, chunk_count(end - begin, run()));
+                scan::launch(queue_, kernel, {chunk_count(end - begin, run()), programs_.part_group()}, mesh.tree,
+                             *mesh.device_nodes, *mesh.leaves, *mesh.frames, *device_points_,
+                             static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(run()),
+                             cl_double{most()}, *device_faces_, *device_squared_);
             });
     }
 
@@ -108,8 +108,7 @@ public:
                                                      by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()),
                                                      cl_double{within_}, *inputs_.mesh->polyhedra, outputs.distance);
             finishing.set_arguments(kernel, last, outputs);
-            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scan::in_whole_groups(count())),
-                                        cl::NDRange(scan::common_group));
+            scan::launch(queue_, kernel, {count()});
         };
         signs_.assign(count(), std::uint8_t{CLSDF_POINT_UNDECIDED});
         if (inputs_.sides) {
@@ -158,12 +157,6 @@ private:
     std::size_t run() const {
         if (programs_.body == KernelBody::by_group) return 1;
         return std::clamp<std::size_t>(count() / (8 * context_.capabilities().compute_units), 1, most_run);
-    }
-
-    void enqueue(const cl::Kernel& kernel, std::size_t items) const {
-        const std::size_t group = programs_.part_group();
-        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(scan::in_whole_groups(items, group)),
-                                    cl::NDRange(group));
     }
 
     device::Context& context_;

@@ -137,10 +137,8 @@ ScannedMesh make_scanned_mesh(device::Context& context, const cl::Program& progr
     mesh.records = pool->lease(records * sizeof(ScanRecord), "records of the scan of points");
     device::guarded([&] {
         cl::Kernel pack(program, "pack_records");
-        scan::set_arguments(pack, 0, *polyhedra.polyhedra, mesh.counts,
-                            static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
-        context.queue().enqueueNDRangeKernel(pack, cl::NullRange, cl::NDRange(scan::in_whole_groups(records)),
-                                             cl::NDRange(scan::common_group));
+        scan::launch(context.queue(), pack, {records}, *polyhedra.polyhedra, mesh.counts,
+                     static_cast<cl_uint>(polyhedra.record_count - frusta.sites.size()), *mesh.records);
         context.queue().finish();
     });
     device::HostFilling neighbours(context, pool, faces * sizeof(FaceNeighbours), "neighbours of faces");
@@ -203,20 +201,18 @@ public:
         const std::size_t records = job_.scanned.counts.records;
         marks_ = job_.pool.lease(superblock_count_ * records * sizeof(cl_ushort), "lists of blocks of points");
         cl::Kernel bound(program_, "bound_blocks");
-        scan::set_arguments(bound, 0, *superblocks_, cl_uint{0},
-                            static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
-                            job_.scanned.counts, *job_.scanned.records, *squares);
-        enqueue(bound, superblock_count_);
+        scan::launch(queue_, bound, {superblock_count_, 1}, *superblocks_, cl_uint{0},
+                     static_cast<cl_uint>(job_.scanned.counts.faces > 16 * bound_stride ? bound_stride : 1),
+                     job_.scanned.counts, *job_.scanned.records, *squares);
         cl::Kernel mark(program_, "mark_blocks");
         const std::size_t items = superblock_count_ * chunk_count(records, marked_together);
         const auto before_each = between ? [&] { between(0); } : std::function<void()>();
         scan::ShortLaunches(job_.context, before_each)
             .over(items, seconds_per_mark * marked_together, [&](std::size_t begin, std::size_t end) {
-                scan::set_arguments(mark, 0, *superblocks_, static_cast<cl_uint>(begin),
-                                    static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
-                                    *job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)),
-                                    *squares, *marks_);
-                enqueue(mark, end - begin);
+                scan::launch(queue_, mark, {end - begin, 1}, *superblocks_, static_cast<cl_uint>(begin),
+                             static_cast<cl_uint>(marked_together), job_.scanned.counts, *job_.scanned.records,
+                             *job_.mesh.polyhedra, static_cast<cl_float>(std::sqrt(job_.most) * (1 + 1e-6)), *squares,
+                             *marks_);
             });
     }
 
@@ -232,22 +228,17 @@ public:
         scan::measured_launches(job_.context, block_count_, seconds_per_scanned_point * CLSDF_POINTS_OF_BLOCK, items,
                                 between, [&](std::size_t begin, std::size_t end) {
                                     queue_.enqueueFillBuffer(*next_block, cl_uint{0}, 0, sizeof(cl_uint));
-                                    scan::set_arguments(
-                                        kernel, 0, static_cast<cl_uint>(begin), static_cast<cl_uint>(end), *next_block,
-                                        *blocks_, *bricks_, job_.points, static_cast<cl_uint>(job_.count),
-                                        cl_double{job_.most}, job_.scanned.counts, *job_.scanned.records,
-                                        *job_.mesh.polyhedra, *job_.mesh.frames, *job_.scanned.neighbours,
-                                        *job_.scanned.ring_starts, *job_.scanned.ring_faces,
-                                        *job_.scanned.site_vertices, *marks_, *lists, *marks, *memory, faces, squared);
-                                    enqueue(kernel, items);
+                                    scan::launch(queue_, kernel, {items, 1}, static_cast<cl_uint>(begin),
+                                                 static_cast<cl_uint>(end), *next_block, *blocks_, *bricks_,
+                                                 job_.points, static_cast<cl_uint>(job_.count), cl_double{job_.most},
+                                                 job_.scanned.counts, *job_.scanned.records, *job_.mesh.polyhedra,
+                                                 *job_.mesh.frames, *job_.scanned.neighbours, *job_.scanned.ring_starts,
+                                                 *job_.scanned.ring_faces, *job_.scanned.site_vertices, *marks_, *lists,
+                                                 *marks, *memory, faces, squared);
                                 });
     }
 
 private:
-    void enqueue(const cl::Kernel& kernel, std::size_t items) const {
-        queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(1));
-    }
-
     const ScanJob& job_;
     cl::CommandQueue queue_;
     cl::Program program_;

@@ -82,9 +82,7 @@ public:
 
     void enqueue_launch(CommandChain& chain, std::size_t launch) override {
         set_launch(launch, launches_[launch].begin, launches_[launch].end);
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1), wait, event);
-        });
+        chain.then_launch(kernel_, {work_items_, 1});
     }
 
     std::size_t device_bytes() const override {
@@ -117,7 +115,7 @@ private:
         OutputBuffers outputs;
         outputs.distance = unused;
         set_outputs(kernel_, first_output_, outputs);
-        queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(work_items_), cl::NDRange(1));
+        scan::launch(queue, kernel_, {work_items_, 1});
         queue.finish();
     }
 
@@ -176,10 +174,7 @@ public:
     void enqueue_launch(CommandChain& chain, std::size_t launch) override {
         kernel_.setArg(1, launches_[launch].begin);
         const std::size_t groups = (launches_[launch].end - launches_[launch].begin) * groups_per_coarse_brick;
-        chain.then([&](auto& queue, auto* wait, auto* event) {
-            queue.enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(groups * group_size_),
-                                       cl::NDRange(group_size_), wait, event);
-        });
+        chain.then_launch(kernel_, {groups * group_size_, group_size_});
     }
 
 private:
@@ -194,9 +189,8 @@ private:
                                      static_cast<cl_uint>(lists.parts), *lists.entries, *lists.bounds,
                                      *inputs.mesh.polyhedra, *bounds_);
             set_arguments(masks, next, static_cast<cl_uint>(mask_groups), *masks_);
-            inputs.queue().enqueueNDRangeKernel(bounds, cl::NullRange, cl::NDRange(items), cl::NDRange(group_size_));
-            inputs.queue().enqueueNDRangeKernel(masks, cl::NullRange, cl::NDRange(mask_groups * items),
-                                                cl::NDRange(group_size_));
+            scan::launch(inputs.queue(), bounds, {items, group_size_});
+            scan::launch(inputs.queue(), masks, {mask_groups * items, group_size_});
         }
     }
 

@@ -185,9 +185,8 @@ private:
     void launch(cl::Kernel& kernel, double core_seconds, const Arguments&... arguments) const {
         const std::size_t steps = inputs_.launches.steps(core_seconds);
         inputs_.launches.one_by_one(steps, [&](std::size_t step) {
-            set_arguments(kernel, 0, arguments..., static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
-            inputs_.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(parts_),
-                                                 cl::NDRange(inputs_.programs.part_group()));
+            scan::launch(inputs_.queue(), kernel, {parts_, inputs_.programs.part_group()}, arguments...,
+                         static_cast<cl_uint>(step), static_cast<cl_uint>(steps));
         });
     }
 

@@ -99,10 +99,8 @@ private:
         PrefixSums sums(inputs_.context, inputs_.programs, inputs_.pool, *counts_, *lists.starts, counters, listed);
         sums.enqueue();
         cl::Kernel gather(inputs_.programs.coarse_lists, "coarse_list_starts");
-        set_arguments(gather, 0, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_), *lists.starts,
-                      *device_starts_);
-        queue.enqueueNDRangeKernel(gather, cl::NullRange, cl::NDRange(in_whole_groups(bricks_ + 1)),
-                                   cl::NDRange(common_group));
+        launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
+               *lists.starts, *device_starts_);
         queue.enqueueReadBuffer(*device_starts_, CL_FALSE, 0, (bricks_ + 1) * sizeof(cl_uint), found_.data());
         cl::Event read;
         queue.enqueueReadBuffer(*taken_, CL_FALSE, 0, sizeof(cl_uint), &found_.back(), nullptr, &read);

@@ -2,6 +2,7 @@
 
 #include "device/context.hpp"
 
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,6 +18,31 @@ cl_uint set_arguments(cl::Kernel& kernel, cl_uint first, const Arguments&... arg
     return first;
 }
 
+/// Work-items of a group, unless a kernel asks for another number. It is the same for all grids, because PoCL compiles
+/// a kernel anew for each size.
+constexpr std::size_t common_group = 64;
+
+/// The number of work-items, rounded up to whole groups.
+constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
+    return (items + group - 1) / group * group;
+}
+
+/// The work-items of a launch, which are rounded up to whole groups.
+struct WorkItems {
+    std::size_t count;
+    std::size_t group = common_group;
+
+    cl::NDRange all() const { return cl::NDRange(in_whole_groups(count, group)); }
+    cl::NDRange of_group() const { return cl::NDRange(group); }
+};
+
+/// Enqueues a kernel with these arguments, or with those that it has if none are given.
+template <class... Arguments>
+void launch(const cl::CommandQueue& queue, cl::Kernel& kernel, const WorkItems& items, const Arguments&... arguments) {
+    set_arguments(kernel, 0, arguments...);
+    queue.enqueueNDRangeKernel(kernel, cl::NullRange, items.all(), items.of_group());
+}
+
 /// Commands of which each waits for the one before: the caller's queue may be out of order.
 class CommandChain {
 public:
@@ -30,6 +56,12 @@ public:
         enqueue_command(queue_, previous_.empty() ? nullptr : &previous_, &event);
         previous_.assign(1, event);
         events_.push_back(std::move(event));
+    }
+
+    void then_launch(const cl::Kernel& kernel, const WorkItems& items) {
+        then([&](auto& queue, auto* wait, auto* event) {
+            queue.enqueueNDRangeKernel(kernel, cl::NullRange, items.all(), items.of_group(), wait, event);
+        });
     }
 
     void then_fill(const cl::Buffer& buffer, std::size_t bytes) {

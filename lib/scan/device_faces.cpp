@@ -1,7 +1,6 @@
 #include "scan/device_faces.hpp"
 
 #include "core/parallel.hpp"
-#include "scan/commands.hpp"
 #include "scan/programs.hpp"
 #include "scan/short_launches.hpp"
 
@@ -21,21 +20,15 @@ void enqueue_faces(const DeviceSetUp& job, const DeviceFaces& faces, const polyh
     ShortLaunches(job.context, {})
         .over(groups.size(), seconds_per_face * polyhedra::record_group, [&](std::size_t begin, std::size_t end) {
             const std::size_t first = begin * polyhedra::record_group, last = end * polyhedra::record_group;
-            set_arguments(kernel, 0, face_lattice(lattice), static_cast<cl_uint>(first), static_cast<cl_uint>(last),
-                          static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
-                          *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
-                          records);
-            job.enqueue(kernel, last - first);
+            launch(job.context.queue(), kernel, job.items_of(last - first), face_lattice(lattice),
+                   static_cast<cl_uint>(first), static_cast<cl_uint>(last),
+                   static_cast<cl_uint>(faces.names->face_count()), static_cast<cl_uint>(job.item_faces()),
+                   *group_numbers, *faces.names->triangles, *faces.positions, *faces.slopes, *faces.names->names,
+                   records);
         });
 }
 
 }  // namespace
-
-void DeviceSetUp::enqueue(const cl::Kernel& kernel, std::size_t faces) const {
-    const std::size_t group = lanes == 1 ? common_group : 1;
-    const std::size_t items = in_whole_groups(chunk_count(faces, item_faces()), group);
-    context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(items), cl::NDRange(group));
-}
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology) {
     const std::size_t count = topology->order.size();
@@ -57,9 +50,8 @@ DeviceFaces device_faces(const DeviceSetUp& job, std::shared_ptr<const DeviceFac
 void place_words(const DeviceSetUp& job, const cl::Buffer& written, const cl::Buffer& places, std::size_t count,
                  std::size_t item_words, const cl::Buffer& items) {
     cl::Kernel kernel(job.program, "place_items");
-    set_arguments(kernel, 0, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words), written, places, items);
-    job.context.queue().enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(count)),
-                                             cl::NDRange(common_group));
+    launch(job.context.queue(), kernel, {count}, static_cast<cl_uint>(count), static_cast<cl_uint>(item_words), written,
+           places, items);
 }
 
 void WrittenRecords::add_faces(const polyhedra::RecordRange& range, std::size_t record) {

@@ -5,6 +5,7 @@
 #include "polyhedra/cluster_index.hpp"
 #include "polyhedra/frusta.hpp"
 #include "polyhedra/topology.hpp"
+#include "scan/commands.hpp"
 #include "scan/prepared_mesh.hpp"
 
 #include <algorithm>
@@ -29,8 +30,10 @@ struct DeviceSetUp {
 
     /// Faces of a work-item.
     std::size_t item_faces() const { return lanes == 1 ? 1 : 256; }
-    /// Enqueues a kernel for so many faces.
-    void enqueue(const cl::Kernel& kernel, std::size_t faces) const;
+    /// The launch of a kernel for so many faces.
+    WorkItems items_of(std::size_t faces) const {
+        return {(faces + item_faces() - 1) / item_faces(), lanes == 1 ? common_group : 1};
+    }
 
     /// Whether kernels use arrays of the host in place.
     bool shares_memory() const { return context.capabilities().is_processor; }

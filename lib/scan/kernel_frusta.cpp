@@ -113,12 +113,11 @@ private:
         ShortLaunches(job_.context, {})
             .over(chunk_count(all, unit), seconds_per_face * unit, [&](std::size_t begin, std::size_t end) {
                 const std::size_t last = std::min(end * unit, all);
-                set_arguments(kernel, 0, face_lattice(view_), cl_double{least_length_},
-                              static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
-                              static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()),
-                              *made_.faces.names->triangles, *sources_->opposite, *made_.faces.positions,
-                              *made_.faces.names->names, *made_.faces.slopes, *signs_, *face_answers_, *records_);
-                job_.enqueue(kernel, last - begin * unit);
+                launch(job_.context.queue(), kernel, job_.items_of(last - begin * unit), face_lattice(view_),
+                       cl_double{least_length_}, static_cast<cl_uint>(begin * unit), static_cast<cl_uint>(last),
+                       static_cast<cl_uint>(count_), static_cast<cl_uint>(job_.item_faces()),
+                       *made_.faces.names->triangles, *sources_->opposite, *made_.faces.positions,
+                       *made_.faces.names->names, *made_.faces.slopes, *signs_, *face_answers_, *records_);
             });
     }
 
@@ -126,10 +125,10 @@ private:
         cl::Kernel kernel(job_.program, "vertex_fans");
         ShortLaunches(job_.context, {})
             .over(sources_->of_kernels.fan_items.size(), seconds_per_fan_item, [&](std::size_t begin, std::size_t end) {
-                set_arguments(kernel, 0, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
-                              cl_double{1 / view_.unit}, *sources_->fan_items, *sources_->fan_words,
-                              *made_.faces.names->triangles, *made_.faces.positions, *signs_, *vertex_answers_);
-                job_.enqueue(kernel, (end - begin) * CLSDF_FAN_ITEM);
+                launch(job_.context.queue(), kernel, job_.items_of((end - begin) * CLSDF_FAN_ITEM),
+                       static_cast<cl_uint>(begin), static_cast<cl_uint>(end), cl_double{1 / view_.unit},
+                       *sources_->fan_items, *sources_->fan_words, *made_.faces.names->triangles,
+                       *made_.faces.positions, *signs_, *vertex_answers_);
             });
     }
 

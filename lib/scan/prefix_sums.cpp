@@ -2,7 +2,6 @@
 
 #include "core/lifetime.hpp"
 #include "device/opencl.hpp"
-#include "scan/commands.hpp"
 #include "scan/programs.hpp"
 
 #include <fmt/format.h>
@@ -41,8 +40,8 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
       queue_(context.queue()),
       is_few_(programs.body != KernelBody::by_group && count <= few_values),
       parts_(is_few_ ? 0 : parts_of(count, programs.body == KernelBody::by_group)),
-      one_part_(programs.body == KernelBody::by_group ? common_group : 1),
-      all_parts_(programs.body == KernelBody::by_group ? parts_ * common_group : parts_),
+      one_part_(programs.body == KernelBody::by_group ? WorkItems{common_group} : WorkItems{1, 1}),
+      all_parts_{parts_ * one_part_.count},
       total_(std::make_unique<cl_ulong>(0)) {
     if (count >= std::numeric_limits<cl_uint>::max()) throw too_many(what);
     device::guarded([&] {
@@ -60,13 +59,12 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
 
 void PrefixSums::enqueue() {
     device::guarded([&] {
-        const cl::NDRange group(common_group);
         if (is_few_) {
-            queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, cl::NDRange(1), cl::NDRange(1));
+            launch(queue_, write_kernel_, {1, 1});
         } else {
-            queue_.enqueueNDRangeKernel(sum_kernel_, cl::NullRange, all_parts_, group);
-            queue_.enqueueNDRangeKernel(offset_kernel_, cl::NullRange, one_part_, one_part_);
-            queue_.enqueueNDRangeKernel(write_kernel_, cl::NullRange, all_parts_, group);
+            launch(queue_, sum_kernel_, all_parts_);
+            launch(queue_, offset_kernel_, one_part_);
+            launch(queue_, write_kernel_, all_parts_);
         }
         queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof *total_, total_.get(), nullptr,
                                  &total_read_);

@@ -3,6 +3,7 @@
 #include <clsdf/error.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "scan/commands.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -37,9 +38,9 @@ private:
     const device::Context& context_;
     cl::CommandQueue queue_;
     bool is_few_;
-    std::size_t parts_;      ///< 0 if the values are few
-    cl::NDRange one_part_;   ///< work-items of a launch that scans the parts' sums
-    cl::NDRange all_parts_;  ///< of the others
+    std::size_t parts_;    ///< 0 if the values are few
+    WorkItems one_part_;   ///< of a launch that scans the parts' sums
+    WorkItems all_parts_;  ///< of the others
     device::BufferPool::Lease sums_;
     cl::Kernel sum_kernel_;
     cl::Kernel offset_kernel_;

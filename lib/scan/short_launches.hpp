@@ -2,7 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "device/context.hpp"
+#include "scan/commands.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,15 +11,6 @@
 #include <utility>
 
 namespace clsdf::scan {
-
-/// Work-items of a group, unless a kernel asks for another number. It is the same for all grids, because PoCL compiles
-/// a kernel anew for each size.
-constexpr std::size_t common_group = 64;
-
-/// The number of work-items, rounded up to whole groups.
-constexpr std::size_t in_whole_groups(std::size_t items, std::size_t group = common_group) {
-    return (items + group - 1) / group * group;
-}
 
 /// Groups of a launch along y, and as many along z: NVIDIA's GPUs have 65,535 at most.
 constexpr std::size_t most_groups = 32768;
@@ -79,11 +70,10 @@ public:
 
     /// Launches a kernel for [0, items), one item per work-item. set(begin, end) sets its arguments for a range.
     template <class Set>
-    void over_items(const cl::Kernel& kernel, std::size_t items, double core_seconds, const Set& set) const {
+    void over_items(cl::Kernel& kernel, std::size_t items, double core_seconds, const Set& set) const {
         over(items, core_seconds, [&](std::size_t first, std::size_t end) {
             set(static_cast<cl_uint>(first), static_cast<cl_uint>(end));
-            queue_.enqueueNDRangeKernel(kernel, cl::NullRange, cl::NDRange(in_whole_groups(end - first)),
-                                        cl::NDRange(common_group));
+            launch(queue_, kernel, {end - first});
         });
     }
 

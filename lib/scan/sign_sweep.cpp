@@ -236,13 +236,10 @@ void SignSweep::sweep_rows(const Crossings& crossings) {
     const double words_and_keys =
         layout.sign_words + 8.0 * static_cast<double>(crossings.record_count) / static_cast<double>(rows);
     inputs_.launches.over(rows, seconds_per_word * words_and_keys, [&](std::size_t begin, std::size_t end) {
-        set_arguments(sweep, 0, layout, static_cast<cl_uint>(begin), static_cast<cl_uint>(end),
-                      static_cast<cl_uint>(item_rows), cl_int{inputs_.rule == SignRule::parity ? 1 : 0},
-                      *crossings.starts, *keys, *result_.bits);
         const std::size_t items = chunk_count(end - begin, item_rows);
-        const std::size_t items_of_group = inputs_.programs.part_group();
-        inputs_.context.queue().enqueueNDRangeKernel(
-            sweep, cl::NullRange, cl::NDRange(in_whole_groups(items, items_of_group)), cl::NDRange(items_of_group));
+        launch(inputs_.context.queue(), sweep, {items, inputs_.programs.part_group()}, layout,
+               static_cast<cl_uint>(begin), static_cast<cl_uint>(end), static_cast<cl_uint>(item_rows),
+               cl_int{inputs_.rule == SignRule::parity ? 1 : 0}, *crossings.starts, *keys, *result_.bits);
     });
 }
 

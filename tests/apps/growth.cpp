@@ -2,7 +2,8 @@
 // time is compared at three sizes, each four times the one before: the increments grow by 4 if time is linear, by 16 if
 // it is quadratic. `query` is given as many points as faces. One exception: if many faces are equally near to a
 // point, it is compared with each of them, as with faces that coincide, and on the axis of a cone. There the number of
-// points stays the same. `slice` and `render` read fields, whose size the faces do not change.
+// points stays the same. Another exception is `info --self-intersections`, which compares all pairs of faces whose
+// boxes overlap (docs/command.md). `slice` and `render` read fields, whose size the faces do not change.
 #include "apps/process.hpp"
 
 #include <clsdf/io.hpp>
