@@ -1,6 +1,6 @@
 #include "core/large_memory.hpp"
 
-#include <clsdf/field_array.hpp>
+#include <clsdf/field.hpp>
 
 #include <algorithm>
 #include <limits>

@@ -18,7 +18,7 @@
 #include <utility>
 
 namespace clsdf {
-enum class KernelBody;  // clsdf/distance_transform.hpp
+enum class KernelBody;  // clsdf/laboratory.hpp
 }
 
 namespace clsdf::device {

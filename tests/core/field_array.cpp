@@ -1,4 +1,4 @@
-#include <clsdf/field_array.hpp>
+#include <clsdf/field.hpp>
 
 #include <boost/test/unit_test.hpp>
 

@@ -7,8 +7,8 @@
 #include <clsdf/error.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
-#include <clsdf/field_array.hpp>
 #include <clsdf/grid.hpp>
+#include <clsdf/laboratory.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>

@@ -3,6 +3,7 @@
 #include <clsdf/device.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
+#include <clsdf/laboratory.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
@@ -10,7 +11,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,13 +20,6 @@
 typedef struct _cl_event* cl_event;
 
 namespace clsdf {
-
-/// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
-enum class KernelBody {
-    automatic,  ///< by_vector on processors, by_group elsewhere
-    by_vector,  ///< a work-item computes vectors of samples, one after the other: for processors
-    by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
-};
 
 class FieldMethod;
 
@@ -40,7 +33,7 @@ struct Compilation {
 /// The method, how the sign is decided, and what is kept.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
-    KernelBody body = KernelBody::automatic;
+    KernelBody body = KernelBody::automatic;  ///< clsdf/laboratory.hpp
     /// The method of a library beside the core. Null: leaned frusta by bricks.
     std::shared_ptr<const FieldMethod> method{};
     std::function<void(const std::string& message)> log{};  ///< warnings; on the calling thread, as CallOptions' are
@@ -51,36 +44,14 @@ struct TransformOptions {
     std::optional<std::size_t> kept_bytes{};
 };
 
-/// A count that only another method has.
-struct MethodCount {
-    std::size_t value = 0;
-    bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
-};
-
 /// Counts and times of a computation. Times are the host's wall-clock seconds.
-struct TransformStatistics {
-    std::size_t triangles = 0;
-    std::size_t polyhedra = 0;        ///< of the triangles and point sites
-    std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
-    std::size_t saddle_vertices = 0;  ///< with convex and concave edges; about: nearly flat edges may count as both
-    std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
-    std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
-    std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron overlaps
-    std::size_t slabs = 0;            ///< parts of the grid that were computed one after the other; 1: all at once
+struct TransformStatistics : WorkCounts {
+    std::size_t slabs = 0;  ///< parts of the grid that were computed one after the other; 1: all at once
     /// The most that buffers on the device took at once; of a Plan, its own buffers. A field that is computed in place,
     /// on a processor, is not among them.
     std::size_t device_bytes = 0;
     /// The library's own arrays on the host for slabs.
     std::size_t host_bytes = 0;
-
-    // Counted on the device with CallOptions::count.
-    std::size_t brick_pairs = 0;      ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
-    std::size_t lanes_evaluated = 0;  ///< distances computed, of a triangle or a site
-    std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
-    std::size_t band_samples = 0;     ///< samples that carry their distance
-
-    /// By name, if TransformOptions::method is given.
-    std::map<std::string, MethodCount> method_counts;
 
     /// Building or loading the device's programs and testing them, since the transform was made or computed last; in
     /// none of the times below.

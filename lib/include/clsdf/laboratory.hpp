@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+/// What those who measure or extend the method need, and nobody who computes fields.
+namespace clsdf {
+
+/// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
+enum class KernelBody {
+    automatic,  ///< by_vector on processors, by_group elsewhere
+    by_vector,  ///< a work-item computes vectors of samples, one after the other: for processors
+    by_group,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
+};
+
+/// A count that only another method has.
+struct MethodCount {
+    std::size_t value = 0;
+    bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
+};
+
+/// How much work a computation was. TransformStatistics has them.
+struct WorkCounts {
+    std::size_t triangles = 0;
+    std::size_t polyhedra = 0;        ///< of the triangles and point sites
+    std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
+    std::size_t saddle_vertices = 0;  ///< with convex and concave edges; about: nearly flat edges may count as both
+    std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
+    std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
+    std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron overlaps
+
+    // Counted on the device with CallOptions::count.
+    std::size_t brick_pairs = 0;      ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
+    std::size_t lanes_evaluated = 0;  ///< distances computed, of a triangle or a site
+    std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
+    std::size_t band_samples = 0;     ///< samples that carry their distance
+
+    /// By name, if TransformOptions::method is given.
+    std::map<std::string, MethodCount> method_counts;
+};
+
+}  // namespace clsdf
