@@ -1,7 +1,5 @@
 #include "benchmarks/papers.hpp"
 
-#include "benchmarks/software_scan.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>

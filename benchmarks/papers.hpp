@@ -23,7 +23,7 @@ public:
     virtual Work work(const Workload& workload) = 0;
 };
 
-/// Scan conversion of Mauch's polyhedra in software (software_scan.hpp). `threads` 0: all.
+/// Scan conversion of Mauch's polyhedra in software (software_scan() of clsdf/papers.hpp). `threads` 0: all.
 std::unique_ptr<PapersMethod> make_software_mauch(std::size_t threads);
 
 /// Polyhedra of a kind by a scan, on the device. The transform is kept between calls, its polyhedra are not.

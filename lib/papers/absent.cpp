@@ -44,4 +44,8 @@ std::vector<BoundingSolid> peikert_sigg_solids(const Mesh&, std::span<const std:
     refuse("bounding polyhedra as meshes");
 }
 
+SoftwareScanCounts software_scan(const Mesh&, const Grid&, double, std::size_t, std::span<float>) {
+    refuse("scan of Mauch's polyhedra in software");
+}
+
 }  // namespace clsdf

@@ -13,9 +13,14 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/names.cpp
           ${CMAKE_CURRENT_LIST_DIR}/peikert_sigg.cpp
           ${CMAKE_CURRENT_LIST_DIR}/pieces.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/site_solids.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_launches.cpp
           ${CMAKE_CURRENT_LIST_DIR}/slice_scan.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/software_scan.cpp
           ${CMAKE_CURRENT_LIST_DIR}/solids.cpp)
+# Mauch's scan in software may round as the processor does it fastest.
+set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/site_solids.cpp ${CMAKE_CURRENT_LIST_DIR}/software_scan.cpp
+                            PROPERTIES COMPILE_OPTIONS -ffp-contract=fast)
 set(papers_kernel_folder ${PROJECT_SOURCE_DIR}/kernels/papers)
 file(GLOB papers_kernels CONFIGURE_DEPENDS ${papers_kernel_folder}/*.h ${papers_kernel_folder}/*.cl)
 clsdf_embed_kernels(clsdf_papers ${papers_kernels})

@@ -36,4 +36,5 @@ BOOST_AUTO_TEST_CASE(so_is_what_the_papers_ask_of_a_mesh) {
     check_refused("polyhedra", [&] { triangles_at(cube, 0); });
     check_refused("polyhedra", [&] { leaned_solids(cube, triangle, 0.1); });
     check_refused("polyhedra", [&] { peikert_sigg_solids(cube, triangle, 0.1); });
+    check_refused("software", [&] { software_scan(cube, {}, 0.1, 1, {}); });
 }

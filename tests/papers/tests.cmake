@@ -20,6 +20,7 @@ foreach(name leaned mauch)
 endforeach()
 
 clsdf_papers_test(brute_force ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp)
+clsdf_papers_test(software_scan ${CMAKE_CURRENT_LIST_DIR}/software_scan.cpp)
 
 # What a command says that is built without clsdf::papers.
 clsdf_test(papers_absent ${CMAKE_CURRENT_LIST_DIR}/absent.cpp)

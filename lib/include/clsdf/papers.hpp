@@ -1,6 +1,7 @@
 #pragma once
 
 #include <clsdf/export.hpp>
+#include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
 #include <array>
@@ -148,6 +149,32 @@ struct RegularMesh {
 /// The middles are rounded to double, by which a flat edge can become convex or concave. Stops after `rounds`; each of
 /// them cuts at most once at a vertex.
 CLSDF_EXPORT RegularMesh subdivide_irregular(const Mesh& mesh, std::size_t rounds = 32);
+
+// Mauch's scan in software.
+
+/// The counts of software_scan().
+struct SoftwareScanCounts {
+    std::size_t polyhedra = 0;      ///< towers, wedges and cones
+    std::size_t intersections = 0;  ///< polygons in which a slice cuts a polyhedron
+    std::size_t distances = 0;      ///< computed, one for each sample of a polyhedron
+};
+
+/// The literature's method on a processor: scan conversion of Mauch's polyhedra (S. Mauch, A Fast Algorithm for
+/// Computing the Closest Point and Distance Transform, 2000; his program cpt), in float.
+///
+/// The polyhedra are solids with corners and faces: a tower on both sides of each face, a wedge on the convex side of
+/// each edge, and at each vertex, also at saddle vertices, the cone of directions away from all its faces. Each slice
+/// cuts a solid into a convex polygon, which is cut into rows. At each sample of a row the signed distance to the site
+/// replaces the value if it is less. Slabs of slices are computed independently, each with its list of polyhedra, so no
+/// two threads write to the same sample. A sample in no polyhedron has the half width and the sign of the sample before
+/// it in its row, or of the row before.
+///
+/// The faces must be counter-clockwise from outside. `half_width` > 0 in the mesh's units; signs beyond the band need
+/// two voxels at least. `threads` 0: all cores. `distance` has grid.sample_count() values. Throws Error(invalid_mesh)
+/// unless two faces of one orientation meet at each edge, Error(unsupported) unless the grid's spacing is equal on all
+/// axes, Error(invalid_argument) for a half width or a number of distances out of range.
+CLSDF_EXPORT SoftwareScanCounts software_scan(const Mesh& mesh, const Grid& grid, double half_width,
+                                              std::size_t threads, std::span<float> distance);
 
 // Bounding polyhedra as closed meshes, to look at.
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace clsdf::bench {
+namespace clsdf::papers {
 
 /// The polyhedron of a face, an edge or a vertex: a prism or a pyramid. Lengths in voxels, from an integer origin.
 struct SiteSolid {
@@ -32,4 +32,4 @@ struct SiteSolid {
 /// sites have none.
 std::vector<SiteSolid> site_solids(const Mesh& mesh, const Grid& grid, double half_width);
 
-}  // namespace clsdf::bench
+}  // namespace clsdf::papers

@@ -1,5 +1,8 @@
-#include "benchmarks/site_solids.hpp"
+#include "papers/site_solids.hpp"
 
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -10,7 +13,7 @@
 #include <cmath>
 #include <optional>
 
-namespace clsdf::bench {
+namespace clsdf::papers {
 
 namespace {
 
@@ -81,6 +84,7 @@ public:
             }
         });
         tbb::parallel_sort(edges_.begin(), edges_.end());
+        check_pairs();
         starts_.assign(positions_.size() + 1, 0);
         for (const Triangle& triangle : mesh.triangles())
             for (const std::uint32_t vertex : triangle) ++starts_[vertex + 1];
@@ -101,6 +105,22 @@ public:
     }
 
 private:
+    /// Two faces meet at each edge, which runs one way in one and the other way in the other.
+    void check_pairs() const {
+        for (std::size_t i = 0; i < edges_.size(); i += 2) {
+            const auto start = [&](const FaceEdge& edge) { return mesh_.triangles()[edge.face][edge.corner]; };
+            const bool is_pair = i + 1 < edges_.size() && edges_[i].vertices == edges_[i + 1].vertices &&
+                                 start(edges_[i]) != start(edges_[i + 1]) &&
+                                 (i + 2 == edges_.size() || edges_[i].vertices != edges_[i + 2].vertices);
+            if (!is_pair)
+                throw Error(ErrorCode::invalid_mesh,
+                            fmt::format("the scan of Mauch's polyhedra in software needs a closed manifold mesh whose "
+                                        "faces are oriented alike, and the edge of {} from vertex {} to {} is none of "
+                                        "such a mesh; weld equal vertices and close holes, or scan leaned polyhedra",
+                                        mesh_.name(), edges_[i].vertices >> 32, edges_[i].vertices & 0xFFFFFFFFU));
+        }
+    }
+
     static void place(SiteSolid& solid, const Vector& point) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const double p = point[static_cast<Eigen::Index>(axis)];
@@ -133,7 +153,6 @@ private:
 
     /// Between the two faces' normals on the convex side of the edge.
     void make_wedge(const FaceEdge& one, const FaceEdge& other, SiteSolid& solid) const {
-        if (one.vertices != other.vertices) return;
         const Triangle& triangle = mesh_.triangles()[one.face];
         const Vector& a = positions_[triangle[one.corner]];
         const Vector& b = positions_[triangle[(one.corner + 1) % 3]];
@@ -260,4 +279,4 @@ std::vector<SiteSolid> site_solids(const Mesh& mesh, const Grid& grid, double ha
     return Builder(mesh, grid, half_width).build();
 }
 
-}  // namespace clsdf::bench
+}  // namespace clsdf::papers

@@ -1,15 +1,15 @@
-#include "benchmarks/software_scan.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/test_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/papers.hpp>
+
 #include <algorithm>
+#include <limits>
 
 using namespace clsdf;
 using namespace clsdf::test;
-using bench::software_scan;
-using bench::SoftwareScanCounts;
 
 namespace {
 
@@ -101,6 +101,31 @@ BOOST_AUTO_TEST_CASE(every_site_of_a_sphere_is_scanned) {
         band += std::abs(static_cast<double>(value)) < half_width * (1 - 1e-6) ? 1U : 0U;
     BOOST_TEST(scanned.counts.distances >= band);
     BOOST_TEST(static_cast<double>(scanned.counts.distances) < 1.15 * static_cast<double>(band));
+}
+
+BOOST_AUTO_TEST_CASE(a_mesh_that_is_not_closed_or_not_of_one_orientation_is_refused) {
+    const Grid grid = grid_at({0, 0, 0}, 0.1, 4);
+    std::vector<float> distance(grid.sample_count());
+    const Mesh sphere = make_shape("sphere1");
+    std::vector<Triangle> open(sphere.triangles().begin() + 1, sphere.triangles().end());
+    std::vector<Triangle> turned = sphere.triangles(), twice = sphere.triangles();
+    std::swap(turned[0][0], turned[0][1]);
+    twice.push_back(twice.front());
+    for (const std::vector<Triangle>& triangles : {open, turned, twice})
+        check_throws(ErrorCode::invalid_mesh, {"closed manifold mesh", "ball"}, [&] {
+            software_scan({sphere.vertices(), triangles, "ball"}, grid, 0.3, 1, distance);
+        });
+}
+
+BOOST_AUTO_TEST_CASE(arguments_out_of_range_are_refused) {
+    const Grid grid = grid_at({0, 0, 0}, 0.1, 4);
+    std::vector<float> distance(grid.sample_count());
+    const Mesh sphere = make_shape("sphere1");
+    for (const double half_width : {0.0, -1.0, std::numeric_limits<double>::infinity()})
+        check_throws(ErrorCode::invalid_argument, {"half width"},
+                     [&] { software_scan(sphere, grid, half_width, 1, distance); });
+    distance.pop_back();
+    check_throws(ErrorCode::invalid_argument, {"63", "64"}, [&] { software_scan(sphere, grid, 0.3, 1, distance); });
 }
 
 BOOST_AUTO_TEST_CASE(unequal_spacing_is_refused) {

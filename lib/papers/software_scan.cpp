@@ -1,9 +1,9 @@
-#include "benchmarks/software_scan.hpp"
-
-#include "benchmarks/site_solids.hpp"
-
 #include <clsdf/error.hpp>
+#include <clsdf/papers.hpp>
 
+#include "papers/site_solids.hpp"
+
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -21,9 +21,11 @@
 #define CLSDF_FOR_THIS_PROCESSOR
 #endif
 
-namespace clsdf::bench {
+namespace clsdf {
 
 namespace {
+
+using papers::SiteSolid;
 
 constexpr std::int32_t slices_of_slab = 8;
 
@@ -307,10 +309,17 @@ SoftwareScanCounts software_scan(const Mesh& mesh, const Grid& grid, double half
                                  std::span<float> distance) {
     if (grid.spacing[0] != grid.spacing[1] || grid.spacing[0] != grid.spacing[2])
         throw Error(ErrorCode::unsupported, "the scan conversion in software needs equal spacing on all axes");
+    if (!(half_width > 0) || !std::isfinite(half_width))
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("the half width is {}; it must be positive and finite", half_width));
+    if (distance.size() != grid.sample_count())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("there is room for {} distances, and the grid has {} samples", distance.size(),
+                                grid.sample_count()));
     SoftwareScanCounts total;
     tbb::task_arena arena(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads));
     arena.execute([&] {
-        const std::vector<SiteSolid> solids = site_solids(mesh, grid, half_width);
+        const std::vector<SiteSolid> solids = papers::site_solids(mesh, grid, half_width);
         total.polyhedra = static_cast<std::size_t>(std::count_if(
             solids.begin(), solids.end(), [](const SiteSolid& s) { return s.shape != SiteSolid::Shape::none; }));
         const auto width = static_cast<float>(half_width / grid.voxel());
@@ -342,4 +351,4 @@ SoftwareScanCounts software_scan(const Mesh& mesh, const Grid& grid, double half
     return total;
 }
 
-}  // namespace clsdf::bench
+}  // namespace clsdf
