@@ -1,12 +1,14 @@
 # SOURCE: the source tree.
 #
-# A folder of the core includes only files of folders before it in the order in which lib/CMakeLists.txt names them, so
-# no folders include each other.
+# A folder of the core includes only files of folders before it in the order in which lib/CMakeLists.txt lists their
+# sources, so no folders include each other.
 cmake_minimum_required(VERSION 3.25)
 
 file(READ ${SOURCE}/lib/CMakeLists.txt list)
-string(REGEX MATCH "foreach\\(folder ([a-z ]+)\\)" whole "${list}")
-string(REPLACE " " ";" folders "${CMAKE_MATCH_1}")
+string(REGEX MATCH "target_sources\\([^)]*\\)" sources "${list}")
+string(REGEX MATCHALL "[a-z]+/" folders "${sources}")
+string(REPLACE "/" "" folders "${folders}")
+list(REMOVE_DUPLICATES folders)
 set(allowed "")
 set(found 0)
 foreach(folder ${folders})
