@@ -1,6 +1,7 @@
-// Blocks of an adaptive mesh, dealt out to the ranks of a parallel simulation (MPI). Each rank computes its own blocks,
-// ghost samples included, and no rank asks another. The bytes of a block do not depend on the rank or on their number:
-// the sum of all blocks' hashes is the same for 1, 2 and 7 ranks.
+// Blocks of an adaptive mesh, dealt out to the ranks of a parallel simulation (MPI). Each rank keeps only the part of
+// the surface that its blocks need, and its share of the node's cores. It computes its own blocks, ghost samples
+// included, and no rank asks another. The bytes of a block do not depend on the rank or on their number: the sum of all
+// blocks' hashes is the same for 1, 2 and 7 ranks.
 //
 // mpirun -n 2 example_blocks_by_rank [RESOLUTION]
 
@@ -8,16 +9,38 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace {
 
 constexpr std::int64_t side = 16, ghosts = 2;
+
+/// The best device, with this rank's share of the cores if it is a processor. The library's own loops on the host are
+/// oneTBB's: a program that links oneTBB limits them with tbb::global_control.
+clsdf::Device device_of_rank() {
+    const clsdf::Device device = clsdf::Device::best();
+    MPI_Comm node = MPI_COMM_NULL;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+    int ranks = 1;
+    MPI_Comm_size(node, &ranks);
+    MPI_Comm_free(&node);
+    for (const clsdf::DeviceInfo& info : clsdf::Device::all()) {
+        if (info.id != device.id() || info.kind != clsdf::DeviceKind::processor) continue;
+        try {
+            return device.limited({.compute_units = std::max(1U, info.compute_units / static_cast<unsigned>(ranks))});
+        } catch (const clsdf::Error& error) {
+            if (error.code() != clsdf::ErrorCode::unsupported) throw;  // else the driver cannot divide the processor
+        }
+    }
+    return device;
+}
 
 /// All blocks of the domain that hold samples near the surface, in the same order on every rank.
 std::vector<clsdf::Grid> blocks_near(const clsdf::DistanceTransform& transform, const clsdf::Grid& domain,
@@ -36,6 +59,18 @@ std::vector<clsdf::Grid> blocks_near(const clsdf::DistanceTransform& transform, 
     for (std::size_t n = 0; n < blocks.size(); ++n)
         if (places[n] == clsdf::BoxPlace::near) near.push_back(blocks[n]);
     return near;
+}
+
+clsdf::Box box_around(std::span<const clsdf::Grid> blocks) {
+    clsdf::Box all = blocks.front().box();
+    for (const clsdf::Grid& block : blocks) {
+        const clsdf::Box box = block.box();
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            all.lower[axis] = std::min(all.lower[axis], box.lower[axis]);
+            all.upper[axis] = std::max(all.upper[axis], box.upper[axis]);
+        }
+    }
+    return all;
 }
 
 /// FNV-1a of a block's place and bytes.
@@ -61,21 +96,26 @@ int main(int argument_count, char** arguments) {
         const clsdf::Mesh mesh = clsdf::make_shape("knot");
         const clsdf::Grid domain = clsdf::Grid::around(mesh, resolution, clsdf::Band::full());
         const clsdf::Band band = clsdf::Band::symmetric(3 * domain.voxel());
-        const clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
+        std::optional<clsdf::DistanceTransform> whole(std::in_place, device_of_rank(), mesh);
 
-        // Consecutive blocks are near each other: each rank takes a stretch of them.
-        const std::vector<clsdf::Grid> all = blocks_near(transform, domain, band);
+        // Consecutive blocks are near each other: each rank takes a sub-range of them.
+        const std::vector<clsdf::Grid> all = blocks_near(*whole, domain, band);
         const std::size_t begin = all.size() * static_cast<std::size_t>(rank) / static_cast<std::size_t>(ranks);
         const std::size_t end = all.size() * static_cast<std::size_t>(rank + 1) / static_cast<std::size_t>(ranks);
         const std::span<const clsdf::Grid> own = std::span(all).subspan(begin, end - begin);
 
         std::vector<std::vector<float>> distances(own.size());
-        std::vector<clsdf::Request> requests;
-        for (std::size_t n = 0; n < own.size(); ++n) {
-            distances[n].resize(own[n].sample_count());
-            requests.push_back({own[n], band, {.distance = distances[n]}});
+        if (!own.empty()) {
+            // What the rank's blocks need of the mesh. The rest ends with the whole transform.
+            const clsdf::DistanceTransform part = whole->restrict_to(box_around(own), band.widest(), domain.voxel());
+            whole.reset();
+            std::vector<clsdf::Request> requests;
+            for (std::size_t n = 0; n < own.size(); ++n) {
+                distances[n].resize(own[n].sample_count());
+                requests.push_back({own[n], band, {.distance = distances[n]}});
+            }
+            part.compute(requests);
         }
-        transform.compute(requests);
 
         std::uint64_t sum = 0, total = 0;
         for (std::size_t n = 0; n < own.size(); ++n) sum += hash_of(own[n], distances[n]);

@@ -93,8 +93,8 @@ struct Simulation {
     }
 };
 
-double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransform& transform, const clsdf::Grid& grid,
-                            const clsdf::Band& band) {
+double volume_on_the_device(const Simulation& simulation, const clsdf::DistanceTransform& transform,
+                            const clsdf::Grid& grid, const clsdf::Band& band) {
     const auto row_length = static_cast<cl_int>(grid.size[0]);
     const auto rows = static_cast<cl_int>(grid.size[1] * grid.size[2]);
     cl_mem distance = simulation.buffer(grid.sample_count() * sizeof(float));
@@ -104,10 +104,8 @@ double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransfo
     // plan() may block and allocate: polyhedra, lists, the sign. The next calls do neither.
     clsdf::Plan plan = transform.plan(grid, band);
 
-    clsdf::OutputTargets outputs;
-    outputs.distance = distance;
-    cl_event computed = plan.enqueue(simulation.queue, outputs);
     // This queue is in order, so the kernels run after the field. Another queue would have to wait for the event.
+    cl_event computed = plan.enqueue(simulation.queue, {.distance = distance});
     const auto width = static_cast<float>(band.outside);
     const double cell = grid.spacing[0] * grid.spacing[1] * grid.spacing[2];
     simulation.enqueue("sum_rows", static_cast<std::size_t>(rows), distance, row_length, width, sums);
@@ -117,9 +115,7 @@ double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransfo
     require(clEnqueueReadBuffer(simulation.queue, volume, CL_TRUE, 0, sizeof result, &result, 0, nullptr, nullptr),
             "clEnqueueReadBuffer");
     clReleaseEvent(computed);
-    clReleaseMemObject(volume);
-    clReleaseMemObject(sums);
-    clReleaseMemObject(distance);
+    for (cl_mem memory : {volume, sums, distance}) clReleaseMemObject(memory);
     return result;
 }
 
@@ -128,17 +124,13 @@ double volume_on_the_device(const Simulation& simulation, clsdf::DistanceTransfo
 int main() {
     try {
         const Simulation simulation;
-        const clsdf::Device device =
-            clsdf::Device::from_handles(simulation.context, simulation.device, simulation.queue);
+        const auto device = clsdf::Device::from_handles(simulation.context, simulation.device, simulation.queue);
 
         const clsdf::Mesh mesh = clsdf::make_shape("sphere5");
-        clsdf::DistanceTransform transform(device, mesh);
-
+        const clsdf::DistanceTransform transform(device, mesh);
         // The integral needs only two samples on each side of the surface.
-        clsdf::GridOptions options;
-        options.resolution = 128;
-        options.margin = clsdf::Length::in_voxels(2);
-        const clsdf::Grid grid = clsdf::Grid::around(mesh.box(), options);
+        const clsdf::Grid grid =
+            clsdf::Grid::around(mesh.box(), {.resolution = 128, .margin = clsdf::Length::in_voxels(2)});
         const clsdf::Band band = clsdf::Band::symmetric(2 * grid.voxel());
 
         const double volume = volume_on_the_device(simulation, transform, grid, band);

@@ -1,6 +1,6 @@
-// Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). One call
-// computes all patches of a level, ghost samples included. The transform says which patches the surface may cross:
-// these are refined.
+// Patches of three levels of refinement: the start of a level set, or the walls of an adaptive mesh (AMR). The
+// transform says which patches the surface may cross: these are refined. Then one call computes the patches of all
+// levels, ghost samples included.
 
 #include <clsdf/clsdf.hpp>
 
@@ -22,23 +22,32 @@ struct Patch {
     std::vector<float> distance, gradient;
 };
 
-std::vector<Patch> make_patches(const clsdf::Grid& level, const std::set<clsdf::Index3>& places) {
+struct Level {
+    clsdf::Grid lattice;
     std::vector<Patch> patches;
+};
+
+Level make_level(const clsdf::Grid& lattice, const std::set<clsdf::Index3>& places) {
+    Level level{lattice, {}};
     for (const clsdf::Index3& place : places) {
-        Patch& patch = patches.emplace_back();
+        Patch& patch = level.patches.emplace_back();
         patch.place = place;
-        patch.grid = level.block({place[0] * side, place[1] * side, place[2] * side}, {side, side, side}).grown(ghosts);
+        patch.grid =
+            lattice.block({place[0] * side, place[1] * side, place[2] * side}, {side, side, side}).grown(ghosts);
         patch.distance.resize(patch.grid.sample_count());
         patch.gradient.resize(3 * patch.grid.sample_count());
     }
-    return patches;
+    return level;
 }
 
-/// Computes all patches of a level.
-void compute(const clsdf::DistanceTransform& transform, const clsdf::Band& band, std::vector<Patch>& patches) {
+/// Computes the patches of all levels in one call. Each level has its own lattice and band.
+void compute(const clsdf::DistanceTransform& transform, std::vector<Level>& levels) {
     std::vector<clsdf::Request> requests;
-    for (Patch& patch : patches)
-        requests.push_back({patch.grid, band, {.distance = patch.distance, .gradient = patch.gradient}});
+    for (Level& level : levels) {
+        const clsdf::Band band = clsdf::Band::symmetric(4 * level.lattice.voxel());
+        for (Patch& patch : level.patches)
+            requests.push_back({patch.grid, band, {.distance = patch.distance, .gradient = patch.gradient}});
+    }
     transform.compute(requests);
 }
 
@@ -92,23 +101,31 @@ int main() {
         const clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
 
         // The coarsest level covers the mesh.
-        clsdf::Grid level = clsdf::Grid::around(mesh, 48, clsdf::Band::full()).cell_centred();
+        clsdf::Grid lattice = clsdf::Grid::around(mesh, 48, clsdf::Band::full()).cell_centred();
         std::set<clsdf::Index3> places;
-        for (std::int64_t z = 0; z * side < level.size[2]; ++z)
-            for (std::int64_t y = 0; y * side < level.size[1]; ++y)
-                for (std::int64_t x = 0; x * side < level.size[0]; ++x) places.insert({x, y, z});
+        for (std::int64_t z = 0; z * side < lattice.size[2]; ++z)
+            for (std::int64_t y = 0; y * side < lattice.size[1]; ++y)
+                for (std::int64_t x = 0; x * side < lattice.size[0]; ++x) places.insert({x, y, z});
+
+        std::vector<Level> levels;
+        for (int number = 0; number < 3; ++number) {
+            if (number > 0) {
+                lattice = lattice.refined_cells(ratio);
+                places = next_places(transform, lattice, places);
+            }
+            levels.push_back(make_level(lattice, places));
+        }
+        compute(transform, levels);
 
         std::size_t different = 0;
-        for (int number = 0; number < 3; ++number) {
-            std::vector<Patch> patches = make_patches(level, places);
-            compute(transform, clsdf::Band::symmetric(4 * level.voxel()), patches);
+        for (std::size_t number = 0; number < levels.size(); ++number) {
+            const std::vector<Patch>& patches = levels[number].patches;
             const std::size_t of_level = differences(patches);
             std::printf(
-                "level %d: %zu patches of %lld^3 samples, ghost samples included; %zu of their shared samples differ\n",
+                "level %zu: %zu patches of %lld^3 samples, ghost samples included; %zu of their shared samples "
+                "differ\n",
                 number, patches.size(), static_cast<long long>(side + 2 * ghosts), of_level);
             different += of_level;
-            level = level.refined_cells(ratio);
-            places = next_places(transform, level, places);
         }
         return different == 0 ? 0 : 1;
     } catch (const clsdf::Error& error) {
