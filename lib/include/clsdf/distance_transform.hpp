@@ -340,7 +340,7 @@ public:
     /// device_failure or cancelled), with the request's index.
     Plan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
 
-    /// The statistics().device_bytes of such a plan, which is made and given back. Takes as long as plan().
+    /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
 
 private:
