@@ -2,6 +2,8 @@
 
 #include "benchmarks/cost.hpp"
 
+#include "device/opencl.hpp"
+
 #include <clsdf/reference.hpp>
 
 #include <fmt/format.h>
@@ -52,6 +54,16 @@ public:
             const std::size_t offset = any(random_), wrong = cost.wrong;
             look_at_sample(outputs.field, offset, cost);
             if (cost.wrong == wrong && !has_right_outputs(outputs, offset)) ++cost.wrong;
+        }
+    }
+
+    /// Random points of those of a query without a limit. A voxel is that of a grid of 256 samples a side.
+    void look_at(std::span<const Vec3> points, std::span<const float> distance, double voxel, std::size_t samples,
+                 CallCost& cost) {
+        std::uniform_int_distribution<std::size_t> any(0, points.size() - 1);
+        for (std::size_t n = 0; n < samples; ++n) {
+            const std::size_t i = any(random_);
+            look_at_value(points[i], static_cast<double>(distance[i]), Band::full(), voxel, cost);
         }
     }
 
@@ -112,20 +124,21 @@ private:
     }
 
     void look_at_sample(const Field& field, std::size_t offset, CallCost& cost) {
-        const Grid& grid = field.grid;
-        const Vec3 point = position_of(grid, offset);
+        look_at_value(position_of(field.grid, offset), static_cast<double>(field.distance[offset]), field.band,
+                      field.grid.voxel(), cost);
+    }
+
+    void look_at_value(const Vec3& point, double value, const Band& band, double voxel, CallCost& cost) {
         const double distance = oracle_.nearest(point).distance;
         const std::optional<int> winding = oracle_.winding_number(point);
         const bool inside = winding.has_value() && *winding != 0;
-        const double expected =
-            inside ? -std::min(distance, field.band.inside) : std::min(distance, field.band.outside);
-        const auto value = static_cast<double>(field.distance[offset]);
+        const double expected = inside ? -std::min(distance, band.inside) : std::min(distance, band.outside);
         const double error = std::abs(value - expected);
         const double ulp = std::abs(expected) * static_cast<double>(std::numeric_limits<float>::epsilon());
         ++cost.judged;
-        if (!(error <= std::max(2 * ulp, 1e-5 * grid.voxel()))) ++cost.wrong;
-        if (distance < (inside ? field.band.inside : field.band.outside))
-            cost.max_error_voxels = std::max(cost.max_error_voxels, error / grid.voxel());
+        if (!(error <= std::max(2 * ulp, 1e-5 * voxel))) ++cost.wrong;
+        if (distance < (inside ? band.inside : band.outside))
+            cost.max_error_voxels = std::max(cost.max_error_voxels, error / voxel);
     }
 
     reference::Oracle oracle_;
@@ -411,6 +424,86 @@ CallCost measure_moved(const Job& job, const char* name, std::int64_t resolution
     return cost;
 }
 
+/// In the mesh's box and 10% of its longest side around it.
+std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> part(0, 1);
+    const Box& box = mesh.box();
+    const double margin = 0.1 * box.longest_side();
+    std::vector<Vec3> points(count);
+    for (Vec3& point : points)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            point[axis] = std::lerp(box.lower[axis] - margin, box.upper[axis] + margin, part(random));
+    return points;
+}
+
+CallCost measure_moved_points(const Job& job) {
+    CallCost cost{"moved_points", "vertices move, and a query of a million points / the same query without a move"};
+    const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
+    const std::vector<Vec3> points = points_around(moved, job.is_quick ? 20'000 : 1'000'000, job.options.seed);
+    std::vector<float> distance(points.size());
+    const auto query = [&](const DistanceTransform& transform) {
+        transform.query(points, std::numeric_limits<double>::infinity(), {.distance = distance});
+    };
+    DistanceTransform transform = job.transform();
+    const DistanceTransform kept(job.device, moved);
+    // The first queries prepare the mesh: the tree, then the sides of faces.
+    query(kept);
+    query(kept);
+    job.measure(
+        cost,
+        [&] {
+            transform.move(job.mesh.vertices());
+            query(transform);
+            return seconds_of([&] {
+                transform.move(moved.vertices());
+                query(transform);
+            });
+        },
+        [&] { return seconds_of([&] { query(kept); }); });
+    // The results of the last call, after a move.
+    Judge(moved, job.options.seed)
+        .look_at(points, distance, moved.box().longest_side() / 256, job.options.samples_judged, cost);
+    return cost;
+}
+
+CallCost measure_plan_move(const Job& job) {
+    CallCost cost{"plan_move",
+                  "vertices and a plan move, and a run of the plan, a field of 256 samples on the longest side in "
+                  "device memory / vertices move, and the field in host memory"};
+    const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
+    const Grid grid = job.grid(256);
+    const Band band = Job::band(grid);
+    Field field = job.transform()(grid, band);
+    DistanceTransform transform = job.transform(), on_host = job.transform();
+    Plan plan = transform.plan(grid, band);
+    const cl::Buffer buffer(cl::Context(job.device.context(), true), CL_MEM_READ_WRITE,
+                            field.distance.size() * sizeof(float));
+    const cl::CommandQueue queue(job.device.queue(), true);
+    const auto run = [&](const Mesh& mesh) {
+        transform.move(mesh.vertices());
+        plan.move(transform);
+        cl::Event(plan.enqueue(queue(), {.distance = buffer()})).wait();
+    };
+    const auto compute = [&](const Mesh& mesh) {
+        on_host.move(mesh.vertices());
+        on_host.compute(grid, band, {.distance = field.distance});
+    };
+    job.measure(
+        cost,
+        [&] {
+            run(job.mesh);
+            return seconds_of([&] { run(moved); });
+        },
+        [&] {
+            compute(job.mesh);
+            return seconds_of([&] { compute(moved); });
+        });
+    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, field.distance.size() * sizeof(float), field.distance.data());
+    Judge(moved, job.options.seed).look_at(field, job.options.samples_judged, cost);
+    return cost;
+}
+
 CallCost measure_small_meshes(const Job& job) {
     CallCost cost{"small_meshes", "1000 transforms of 512 triangles, 32 samples a side each / one field of 256 a side"};
     const Mesh small = make_shape("sphere3");
@@ -488,10 +581,19 @@ std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, cons
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
     Judge judge(mesh, options.seed);
-    return {measure_again(job, judge),      measure_outputs(job, judge, false), measure_outputs(job, judge, true),
-            measure_one_sample(job, judge), measure_patches(job, judge, false), measure_patches(job, judge, true),
-            measure_band_boxes(job, judge), measure_moved(job, "moved", 256),   measure_moved(job, "moved_128", 128),
-            measure_classify(job, judge),   measure_small_meshes(job)};
+    return {measure_again(job, judge),
+            measure_outputs(job, judge, false),
+            measure_outputs(job, judge, true),
+            measure_one_sample(job, judge),
+            measure_patches(job, judge, false),
+            measure_patches(job, judge, true),
+            measure_band_boxes(job, judge),
+            measure_moved(job, "moved", 256),
+            measure_moved(job, "moved_128", 128),
+            measure_moved_points(job),
+            measure_plan_move(job),
+            measure_classify(job, judge),
+            measure_small_meshes(job)};
 }
 
 }  // namespace clsdf::bench

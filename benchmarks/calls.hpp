@@ -20,13 +20,15 @@ struct CallCost {
     Spread base_seconds{};          ///< of the calls that they are divided by
     double ratio = 0;               ///< of the medians
     std::optional<double> limit{};  ///< the largest accepted ratio
-    std::size_t judged = 0;         ///< samples compared with the reference, all from the fields of the calls
-    std::size_t wrong = 0;          ///< off by more than 1e-5 voxel and 2 ulp, or with a wrong sign
-    double max_error_voxels = 0;    ///< of the band's samples
+    std::size_t judged = 0;         ///< samples, points or boxes compared with the reference, all from timed calls
+    /// Off by more than 1e-5 voxel and 2 ulp, or with a wrong sign; with another output that breaks its contract; boxes
+    /// with a place that one of their points refutes.
+    std::size_t wrong = 0;
+    double max_error_voxels = 0;  ///< of the band's samples
 };
 
 /// The calls of a time step: a grid again, outputs beside the distance, one sample, patches of three levels, vertices
-/// that move, boxes to classify, many small meshes.
+/// that move (then a field, points or the run of a plan), boxes to classify, many small meshes.
 std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, const MeasureOptions& options,
                                     bool is_quick);
 

@@ -1,7 +1,11 @@
 """Distances at points by libraries from PyPI, beside those of "clsdf query": scripts/peers-points.
 
-A row is the median of some calls, each for all points, after one that warms up. point-cloud-utils and libigl set up
-their trees in each call. fcpw gives no sign. A voxel is 1/256 of the mesh's longest side.
+A row is the median of some calls, each for all points, after one that warms up; those of clsdf are by "clsdf bench
+points --points". point-cloud-utils and libigl set up their trees in each call; the set-up of clsdf is that of the first
+call, by "clsdf query". fcpw gives no sign. A voxel is 1/256 of the mesh's longest side.
+
+The errors of the libraries are those against the results of "clsdf query". The errors of clsdf are those against its own
+reference, at 20,000 of the points.
 """
 import argparse
 import json
@@ -97,15 +101,21 @@ def main():
         points = points_of(kind, vertices, triangles, options.points, random)
         with tempfile.TemporaryDirectory() as folder:
             numpy.save(f"{folder}/points.npy", points)
-            query = [options.command, "query", options.mesh, f"{folder}/points.npy", "-o", f"{folder}/distance.npy"]
 
-            calls = [json.loads(subprocess.run([*query, "--json"], check=True, capture_output=True).stdout)["seconds"]
-                     for _ in range(options.repetitions + 1)][1:]
+            def ask_command(*arguments):
+                return json.loads(subprocess.run([options.command, *arguments, "--json"], check=True,
+                                                 capture_output=True).stdout)
+
+            query = ("query", options.mesh, f"{folder}/points.npy", "-o", f"{folder}/distance.npy")
+            set_ups = [ask_command(*query)["seconds"]["set_up"] for _ in range(options.repetitions + 1)][1:]
             expected = numpy.load(f"{folder}/distance.npy")["distance"].astype(float)
-        seconds = float(numpy.median([call["nearest"] + call["sign"] for call in calls]))
-        set_up = float(numpy.median([call["set_up"] for call in calls]))
-        print(f"| {kind} | clsdf | {1e3 * set_up:,.0f} | {1e3 * seconds:,.0f} | {1e-6 * len(points) / seconds:.2f} "
-              "| | | |", flush=True)
+            rows = ask_command("bench", "points", options.mesh, "--points", f"{folder}/points.npy", "--repetitions",
+                               str(options.repetitions))["rows"]
+            row = next(row for row in rows if row["method"] == "clsdf")
+        seconds = row["seconds"]["median"]
+        print(f"| {kind} | clsdf | {1e3 * float(numpy.median(set_ups)):,.0f} | {1e3 * seconds:,.0f} "
+              f"| {1e-6 * len(points) / seconds:.2f} | {row['wrong']:,} of {row['judged']:,} | {row['wrong_signs']:,} "
+              f"| {row['max_error_voxels']:.1e} |", flush=True)
         for name, make in (("fcpw", fcpw_query), ("point-cloud-utils", pcu_query), ("libigl", igl_query)):
             ask, distances_of, has_sign, set_up = make(vertices, triangles)
             seconds, result = measured(lambda: ask(points), options.repetitions)

@@ -11,6 +11,7 @@
 #include <optional>
 #include <random>
 #include <span>
+#include <utility>
 
 namespace clsdf::bench {
 
@@ -133,33 +134,58 @@ private:
     const MeasureOptions& options_;
 };
 
-}  // namespace
+/// Measures clsdf, and Embree if it is built in, at one set of points after the other.
+class Measurements {
+public:
+    Measurements(const Mesh& mesh, const Device& device, const MeasureOptions& options, std::size_t most_points)
+        : mesh_(mesh),
+          device_(device),
+          options_(options),
+          judge_(mesh, options),
+          embree_(embree_points(mesh)),
+          distance_(most_points) {
+        renew();
+    }
 
-std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
-                                      bool is_quick) {
-    PointMaker maker(mesh, options.seed);
-    const Judge judge(mesh, options);
-    const std::size_t million = is_quick ? 20000 : 1000000, thousand = is_quick ? 200 : 1000;
-    std::optional<DistanceTransform> transform(std::in_place, device, mesh);
-    const PointPeer embree = embree_points(mesh);
-    const std::string embree_name = "Embree";
-    std::vector<float> distance(million);
-    std::vector<PointCost> costs;
-    const auto ask = [&](std::span<const Vec3> points, std::span<float> results) {
-        transform->query(points, no_limit, {.distance = results});
-    };
-    const auto measure_by = [&](const auto& query, PointCost cost, std::span<const Vec3> points,
-                                std::size_t repetitions, const auto& prepare) {
+    /// By both, in one call.
+    void add(PointCost cost, std::span<const Vec3> points) {
+        add_ours(cost, points);
+        if (!embree_) return;
+        cost.method = "Embree";
+        cost.limit.reset();
+        // It takes many times as long.
+        measure(embree_, cost, points, std::min<std::size_t>(options_.repetitions, 3), [] {});
+    }
+
+    void add_ours(const PointCost& cost, std::span<const Vec3> points, bool is_new_each_time = false) {
+        const auto ask = [&](std::span<const Vec3> part, std::span<float> results) {
+            transform_->query(part, no_limit, {.distance = results});
+        };
+        measure(ask, cost, points, options_.repetitions, [&] {
+            if (is_new_each_time) renew();
+        });
+    }
+
+    std::vector<PointCost> take() { return std::move(costs_); }
+
+private:
+    void renew() {
+        transform_.reset();
+        transform_.emplace(device_, mesh_);
+    }
+
+    void measure(const auto& query, PointCost cost, std::span<const Vec3> points, std::size_t repetitions,
+                 const auto& prepare) {
         cost.points = points.size();
         const std::size_t of_call = points.size() / cost.calls;
         std::vector<double> seconds, processor;
         for (std::size_t n = 0; n < repetitions + 1; ++n) {
-            if (options.progress) options.progress(cost.name);
-            std::fill(distance.begin(), distance.end(), std::numeric_limits<float>::quiet_NaN());
+            if (options_.progress) options_.progress(cost.name);
+            std::fill(distance_.begin(), distance_.end(), std::numeric_limits<float>::quiet_NaN());
             prepare();
             const CostWatch watch;
             for (std::size_t begin = 0; begin < points.size(); begin += of_call)
-                query(points.subspan(begin, of_call), std::span(distance).subspan(begin, of_call));
+                query(points.subspan(begin, of_call), std::span(distance_).subspan(begin, of_call));
             const Cost of_calls = watch.cost();
             if (n == 0) continue;  // warms up
             seconds.push_back(of_calls.wall);
@@ -167,34 +193,50 @@ std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, co
         }
         cost.seconds = spread_of(seconds);
         cost.processor_seconds = spread_of(processor);
-        judge.look_at(points, std::span(distance).first(points.size()), transform->sign() != SignRule::none, cost);
-        costs.push_back(std::move(cost));
-    };
-    const auto nothing = [] {};
-    const auto measure = [&](PointCost cost, const std::vector<Vec3>& points, std::optional<double> limit) {
+        judge_.look_at(points, std::span(distance_).first(points.size()), transform_->sign() != SignRule::none, cost);
+        costs_.push_back(std::move(cost));
+    }
+
+    const Mesh& mesh_;
+    const Device& device_;
+    const MeasureOptions& options_;
+    Judge judge_;
+    PointPeer embree_;
+    std::optional<DistanceTransform> transform_;
+    std::vector<float> distance_;
+    std::vector<PointCost> costs_;
+};
+
+}  // namespace
+
+std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
+                                      bool is_quick) {
+    PointMaker maker(mesh, options.seed);
+    const std::size_t million = is_quick ? 20000 : 1000000, thousand = is_quick ? 200 : 1000;
+    Measurements measurements(mesh, device, options, million);
+    const auto limited = [&](PointCost cost, double limit) {
         if (!is_quick) cost.limit = limit;
-        measure_by(ask, cost, points, options.repetitions, nothing);
-        if (!embree) return;
-        cost.method = embree_name;
-        cost.limit.reset();
-        // It takes many times as long.
-        measure_by(embree, cost, points, std::min<std::size_t>(options.repetitions, 3), nothing);
+        return cost;
     };
-    measure({"uniform", "in the mesh's box and 10% of its longest side around it, in one call"}, maker.uniform(million),
-            4e6);
-    measure({"near", "within 1.2% of the longest side from the surface on each axis, in one call"}, maker.near(million),
-            5e6);
-    measure({"rays", "along rays through the box, 1,000 points each, in one call"}, maker.along_rays(million), {});
-    PointCost many{"calls", "uniform, as many points a call as there are calls"};
+    measurements.add(limited({"uniform", "in the mesh's box and 10% of its longest side around it, in one call"}, 4e6),
+                     maker.uniform(million));
+    measurements.add(
+        limited({"near", "within 1.2% of the longest side from the surface on each axis, in one call"}, 5e6),
+        maker.near(million));
+    measurements.add({"rays", "along rays through the box, 1,000 points each, in one call"}, maker.along_rays(million));
+    PointCost many = limited({"calls", "uniform, as many points a call as there are calls"}, 5e5);
     many.calls = thousand;
-    if (!is_quick) many.limit = 5e5;
-    measure_by(ask, many, maker.uniform(million / thousand * thousand), options.repetitions, nothing);
-    measure_by(ask, {"first", "uniform, with a transform that has prepared nothing"}, maker.uniform(thousand),
-               options.repetitions, [&] {
-                   transform.reset();
-                   transform.emplace(device, mesh);
-               });
-    return costs;
+    measurements.add_ours(many, maker.uniform(million / thousand * thousand));
+    measurements.add_ours({"first", "uniform, with a transform that has prepared nothing"}, maker.uniform(thousand),
+                          true);
+    return measurements.take();
+}
+
+std::vector<PointCost> measure_these_points(const Mesh& mesh, std::span<const Vec3> points, const Device& device,
+                                            const MeasureOptions& options) {
+    Measurements measurements(mesh, device, options, points.size());
+    measurements.add({"file", "the points of a file, in one call"}, points);
+    return measurements.take();
 }
 
 }  // namespace clsdf::bench

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,9 @@ struct PointCost {
 /// first three, the same points by Embree's point query with pseudonormals, if it is built in.
 std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, const MeasureOptions& options,
                                       bool is_quick);
+
+/// The same of the caller's points, in one call.
+std::vector<PointCost> measure_these_points(const Mesh& mesh, std::span<const Vec3> points, const Device& device,
+                                            const MeasureOptions& options);
 
 }  // namespace clsdf::bench

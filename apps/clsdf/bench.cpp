@@ -149,10 +149,14 @@ clsdf::Device BenchOptions::open_device() const {
     return ::open_device(device);
 }
 
-std::vector<NamedMesh> BenchOptions::load_meshes(const std::vector<std::string>& own_list) const {
+std::vector<std::string> BenchOptions::names_of_meshes(const std::vector<std::string>& own_list) const {
     for (const std::string& name : meshes) check_name(name);
+    return meshes.empty() ? own_list : meshes;
+}
+
+std::vector<NamedMesh> BenchOptions::load_meshes(const std::vector<std::string>& own_list) const {
     std::vector<NamedMesh> loaded;
-    for (const std::string& name : meshes.empty() ? own_list : meshes) try {
+    for (const std::string& name : names_of_meshes(own_list)) try {
             loaded.push_back({clsdf::bench::short_name(name), clsdf::bench::load_mesh(name, folder, measure.seed)});
         } catch (const Error& error) {
             if (!meshes.empty() || error.code() != ErrorCode::unreadable_input) throw;
@@ -212,7 +216,11 @@ const std::vector<Benchmark> benchmarks{
     {"floors", "the device's own limits, and each stage against them", run_bench_floors, {"--workload"}},
     {"papers", "the comparisons of the papers: polyhedra, scans, saddle vertices", run_bench_papers, {}},
     {"calls", "the calls of a time step: a grid again, one sample, patches, vertices that move", run_bench_calls, {}},
-    {"points", "points anywhere: uniform, near the surface, along rays, in many calls", run_bench_points, {}}};
+    {"points", "points anywhere: uniform, near the surface, along rays, in many calls", run_bench_points, {"--points"}},
+    {"memory",
+     "what a process holds for a mesh, whole and restricted to an eighth of the domain",
+     run_bench_memory,
+     {}}};
 
 void check_options(const Benchmark& chosen, const CLI::App& parser) {
     for (const Benchmark& other : benchmarks)
@@ -261,6 +269,8 @@ Command add_bench(CLI::App& program) {
                   {"clsdf", "again", "embree", "openvdb", "cgal"});
     takes_some_of(parser->add_option("--series", options->series, "of scaling, separated by commas [all]"),
                   {"N", "d", "triangles", "threads"});
+    parser->add_option("--points", options->points, "of points: a file, .npy, .csv or .ply, for random ones")
+        ->type_name("FILE");
     parser
         ->add_option("--repetitions", options->measure.repetitions,
                      "timed calls of each method, after those that warm up")

@@ -26,6 +26,7 @@ struct BenchOptions {
     std::vector<std::string> workloads;
     std::vector<std::string> methods;
     std::vector<std::string> series;
+    std::string points;  ///< empty: random ones
     clsdf::bench::MeasureOptions measure;
     std::size_t threads = 0;  ///< 0: all
     std::string device;
@@ -38,6 +39,9 @@ struct BenchOptions {
     /// The meshes that were named, or those of the subcommand's own list. A missing mesh of the list is skipped with a
     /// message. All are loaded before the first measurement, so that an error costs no time.
     std::vector<NamedMesh> load_meshes(const std::vector<std::string>& own_list) const;
+
+    /// The names of these meshes, checked, for a benchmark that loads them itself.
+    std::vector<std::string> names_of_meshes(const std::vector<std::string>& own_list) const;
 
     /// The methods that were named, or all that are built in. Throws Error(unsupported) if a named one is not built in.
     std::vector<clsdf::bench::Method*> choose(const std::vector<clsdf::bench::Entry>& entries) const;
@@ -86,3 +90,4 @@ nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
 nlohmann::ordered_json run_bench_papers(const BenchOptions& options);
 nlohmann::ordered_json run_bench_calls(const BenchOptions& options);
 nlohmann::ordered_json run_bench_points(const BenchOptions& options);
+nlohmann::ordered_json run_bench_memory(const BenchOptions& options);

@@ -1,15 +1,19 @@
 #include "bench.hpp"
 
 #include "benchmarks/calls.hpp"
+#include "benchmarks/memory.hpp"
 #include "benchmarks/points.hpp"
+
+#include <clsdf/io.hpp>
 
 #include <fmt/format.h>
 
 using clsdf::bench::CallCost;
 using clsdf::bench::PointCost;
+using clsdf::bench::RestrictedMemory;
 using nlohmann::ordered_json;
 
-// The benchmarks of calls beside the whole one: of a time step, and of points.
+// The benchmarks of calls beside the whole one: of a time step, of points, and of a part of the domain.
 
 namespace {
 
@@ -80,10 +84,17 @@ ordered_json run_bench_points(const BenchOptions& options) {
     const clsdf::Device device = options.open_device();
     ordered_json result = describe_run("points", options, device);
     result["rows"] = ordered_json::array();
+    std::vector<clsdf::Vec3> points;
+    if (!options.points.empty()) points = clsdf::read_points(options.points);
+    if (!options.points.empty() && points.empty())
+        throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
+                           fmt::format("{} has no points to measure with", options.points));
     BenchTable table({"points", "method", "mesh", "points", "calls", "ms (median)", "processor, ms", "million a second",
                       "limit", "wrong", "wrong signs", "judged", "max error, voxel"});
     for (const NamedMesh& mesh : meshes)
-        for (const PointCost& cost : measure_points(mesh.mesh, device, options.measure, options.quick)) {
+        for (const PointCost& cost : options.points.empty()
+                                         ? measure_points(mesh.mesh, device, options.measure, options.quick)
+                                         : measure_these_points(mesh.mesh, points, device, options.measure)) {
             table.add({cost.name, cost.method, mesh.name, fmt::format("{}", cost.points), fmt::format("{}", cost.calls),
                        milliseconds(cost.seconds.median), milliseconds(cost.processor_seconds.median),
                        fmt::format("{:.3g}", 1e-6 * cost.points_per_second()),
@@ -92,6 +103,37 @@ ordered_json run_bench_points(const BenchOptions& options) {
                        fmt::format("{:.2g}", cost.max_error_voxels)});
             result["rows"].push_back(describe(cost, mesh.name));
         }
+    options.say("\n" + table.text());
+    return result;
+}
+
+ordered_json run_bench_memory(const BenchOptions& options) {
+    const std::vector<std::string> names = options.names_of_meshes({options.quick ? "sphere5" : "sphere9"});
+    const clsdf::Device device = options.open_device();
+    ordered_json result = describe_run("memory", options, device);
+    result["rows"] = ordered_json::array();
+    BenchTable table({"mesh", "triangles", "whole, MB", "an eighth, MB", "share", "without a mesh, MB",
+                      "share beside that", "samples", "different"});
+    for (const std::string& name : names) {
+        const auto load = [&] { return clsdf::bench::load_mesh(name, options.folder, options.measure.seed); };
+        const RestrictedMemory memory = clsdf::bench::measure_restricted_memory(load, device, options.scaled(256));
+        const auto megabytes = [](std::size_t bytes) {
+            return fmt::format("{:.1f}", 1e-6 * static_cast<double>(bytes));
+        };
+        table.add({clsdf::bench::short_name(name), fmt::format("{}", memory.triangles), megabytes(memory.whole),
+                   megabytes(memory.restricted), fmt::format("{:.3f}", memory.share()), megabytes(memory.without_mesh),
+                   fmt::format("{:.3f}", memory.share_without_mesh()), fmt::format("{}", memory.samples),
+                   fmt::format("{}", memory.different)});
+        result["rows"].push_back({{"mesh", clsdf::bench::short_name(name)},
+                                  {"triangles", memory.triangles},
+                                  {"whole_bytes", memory.whole},
+                                  {"restricted_bytes", memory.restricted},
+                                  {"share", memory.share()},
+                                  {"without_mesh_bytes", memory.without_mesh},
+                                  {"share_without_mesh", memory.share_without_mesh()},
+                                  {"samples", memory.samples},
+                                  {"different", memory.different}});
+    }
     options.say("\n" + table.text());
     return result;
 }

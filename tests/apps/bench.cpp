@@ -1,4 +1,5 @@
 #include "apps/process.hpp"
+#include "support/temporary_folder.hpp"
 
 #include <boost/test/unit_test.hpp>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@ using clsdf::test::check_refused;
 using clsdf::test::no_devices;
 using clsdf::test::Outcome;
 using clsdf::test::run_command;
+using clsdf::test::TemporaryFolder;
 using nlohmann::json;
 
 namespace {
@@ -108,9 +110,9 @@ BOOST_AUTO_TEST_CASE(calls_have_ratios_limits_and_errors) {
         BOOST_TEST(row["max_error_voxels"].get<double>() < 1e-5);
         BOOST_TEST((row["limit"].is_null() || row["limit"].get<double>() > 0));
     }
-    const std::vector<std::string> expected = {"again",     "outputs",         "outputs_again", "one_sample",
-                                               "patches",   "patches_at_once", "band_boxes",    "moved",
-                                               "moved_128", "classify",        "small_meshes"};
+    const std::vector<std::string> expected = {
+        "again", "outputs",   "outputs_again", "one_sample", "patches",  "patches_at_once", "band_boxes",
+        "moved", "moved_128", "moved_points",  "plan_move",  "classify", "small_meshes"};
     BOOST_TEST(names == expected, boost::test_tools::per_element());
 }
 
@@ -131,6 +133,33 @@ BOOST_AUTO_TEST_CASE(points_have_speeds_and_no_errors) {
     BOOST_TEST(names == expected, boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(points_of_a_file_are_measured_alone) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("points.csv", "x,y,z\n0,0,0\n9,9,9\n0.5,1,0.25\n");
+    for (const json& row : result_of({"points", "knot", "--points", file})["rows"]) {
+        BOOST_TEST(row["name"] == "file");
+        BOOST_TEST(row["points"] == 3);
+        BOOST_TEST(row["judged"] == 3);
+        BOOST_TEST(row["seconds"]["median"].get<double>() > 0);
+        if (row["method"] == "clsdf") BOOST_TEST(row["wrong"] == 0);
+    }
+    check_refused(run_command({"bench", "points", "knot", "--points", "/nonexistent.npy"}), 3, {"/nonexistent.npy"});
+    check_refused(run_command({"bench", "points", "knot", "--points", folder.file("none.csv", "x,y,z\n")}), 2,
+                  {"none.csv has no points"});
+}
+
+BOOST_AUTO_TEST_CASE(a_part_of_the_domain_has_a_share_of_the_memory_and_the_bytes_of_the_whole) {
+    const json result = result_of({"memory", "sphere7"});
+    BOOST_TEST_REQUIRE(result["rows"].size() == 1);
+    const json& row = result["rows"][0];
+    BOOST_TEST(row["triangles"] == 131072);
+    BOOST_TEST(row["samples"].get<int>() > 0);
+    BOOST_TEST(row["different"] == 0);
+    BOOST_TEST(row["whole_bytes"].get<double>() > row["without_mesh_bytes"].get<double>());
+    BOOST_TEST(row["share"].get<double>() > 0);
+    BOOST_TEST(row["share"].get<double>() < 1);
+}
+
 BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "bunny00", "--meshes", "/nonexistent"}), 3,
                   {"bunny00.off", "scripts/fetch-meshes"});
@@ -144,7 +173,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "peers", "nomesh"}), 2, {"nomesh", "noisy_sphere", "refined_elephant", "knot"});
     check_refused(run_command({"bench", "floors", "seashel"}), 2, {"did you mean seashell?"});
     check_refused(run_command({"bench", "scaling", "knot", "torus"}), 2, {"one mesh", "torus"});
-    for (const char* benchmark : {"peers", "scaling", "floors", "papers", "calls", "points"})
+    for (const char* benchmark : {"peers", "scaling", "floors", "papers", "calls", "points", "memory"})
         check_refused(run_command({"bench", benchmark, "--quick", "--device", "xyzzy"}), 4, {"--device xyzzy"});
     check_refused(run_command({"bench", "peers", "--workload", "W9"}), 2, {"W9"});
 }
@@ -162,6 +191,7 @@ BOOST_AUTO_TEST_CASE(an_option_that_would_be_ignored_is_refused) {
     refused("floors", "--seconds-per-call", "1", "takes --workload");
     refused("papers", "--workload", "W2", "takes only those of all");
     refused("papers", "--method", "clsdf", "takes only those of all");
+    refused("calls", "--points", "points.npy", "takes only those of all");
     refused("papers", "--series", "d", "takes only those of all");
 }
 
