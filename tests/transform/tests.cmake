@@ -7,7 +7,7 @@ endfunction()
 foreach(name counterexamples shapes bands grids accuracy topology ties extremes determinism plans calls outputs
              bodies slabs streams launches hostile_callers coarse_lists mesh_records
              slender_polyhedra self_test stages requests request_plans points classify restricted
-             callers_memory promises runs)
+             callers_memory shared_memory promises runs)
   clsdf_transform_test(${name} ${CMAKE_CURRENT_LIST_DIR}/${name}.cpp)
 endforeach()
 foreach(name extremes outputs self_test promises)
