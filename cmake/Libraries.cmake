@@ -19,30 +19,33 @@ function(clsdf_library target)
   endif()
 endfunction()
 
-# clsdf_internals(<target> [<folder>...]): <target>_internals, for tests of what is inside a library and for the libraries beside it. Whoever
-# links it sees the library's own headers, those in the folders included. A static library has all the code; a shared one hides it, so here it is once more,
-# in a static library that is not installed. Link the library itself first, so that what it shows is taken from it.
+# clsdf_internals(<target> [FOLDERS <folder>...] [STATE_OF_PROCESS <source>...]): <target>_internals, for tests of what is
+# inside a library and for the libraries beside it. Targets that link it see the library's own headers, those in the folders
+# included. A static library has all the code. A shared one hides it; then its object files are also in a static library that
+# is not installed. Link the library itself first, so that what it exports is taken from it.
+#
+# With shared libraries, a program may have several copies of a hidden function, and several of a variable. The sources
+# STATE_OF_PROCESS have variables of which a process must have one. They are left out of the internals; their functions
+# are marked CLSDF_EXPORT.
 function(clsdf_internals target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "FOLDERS;STATE_OF_PROCESS")
   set(internals ${target}_internals)
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "STATIC_LIBRARY")
     add_library(${internals} INTERFACE)
     target_link_libraries(${internals} INTERFACE ${target})
-    set(scope INTERFACE)
   else()
-    get_target_property(sources ${target} SOURCES)
-    add_library(${internals} STATIC ${sources})
-    add_dependencies(${internals} ${target})
-    foreach(property COMPILE_OPTIONS COMPILE_DEFINITIONS LINK_LIBRARIES INCLUDE_DIRECTORIES)
-      get_target_property(value ${target} ${property})
-      if(value)
-        set_target_properties(${internals} PROPERTIES ${property} "${value}")
-      endif()
+    set(objects $<TARGET_OBJECTS:${target}>)
+    foreach(source IN LISTS arg_STATE_OF_PROCESS)
+      string(REPLACE "." "\\." source ${source})
+      set(objects $<FILTER:${objects},EXCLUDE,/${source}\\.>)
     endforeach()
-    set_target_properties(${internals} PROPERTIES CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-    target_compile_definitions(${internals} PRIVATE CLSDF_STATIC_BUILD)
-    set(scope PUBLIC)
+    add_library(${internals} STATIC ${objects})
+    set_target_properties(${internals} PROPERTIES LINKER_LANGUAGE CXX)
+    # Targets that link it do not export its copies of the library's functions.
+    target_link_options(${internals} INTERFACE LINKER:--exclude-libs,$<TARGET_FILE_NAME:${internals}>)
   endif()
-  target_include_directories(${internals} ${scope} ${PROJECT_SOURCE_DIR}/lib ${PROJECT_SOURCE_DIR}/kernels ${ARGN}
-                                                   $<TARGET_PROPERTY:clsdf,CLSDF_KERNEL_SOURCES>)
+  target_include_directories(
+    ${internals} INTERFACE ${PROJECT_SOURCE_DIR}/lib ${PROJECT_SOURCE_DIR}/kernels ${arg_FOLDERS}
+                           $<TARGET_PROPERTY:clsdf,CLSDF_KERNEL_SOURCES>)
 endfunction()

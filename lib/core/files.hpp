@@ -1,16 +1,11 @@
 #pragma once
 
-#include <clsdf/export.hpp>
-
 #include <unistd.h>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -47,8 +42,8 @@ ReadResult read_in_parallel(const Descriptor& file, std::uint64_t offset, std::s
 /// and commit() gives it its name. Without commit() no file stays, and an earlier file of that name is unchanged. A
 /// target that is no regular file (/dev/null, /dev/stdout, a named pipe) is written directly.
 ///
-/// A process that is killed leaves its temporary file; a later one that writes into the folder removes it, see
-/// below.
+/// A process that is killed leaves its temporary file; a later one that writes into the folder removes it
+/// (core/unfinished_files.hpp).
 ///
 /// Every function throws Error(output_failure) that names the file and the system's reason.
 class AtomicFile {
@@ -96,39 +91,8 @@ private:
     std::uint64_t position_ = 0;
 };
 
-/// The temporary names of the files that this process is writing. A thread holds the mutex while it creates, renames or
-/// removes one.
-///
-/// A writer locks its file (flock) until the file has its final name or is removed. The system releases the lock when
-/// the process ends for any reason. So an unfinished file that can be locked has no writer any more.
-///
-/// The shared library exports this to clsdf's other libraries, so a process has one list.
-struct CLSDF_EXPORT UnfinishedFiles {
-    std::mutex mutex;
-    std::set<std::string> names;
-    std::set<std::string> markers;  ///< of builds under way; see device::BuildMarker
-
-    /// Never destroyed: threads may outlive main().
-    static UnfinishedFiles& of_process();
-
-    /// Removes the files, and lets no thread create, rename or remove one any more. is_interrupted: the user ends the
-    /// process, so that no build under way is to blame; its marker is removed, too.
-    void abandon(bool is_interrupted) noexcept;
-};
-
 /// Throws as AtomicFile does if the file cannot be written. Leaves nothing. Does not open a pipe or a device, whose
 /// reader would take that for the end.
-CLSDF_EXPORT void check_writable(const std::string& path);
-
-/// Creates and locks a file ".clsdf-PID-N.part" in the folder, and lists it in UnfinishedFiles. Returns its descriptor
-/// and sets `name` to its path; returns a negative number, with errno, if it cannot be created. The file is not locked
-/// on a file system that machines share.
-///
-/// The process's first file in a folder also removes the stale ones there.
-CLSDF_EXPORT int create_unfinished_file(const std::filesystem::path& folder, std::string& name);
-
-/// Removes the unfinished files of this user in the folder whose writers have ended. Removes none on NFS, or on any
-/// other file system that is not known to belong to one machine and to support locks.
-CLSDF_EXPORT void remove_stale_files(const std::filesystem::path& folder) noexcept;
+void check_writable(const std::string& path);
 
 }  // namespace clsdf

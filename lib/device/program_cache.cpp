@@ -1,6 +1,7 @@
 #include "device/program_cache.hpp"
 
 #include "core/files.hpp"
+#include "core/unfinished_files.hpp"
 
 #include <clsdf/error.hpp>
 

@@ -2,6 +2,7 @@
 
 #include "core/files.hpp"
 #include "core/text.hpp"
+#include "core/unfinished_files.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/field.hpp>

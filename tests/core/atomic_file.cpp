@@ -1,4 +1,5 @@
 #include "core/files.hpp"
+#include "core/unfinished_files.hpp"
 
 #include "support/small_disk.hpp"
 #include "support/temporary_folder.hpp"
