@@ -24,7 +24,7 @@
 namespace clsdf {
 
 /// The state of a transform: the mesh and the values made from it, programs, and plans of earlier calls.
-struct DistanceTransform::State {
+struct __attribute__((visibility("hidden"))) DistanceTransform::State {
     /// A plan of an earlier call, which the next call of the same kind takes.
     struct KeptPlan {
         bool count;
