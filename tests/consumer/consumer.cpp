@@ -9,7 +9,7 @@ static_assert(CLSDF_VERSION >= CLSDF_MAKE_VERSION(0, 1, 0) &&
 
 // The distance to a tetrahedron, from arrays in memory to a field in memory.
 #ifdef CONSUMER_OF_C
-extern "C" int consumer() try {
+extern "C" [[gnu::visibility("default")]] int consumer() try {
 #else
 int main() try {
 #endif

@@ -2,7 +2,7 @@
 # A sanitized library is not one to install.
 if(NOT CLSDF_SANITIZE)
   foreach(way documents find_package clang add_subdirectory components pkg_config parallel_hdf5 shared)
-    # It compiles the core as a shared library, which no other test does.
+    # It compiles shared libraries, which no other test does.
     set(configurations "")
     if(way STREQUAL "shared")
       set(configurations CONFIGURATIONS nightly)
