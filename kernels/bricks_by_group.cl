@@ -21,6 +21,7 @@
 #include "blocks.h"
 #include "brick_masks.h"
 #include "distance.h"
+#include "sample_values.h"
 #include "simd.h"
 #ifdef NEAREST
 #include "finish.h"
@@ -351,16 +352,14 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
                                  __private uint* counters
 #endif
 ) {
-    const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size), bricks = vload3(0, layout.bricks);
+    const int3 part_first = vload3(0, layout.first), size = vload3(0, layout.size);
     for (uint s = 0; s < SAMPLES_PER_ITEM; ++s) {
         const uint sample = s * GROUP + get_local_id(0);
         const int3 in_brick = sample_of(sample / SMALL_SUBBLOCK_SAMPLES, sample % SMALL_SUBBLOCK_SAMPLES);
         const int3 to = brick.first + in_brick - part_first;
         if (any(to < 0) || any(to >= size)) continue;
-        const size_t bit_row = (size_t)(relative_brick.z * CLSDF_BRICK + in_brick.z) * (bricks.y * CLSDF_BRICK) +
-                               (relative_brick.y * CLSDF_BRICK + in_brick.y);
-        const uint bit = relative_brick.x * CLSDF_BRICK + in_brick.x;
-        const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
+        const int3 in_bricks = relative_brick * CLSDF_BRICK + in_brick;
+        const bool negative = is_inside(sign_row(layout, sign_bits, in_bricks.y, in_bricks.z), in_bricks.x);
         const size_t offset = ((size_t)to.z * size.y + to.y) * size.x + to.x;
 #ifdef NEAREST
         const float squared = minima->squared[sample];

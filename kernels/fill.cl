@@ -2,6 +2,7 @@
 
 #include "field_lines.h"
 #include "layout.h"
+#include "sample_values.h"
 #include "simd.h"
 
 // A run of one value that is not stored yet. If the next run follows it in memory, both are stored as one.
@@ -34,8 +35,7 @@ INLINE int end_of_run(__global const uint* bits, int first, int end) {
 // Prefetches a row of bricks' sign bits in one slice of samples: a load among stores past the caches would wait for
 // them. It may prefetch beyond the end.
 INLINE void prefetch_signs(Layout layout, __global const uint* sign_bits, int brick_y, int from_z) {
-    __global const uint* bits =
-        sign_bits + ((size_t)from_z * layout.bricks[1] + brick_y) * CLSDF_BRICK * layout.sign_words;
+    __global const uint* bits = sign_row(layout, sign_bits, brick_y * CLSDF_BRICK, from_z);
     for (int word = 0; word < CLSDF_BRICK * layout.sign_words; word += LINE_NUMBERS) prefetch_line_to_l1(bits + word);
 }
 
@@ -79,12 +79,10 @@ INLINE void fill_bricks(Layout layout, int brick, int end_brick, int brick_y, in
     for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
         for (int y = row.begin_y; y < row.end_y; ++y) {
             __global uint* to = distance + ((size_t)z * layout.size[1] + y) * layout.size[0];
-            __global const uint* bits =
-                sign_bits +
-                ((size_t)row.from_z * (layout.bricks[1] * CLSDF_BRICK) + (y + row.shift_y)) * layout.sign_words;
+            __global const uint* bits = sign_row(layout, sign_bits, y + row.shift_y, row.from_z);
             for (int x = begin, next; x < end; x = next) {
                 next = end_of_run(bits, x + row.shift_x, end + row.shift_x) - row.shift_x;
-                const bool inside = bits[(x + row.shift_x) >> 5] >> ((x + row.shift_x) & 31) & 1u;
+                const bool inside = is_inside(bits, x + row.shift_x);
                 add_run(&distances, to + x, to + next, as_uint(inside ? layout.inside_fill : layout.outside_fill));
             }
         }

@@ -140,7 +140,7 @@ INLINE void store_closest(__private const Finishing* finishing, __private const 
 
 INLINE void store_gradient(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
     const bool in_double = IS_DOUBLE(finishing, gradient);
-    const intL inside = (((intL)(int)rows->inside >> as_intL(LANE_NUMBERS)) & 1) != 0;
+    const intL inside = bits_to_lanes(rows->inside);
     const doubleL scale = select((doubleL)1.0, (doubleL)-1.0, TO_LONGS(inside)) / sqrt(rows->squared);
     store_vectors(rows->x * scale, rows->y * scale, rows->z * scale, rows->found,
                   finishing->of_gradient + 3 * at * (in_double ? sizeof(double) : sizeof(float)), in_double);

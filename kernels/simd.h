@@ -186,6 +186,13 @@ static inline uint lanes_to_bits(intL mask) {
 #endif
 }
 
+#if LANES != 1
+// The other way round: lane i is true if bit i is set.
+static inline intL bits_to_lanes(uint bits) {
+    return (((intL)(int)bits >> as_intL(LANE_NUMBERS)) & 1) != 0;
+}
+#endif
+
 // One instruction if the processor has it; PoCL's floor() and ceil() take eight.
 #if (defined(__SSE4_1__) || defined(__aarch64__)) && HAS_BUILTIN(__builtin_elementwise_floor) && \
     HAS_BUILTIN(__builtin_elementwise_ceil)

@@ -4,6 +4,7 @@
 
 #include "brick_lists.h"
 #include "field_lines.h"
+#include "sample_values.h"
 #include "simd.h"
 #include "subblocks.h"
 #ifdef NEAREST
@@ -23,16 +24,6 @@ typedef struct Output {
     __global const uint* sign_bits;
 } Output;
 
-// The values of LANES samples, as distance.h has them. inside: a bit a sample.
-INLINE floatL signed_distances(Layout layout, uint inside, floatL squared, intL* in_band) {
-    const intL negative = (((intL)(int)inside >> as_intL(LANE_NUMBERS)) & 1) != 0;
-    const floatL fill = negative ? (floatL)layout.inside_fill : (floatL)layout.outside_fill;
-    const floatL limit = negative ? (floatL)layout.inside_squared : (floatL)layout.outside_squared;
-    *in_band = squared <= limit;
-    const floatL length = LESSER(sqrt(squared) * layout.unit, fabs(fill));
-    return *in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;
-}
-
 // The mark of a brick that is computed.
 INLINE __global uchar* mark_of(Layout layout, int3 brick, Output output) {
     const int3 at = brick - vload3(0, layout.brick_first);
@@ -40,11 +31,10 @@ INLINE __global uchar* mark_of(Layout layout, int3 brick, Output output) {
 }
 
 // Where the sign bits of a brick's slice z begin, whose rows are layout.sign_words apart; and from which bit of a word
-// on. The rows of sign bits cover whole bricks.
+// on.
 INLINE __global const uint* sign_bits_of(Layout layout, int3 brick, int z, Output output) {
     const int3 at = brick - vload3(0, layout.brick_first);
-    const size_t row = (size_t)(at.z * CLSDF_BRICK + z) * (layout.bricks[1] * CLSDF_BRICK) + at.y * CLSDF_BRICK;
-    return output.sign_bits + row * layout.sign_words + at.x / 4;
+    return sign_row(layout, output.sign_bits, at.y * CLSDF_BRICK, at.z * CLSDF_BRICK + z) + at.x / 4;
 }
 INLINE uint sign_shift_of(Layout layout, int3 brick) {
     return (uint)(brick.x - layout.brick_first[0]) % 4 * CLSDF_BRICK;
@@ -75,7 +65,7 @@ INLINE uintL finished_rows(Layout layout, int3 brick, __global const Minimum* mi
         inside |= (sign_bits[(y + r) * layout.sign_words] >> shift & 0xFFu) << (r * CLSDF_BRICK);
     intL in_band;
     const floatL squared = as_floatL(ROWS_FROM(squares_of_row, minimum, y, z));
-    const uintL distances = as_uintL(signed_distances(layout, inside, squared, &in_band));
+    const uintL distances = as_uintL(signed_distances(layout, bits_to_lanes(inside), squared, &in_band));
 #ifdef NEAREST
     const uintL polyhedra = ROWS_FROM(polyhedra_of_row, minimum, y, z);
     const intL has_polyhedron = in_band & (polyhedra != CLSDF_NO_POLYHEDRON);

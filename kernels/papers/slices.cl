@@ -7,6 +7,7 @@
 #include "distance.h"
 #include "frame.h"
 #include "piece.h"
+#include "sample_values.h"
 #include "shares.h"
 #include "slices.h"
 
@@ -49,12 +50,10 @@ __kernel void slices_finish(Layout layout, int first_slice, int end_slice, KEY_P
     const int x = get_global_id(0), y = get_global_id(1), z = get_global_id(2);
     if (x >= layout.size[0] || z >= end_slice - first_slice) return;
     const uint2 key = square_and_triangle(KEY_ARGUMENTS, ((size_t)z * layout.size[1] + y) * layout.size[0] + x);
-    // The rows of sign bits cover whole bricks.
     const int3 from_brick = vload3(0, layout.first) - vload3(0, layout.brick_first) * CLSDF_BRICK;
     const int slice = first_slice - layout.first[2] + z;
-    const size_t bit_row = (size_t)(from_brick.z + slice) * (layout.bricks[1] * CLSDF_BRICK) + (from_brick.y + y);
-    const int bit = from_brick.x + x;
-    const bool negative = (sign_bits[bit_row * layout.sign_words + bit / 32] >> (bit % 32)) & 1u;
+    const bool negative =
+        is_inside(sign_row(layout, sign_bits, from_brick.y + y, from_brick.z + slice), from_brick.x + x);
     const size_t at = ((size_t)slice * layout.size[1] + y) * layout.size[0] + x;
     bool in_band;
     distance[at] = signed_distance(layout, negative, as_float(key.x), &in_band);
