@@ -11,6 +11,7 @@
 #define CLSDF_LANE_POLYHEDRA_H
 
 #include "frame.h"
+#include "lane_records.h"
 #include "polyhedron.h"
 #include "simd.h"
 
@@ -44,27 +45,6 @@ typedef struct LanePolyhedra {
     floatL above[3], below[3], greater[3];  // slopes by edge
     bool all_compact;
 } LanePolyhedra;
-
-INLINE void load_words(__global const Polyhedron* polyhedra, __private const uint* numbers, __private floatL* words) {
-#define WORDS_OF(lane) ((__global const float*)(polyhedra + numbers[lane]))
-#if LANES == 16
-#pragma unroll
-    for (uint part = 0; part < WORDS; part += 16) {
-#pragma unroll
-        for (uint lane = 0; lane < 16; ++lane) words[part + lane] = vload16(0, WORDS_OF(lane) + part);
-        transpose(words + part);
-    }
-#else
-#pragma unroll
-    for (uint part = 0; part < WORDS; part += 4) {
-#pragma unroll
-        for (uint lane = 0; lane < 4; ++lane)
-            words[part + lane] = (float8)(vload4(0, WORDS_OF(lane) + part), vload4(0, WORDS_OF(lane + 4) + part));
-        transpose_halves(words + part);
-    }
-#endif
-#undef WORDS_OF
-}
 
 // The polyhedra numbers[0, LANES) at the point `centre` samples along each axis from sample `first`.
 INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __private const uint* numbers, int3 first,
