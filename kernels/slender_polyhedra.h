@@ -47,17 +47,18 @@ INLINE intL columns_log_of_lanes(floatL layers) {
     return -TIMES_HALVED(layers);
 }
 
-typedef struct Frustum {
+// The layers of samples of one side of the face, within a coarse brick.
+typedef struct SideLayers {
     floatL first, last;  // layers; none where the last comes before the first
     intL columns_log;    // of all layers
     Line low_u, high_u, low_v, high_v;
     // Three lateral planes, by edge: samples beyond them are outside. The fourth plane lies half way between the ends:
     // samples farther from it than half the height are outside.
     Plane planes[4];
-} Frustum;
+} SideLayers;
 
 typedef struct SlenderPolyhedra {
-    Frustum sides[2];          // above, below
+    SideLayers sides[2];       // above, below
     intL axis;                 // of the layers; of the other two, u is the first and v the last
     intL columns_log_of_both;  // of both sides in one vector; -1 where they do not go together
 } SlenderPolyhedra;
@@ -315,23 +316,23 @@ INLINE void set_corners(const LaneTriangles* t, const LayerAxes* axes, float sid
 }
 
 // The boxes of the layers, and which layers have one within the coarse brick.
-INLINE void set_boxes(const Corners* corners, intL present, __private Frustum* frustum) {
+INLINE void set_boxes(const Corners* corners, intL present, __private SideLayers* layers) {
     const floatL* a = corners->a;
     const floatL distance = (sum_of_three(a + 3) - sum_of_three(a)) * (1.0f / 3.0f);
     const floatL per_layer = fabs(distance) < 0.5f ? (floatL)0.0f : 1.0f / distance;
-    set_lines(a, corners->u, per_layer, &frustum->low_u, &frustum->high_u);
-    set_lines(a, corners->v, per_layer, &frustum->low_v, &frustum->high_v);
+    set_lines(a, corners->u, per_layer, &layers->low_u, &layers->high_u);
+    set_lines(a, corners->v, per_layer, &layers->low_v, &layers->high_v);
     const floatL least[2] = {least_of_three(a), least_of_three(a + 3)};
     const floatL greatest[2] = {greatest_of_three(a), greatest_of_three(a + 3)};
     floatL first = LESSER(least[0], least[1]), last = GREATER(greatest[0], greatest[1]);
     first = GREATER(first, 0.0f);
     last = LESSER(last, (float)(CLSDF_COARSE - 1));
-    clip_layers(&frustum->low_u, CLSDF_COARSE - 1, 1.0f, &first, &last);
-    clip_layers(&frustum->low_v, CLSDF_COARSE - 1, 1.0f, &first, &last);
-    clip_layers(&frustum->high_u, 0.0f, -1.0f, &first, &last);
-    clip_layers(&frustum->high_v, 0.0f, -1.0f, &first, &last);
-    frustum->first = CEIL(first);
-    frustum->last = present ? FLOOR(last) : (floatL)-1.0f;
+    clip_layers(&layers->low_u, CLSDF_COARSE - 1, 1.0f, &first, &last);
+    clip_layers(&layers->low_v, CLSDF_COARSE - 1, 1.0f, &first, &last);
+    clip_layers(&layers->high_u, 0.0f, -1.0f, &first, &last);
+    clip_layers(&layers->high_v, 0.0f, -1.0f, &first, &last);
+    layers->first = CEIL(first);
+    layers->last = present ? FLOOR(last) : (floatL)-1.0f;
 }
 
 // The plane along X + across Y + high (height + margin) = beyond.
@@ -348,7 +349,7 @@ INLINE void set_plane(const LaneTriangles* t, const LayerAxes* axes, float side,
 }
 
 INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side, uint slopes, float bound,
-                       float margin, __private Frustum* frustum) {
+                       float margin, __private SideLayers* layers) {
     const floatL* words = t->words;
     const floatL along[3] = {0.0f, words[NUMBER_NORMAL_ALONG], -words[NUMBER_NORMAL_ALONG + 1]};
     const floatL across[3] = {-1.0f, words[NUMBER_NORMAL_ACROSS], words[NUMBER_NORMAL_ACROSS + 1]};
@@ -356,8 +357,8 @@ INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side
 #pragma unroll
     for (uint edge = 0; edge < 3; ++edge)
         set_plane(t, axes, side, margin, along[edge], across[edge], -words[slopes + edge], edges[edge] + margin,
-                  frustum->planes + edge);
-    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(bound, margin), frustum->planes + 3);
+                  layers->planes + edge);
+    set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(bound, margin), layers->planes + 3);
 }
 
 // Sets the bounds of slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more:
@@ -375,29 +376,29 @@ INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, _
     for (uint n = 0; n < 2; ++n) {
         const float side = n == 0 ? 1.0f : -1.0f;
         const uint slopes = n == 0 ? WORD_SLOPE_ABOVE : WORD_SLOPE_BELOW;
-        __private Frustum* frustum = slender->sides + n;
+        __private SideLayers* layers = slender->sides + n;
         const Heights heights = heights_in_brick(&t, side, bound, margin);
         const intL has_layers = heights.first <= heights.last;
-        frustum->first = 0.0f;
-        frustum->last = -1.0f;
+        layers->first = 0.0f;
+        layers->last = -1.0f;
         if (!lanes_to_bits(has_layers)) continue;
         Corners corners;
         set_corners(&t, &axes, side, slopes, heights.first, margin, 0, &corners);
         set_corners(&t, &axes, side, slopes, heights.last, margin, 1, &corners);
-        set_boxes(&corners, has_layers, frustum);
-        set_planes(&t, &axes, side, slopes, bound, margin, frustum);
-        present |= frustum->first <= frustum->last;
+        set_boxes(&corners, has_layers, layers);
+        set_planes(&t, &axes, side, slopes, bound, margin, layers);
+        present |= layers->first <= layers->last;
     }
-    floatL layers[2];
+    floatL counts[2];
 #pragma unroll
     for (uint n = 0; n < 2; ++n) {
-        __private Frustum* frustum = slender->sides + n;
-        layers[n] = frustum->last - frustum->first + 1.0f;
-        frustum->columns_log = columns_log_of_lanes(layers[n]);
+        __private SideLayers* layers = slender->sides + n;
+        counts[n] = layers->last - layers->first + 1.0f;
+        layers->columns_log = columns_log_of_lanes(counts[n]);
     }
-    const floatL of_both = layers[0] + layers[1];
+    const floatL of_both = counts[0] + counts[1];
     slender->columns_log_of_both =
-        ((layers[0] > 0.0f) & (layers[1] > 0.0f) & (of_both <= LANES)) ? columns_log_of_lanes(of_both) : (intL)-1;
+        ((counts[0] > 0.0f) & (counts[1] > 0.0f) & (of_both <= LANES)) ? columns_log_of_lanes(of_both) : (intL)-1;
     return lanes_to_bits(present);
 }
 

@@ -112,11 +112,7 @@ static inline void evaluate_samples(__global const Polyhedron* polyhedra, uint n
                   gradient_z = vload4(0, p->exact_gradient_z);
     const Split along_x = split(gradient_x, rounder), along_y = split(gradient_y, rounder),
                 along_z = split(gradient_z, rounder);
-    const Split at_first =
-        split(gradient_x * (double)(first.x - p->origin_x) +
-                  (gradient_y * (double)(first.y - p->origin_y) +
-                   (gradient_z * (double)(first.z - p->origin_z) + vload4(0, p->exact_constant_at_origin))),
-              rounder);
+    const Split at_first = split(frame_at(p, first.x, first.y, first.z), rounder);
     const EdgeTable table = table_of(p);
     store_lanes((uintL)list->samples[0], 0, list->samples + list->count);  // the last vector is filled with the first
     for (uint n = 0; n < list->count; n += LANES) {
@@ -212,8 +208,8 @@ __constant float column_of_lane[3 * LANES] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1
 // once. (The sides are constants in each call. If one is absent, OF_SIDE takes the value of the other.)
 INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
                         LayerRange range, __private Samples* list, __private ulong* counters) {
-    __private const Frustum* above = slender->sides;
-    __private const Frustum* below = slender->sides + 1;
+    __private const SideLayers* above = slender->sides;
+    __private const SideLayers* below = slender->sides + 1;
     const floatL number = load_lanes(range.columns_log, layer_of_lane);
     const uint columns = 1u << range.columns_log;
     const float count_above = range.has_above ? range.last_above - range.first_above + 1.0f : 0.0f;
@@ -289,8 +285,8 @@ INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private cons
 // One lane's polyhedron: both sides at once if they have few layers, else one after the other.
 INLINE void scan_slender(const SlenderScan* scan, uint polyhedron, __private const SlenderPolyhedra* slender, uint lane,
                          __private ulong* counters) {
-    __private const Frustum* above = slender->sides;
-    __private const Frustum* below = slender->sides + 1;
+    __private const SideLayers* above = slender->sides;
+    __private const SideLayers* below = slender->sides + 1;
     const float first_above = LANE_OF(above->first, lane), last_above = LANE_OF(above->last, lane);
     const float first_below = LANE_OF(below->first, lane), last_below = LANE_OF(below->last, lane);
     const int of_both = ((__private const int*)&slender->columns_log_of_both)[lane];
