@@ -10,7 +10,7 @@
 // 7.1 insert barriers into an innermost loop that all work-items enter and run alike; in a branch, that makes wrong
 // code (docs/devices.md).
 
-#include "coarse_clusters.h"
+#include "coarse.h"
 #include "face_sources.h"
 #include "shares.h"
 #include "simd.h"
@@ -39,7 +39,7 @@ INLINE void add_pair(__private PairSink* sink, uint polyhedron, uint brick, uint
     sink->count += lanes != 0;
 }
 
-#include "coarse_pairs.h"
+#include "coarse_clusters.h"
 
 // Counts each part's entries of each brick, and finds its pairs. Launch `step` of `steps` takes its share of each
 // part. count: of all records; clusters: of those that are looked at. has_groups: those of `groups` are, else all.

@@ -6,7 +6,8 @@
 // segments + segment] is where a segment's entries of a brick begin. coarse_scatter moves the pairs there, and
 // coarse_sort orders each segment: the lists are in the order of the polyhedra, however work-items are scheduled.
 
-#include "coarse_clusters.h"
+#include "coarse.h"
+#include "simd.h"
 
 // Room for a work-item's pairs: pairs [next, end).
 typedef struct PairSink {
@@ -32,7 +33,7 @@ INLINE void add_pair(__private PairSink* sink, uint polyhedron, uint brick, uint
     ++sink->next;
 }
 
-#include "coarse_pairs.h"
+#include "coarse_clusters.h"
 
 // Polyhedra [begin, end), one a work-item. `uniform_bounds`: no bound is below the half width. `per_segment`:
 // polyhedra. counts and taken are 0 at first.
