@@ -25,7 +25,7 @@ INLINE bool is_inside(__global const uint* row, uint x) {
         *in_band = squared <= limit;                                                                   \
         const Real root = sqrt(squared) * layout.unit, most = fabs(fill);                              \
         const Real length = LESSER(root, most);                                                        \
-        return *in_band ? ((negative & (length != (Real)0.0f)) ? -length : length) : fill;             \
+        return *in_band ? ((negative & (length != 0.0f)) ? -length : length) : fill;                   \
     }
 DEFINE_SIGNED_DISTANCE(signed_distance, float, bool)
 #if LANES != 1
