@@ -1,4 +1,4 @@
-// Which blocks of samples a polyhedron overlaps: the test by which bricks and sub-blocks get their lists.
+// The overlap test of a polyhedron and blocks of samples, by which bricks and sub-blocks get their lists.
 //
 // A block is represented by its centre and by its extent (half its width) along each of the polyhedron's normals; the
 // test is conservative. Each block has its own upper bound of the distances of its samples to the mesh: a

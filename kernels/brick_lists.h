@@ -1,4 +1,4 @@
-// Lists by vectors of polyhedra: which bricks of a coarse brick, and which sub-blocks of a brick, each one overlaps.
+// Tests vectors of polyhedra against the bricks of a coarse brick and the sub-blocks of a brick.
 #ifndef CLSDF_BRICK_LISTS_H
 #define CLSDF_BRICK_LISTS_H
 
@@ -129,7 +129,7 @@ INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float*
     return subblocks_of_both_sides(p, at, x, y, z, slopes, &extent, bounds);
 }
 
-// The entries of a list that masks choose; returns how many. There is room for a vector beyond them.
+// Stores the entries of a list that the masks choose, and returns their number. `chosen` has room for a vector more.
 INLINE uint choose_masked(uint count, __global const uint* entries, __global const LaneMask* masks,
                           __global uint* chosen) {
     uint length = 0;

@@ -1,4 +1,4 @@
-// What the group body prepares for the bricks of each coarse brick, in two kernels.
+// Two kernels of the group body prepare the bricks of each coarse brick.
 //
 // brick_bounds, a work-group for each coarse brick: an upper bound of the distances in each of its 64 bricks.
 //

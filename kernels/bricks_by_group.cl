@@ -69,7 +69,7 @@ INLINE uint count_bits(__local const uint* words, uint word_count) {
     return count;
 }
 
-// Polyhedra that are evaluated together.
+// Polyhedra that are evaluated together, in local memory.
 typedef struct Batch {
     float3 feet[BATCH];      // from the foot of the altitude to the brick's centre
     Offsets offsets[BATCH];  // at the brick's centre
@@ -102,7 +102,7 @@ typedef struct Work {
     ushort pairs[PAIRS];       // the same, listed
 } Work;
 
-// A brick, as the functions below need it.
+// The properties of a brick that the functions below read.
 typedef struct Brick {
     int3 first;  // sample
     float3 spacing;

@@ -20,7 +20,7 @@
 #include "slender_scan.h"
 #include "write_bricks.h"
 
-// After how many polyhedra of a brick's list the bounds of its distances are taken anew.
+// The upper bounds of a brick are lowered after so many polyhedra of its list.
 #define CHUNK 64
 
 // Upper bounds of the distance for the samples of each of a brick's sub-blocks: the distance of its centre to the
@@ -189,7 +189,7 @@ typedef char ScratchFits[sizeof(Scratch) <= CLSDF_SCRATCH_BYTES ? 1 : -1];
 typedef char SliceFits[DISTANCE_BYTES + SLICE_BYTES <= sizeof(Scratch) ? 1 : -1];
 #endif
 
-// Which of the 64 bricks of a coarse brick lie in the part, and are wanted.
+// A mask of the bricks of a coarse brick that lie in the part and are wanted.
 static inline ulong bricks_of_part(Layout layout, int3 coarse, Output output) {
     const int3 brick_first = vload3(0, layout.brick_first), bricks = vload3(0, layout.bricks);
     ulong in_part = 0;
@@ -259,7 +259,7 @@ static inline void compute_coarse_brick(Layout layout, int3 coarse, uint count, 
     ulong used = 0;
     for (uint b = 0; b < CLSDF_COARSE_BRICKS; ++b) used |= (ulong)has_distances(minima + b) << b;
     const ulong written = write_used(layout, coarse, used, in_part, minima, output, counters);
-    // The samples of slender polyhedra may lie in bricks beyond the part, too.
+    // Slender polyhedra may also have samples in bricks beyond the part.
     for (used &= ~written; used; used &= used - 1) clear_minimum(minima + lowest_bit_of_long(used));
 }
 

@@ -1,12 +1,11 @@
 // LANES polyhedra of a list at once, one a lane: which of a group of blocks each of them overlaps.
 //
-// The records are read as vectors and transposed. The blocks of a group are passed one after the other; a polyhedron's
-// numbers then stay in registers, the step from block to block is one addition for each plane, and the answer is a mask
-// of lanes, which picks the block's list out of a vector of numbers. (One polyhedron against LANES blocks would
-// broadcast all numbers of the polyhedron for one or a few vectors of blocks, more than twice the work.)
+// Blocks are tested one after the other, so a polyhedron's numbers stay in registers, and a step to the next block is
+// one addition for each plane. Each test gives a mask of lanes. The mask selects the block's list. (A test of one
+// polyhedron against LANES blocks would broadcast all numbers of the polyhedron first.)
 //
-// The test is that of blocks.h, but for the ends of the base. There the planes of the corners take the place of the
-// upper bound. For slivers they are almost as tight.
+// The test is that of blocks.h, except at the ends of the base: the planes of the corners replace the upper bound. For
+// slivers they are almost as tight.
 #ifndef CLSDF_LANE_POLYHEDRA_H
 #define CLSDF_LANE_POLYHEDRA_H
 
@@ -76,7 +75,7 @@ INLINE LanePolyhedra lane_polyhedra(__global const Polyhedron* polyhedra, __priv
     p.at.right = along_right * (x - words[NUMBER_BASE]) + across_right * y;
     p.at.left = along_left * (-x - words[NUMBER_BASE + 1]) + across_left * y;
     const intL flags = as_intL(words[WORD_FLAGS]);
-    if (lanes_to_bits((flags & (int)CLSDF_POLYHEDRON_NEAR) == 0)) {  // where sums in float round too coarsely
+    if (lanes_to_bits((flags & (int)CLSDF_POLYHEDRON_NEAR) == 0)) {  // sums in float round too coarsely
         float values[4][LANES];
         for (uint lane = 0; lane < LANES; ++lane) {
             const FramePosition position =
@@ -142,8 +141,8 @@ INLINE PlaneDistances without_extent(PlaneDistances at, const LaneExtent* extent
     return at;
 }
 
-// Slopes of the lateral planes for blocks whose heights over the face differ by at most `extent` from z: of the side on
-// which they lie; where they may lie on both, the greater ones, which bound both.
+// Slopes of the lateral planes for blocks whose heights over the face differ by at most `extent` from z. If the blocks
+// lie on one side, they are the slopes of that side, else the greater slopes, which bound both sides.
 INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL extent, floatL* slopes) {
     const intL is_above = z > extent, is_below = -z > extent;
 #pragma unroll
@@ -151,9 +150,9 @@ INLINE void slopes_at(const LanePolyhedra* p, floatL z, floatL extent, floatL* s
         slopes[edge] = is_above ? p->above[edge] : is_below ? p->below[edge] : p->greater[edge];
 }
 
-// Whether a block is overlapped: the sign bit of each lane; its other bits have no meaning. (A processor does
-// twice as many logical operations at a time as comparisons.) at: at its centre, without
-// extent; slopes: of the lateral planes there.
+// The sign bit of each lane tells whether the lane's polyhedron overlaps a block; other bits have no meaning. (Sign
+// bits are combined by logical operations, without comparisons.) at: distances at the block's centre, without extent;
+// slopes: of the lateral planes there.
 //
 // Between two lateral planes that meet at a sharp angle a block can lie far from the triangle and yet overlap both. The
 // polyhedron ends there at its corner: along X at the ends of the base, along Y above the apex. That bound is a sum of
@@ -187,8 +186,8 @@ typedef struct OneSide {
     floatL right_end, left_end, apex;  // the corners
 } OneSide;
 
-// With `extent`: the values at a point; `at` has no extent subtracted from z yet. Without (null): the values of a step.
-// side: 1 above the face, -1 below it.
+// If `extent` is null, returns the values of a step, else those at a point; there no extent is subtracted from at.z
+// yet. side: 1 above the face, -1 below it.
 INLINE OneSide one_side(const LanePolyhedra* p, PlaneDistances at, floatL side, const floatL* slopes,
                         const LaneExtent* extent) {
     OneSide one;

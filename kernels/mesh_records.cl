@@ -166,7 +166,7 @@ INLINE void load_item(FanItem item, __global const uint* words, __private const 
     load_fans(item.faces, words, places, triangles, positions, signs, per_unit, fans);
 }
 
-// The vertices numbers[0, valid) of an item that surely have no gap lose CLSDF_VERTEX_IS_OPEN.
+// Clears CLSDF_VERTEX_IS_OPEN of the vertices numbers[0, valid) of an item that surely have no gap.
 INLINE void look_at_all(FanItem item, __global const uint* words, __private const uint* numbers, uint valid,
                         __global const uint* triangles, __global const double* positions, __global const float* signs,
                         double per_unit, __global uchar* answers) {

@@ -11,7 +11,7 @@
 // The index of a vector's first point of a part.
 #define OF_VECTOR(part) (vector * CLSDF_GROUP_WIDTH + (part)*LANES)
 
-// Squared distances are taken for equal before faces are looked at that share a site.
+// If squared distances differ by less than this, faces that share a site are evaluated, too.
 #define TIE_RATE 1.0e-9
 #define TIE_SLACK 1.0e-15
 

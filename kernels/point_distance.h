@@ -40,7 +40,7 @@ typedef struct PlacedFrame {
         (frame).altitude = GET(altitude);                                \
     }
 
-// Of a point and a face.
+// The squared distance of a point and a face, with the offsets that give it.
 typedef struct FaceDistance {
     REAL squared;
     PointEdgeOffsets offsets;

@@ -37,13 +37,13 @@ INLINE void load_children(__global const PointGroup* group, __private Children* 
     children->present = (1u << group->children) - 1u;
 }
 
-// The nearest of some points of the surface to the children's centres.
+// The nearest foot to each child's centre.
 typedef struct NearestFeet {
     floatL squared[PARTS];
     uintL record[PARTS];
 } NearestFeet;
 
-// Takes that of a record.
+// Takes the foot of a record if it is nearer.
 INLINE void look_at_foot(__global const ScanRecord* p, uint record, int3 origin, const __private Children* children,
                          __private NearestFeet* feet) {
     const float x = (float)(p->origin_x - origin.x) + p->foot[0], y = (float)(p->origin_y - origin.y) + p->foot[1],
@@ -208,7 +208,7 @@ INLINE float limit_of(double squared) {
     return (float)sqrt(squared) * (1.0f + 1.0e-6f);
 }
 
-// The bounds of a group's children from its list, and whose feet they are.
+// Finds the bounds of a group's children from its list, and the records whose feet give them.
 INLINE void find_bounds(__global const PointGroup* group, __global const ScanRecord* records, uint count,
                         __global const uint* list, float most, __private Children* children,
                         __private NearestFeet* feet) {

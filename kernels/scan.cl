@@ -1,5 +1,5 @@
 // Exclusive prefix sums of 32-bit counts in three launches: each of `parts` work-items sums its range; one sums the
-// sums; each writes its range. (A tree in local memory is slower on a processor; GPUs have scan_by_group.cl.) Few
+// sums; each writes its range. (GPUs have scan_by_group.cl, with a tree in local memory.) Few
 // values are summed in one launch, by one work-item.
 
 #include "shares.h"

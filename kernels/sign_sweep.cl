@@ -3,10 +3,10 @@
 // y and z of the vertices are snapped to multiples of 2^-b spacings, such that samples are exact: sample (j, k) lies at
 // (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) iff three edge functions, exact
 // integers, say so; a row through an edge or a vertex counts as moved by (+epsilon, +epsilon^2) in (y, z), so that a
-// closed mesh is crossed consistently by every row. The snapped mesh has the same connectivity, and
-// its vertices are moved by at most 2^-21 voxel: only so near the surface the sign may differ. The place where the row
-// meets the triangle is interpolated in double. The edge functions are the weights: all have one sign, so nothing
-// cancels. (On steep triangles the plane would be extrapolated.)
+// closed mesh is crossed consistently by every row. The snapped mesh has the same connectivity. A
+// vertex moves by at most 2^-21 voxel in y and in z. The sign may differ only within 2^-20 / sqrt 2 voxel of the
+// surface. The crossing of the row and the triangle is interpolated in double. The edge functions are the weights: all
+// have one sign, so nothing cancels. (On steep triangles the plane would be extrapolated.)
 //
 // Crossings are found once, as records in no order, and counted by row. The counts scanned, the records are scattered
 // to their rows and sorted there; a running sum of their orientation is the winding number.
@@ -69,7 +69,7 @@ INLINE void leave_records(Writer writer) {
     for (uint n = writer.next; n < min(writer.end, writer.capacity); ++n) writer.records[n].row = CLSDF_NO_ROW;
 }
 
-// The crossing of a row with the triangle, of which the weights say where it lies.
+// Writes the crossing of a row with the triangle, at the position that the weights give.
 INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, double wa, double wb, double wc,
                            uint row, uint faces_back, __private Writer* writer) {
     const double x = (wa * a.x + wb * b.x + wc * c.x) / (wa + wb + wc);
@@ -81,7 +81,7 @@ INLINE void write_weighted(Layout layout, SweepVertex a, SweepVertex b, SweepVer
     write_crossing(writer, row, 2 * sample + faces_back);
 }
 
-// The crossings of some rows of a triangle's box.
+// Writes the crossings of a range of rows of a triangle's box.
 INLINE void find_crossings(Layout layout, SweepVertex a, SweepVertex b, SweepVertex c, RowRange rows, int bits_y,
                            int bits_z, __private Writer* writer) {
     const bool wide = max(a.y, max(b.y, c.y)) - min(a.y, min(b.y, c.y)) >= (1L << 30) ||
@@ -178,7 +178,7 @@ INLINE LaneRows lane_rows_within(Layout layout, LaneVertices a, LaneVertices b, 
     return rows;
 }
 
-// Those of the lanes whose rows are counted. Every lane walks through the rows of its own box.
+// Writes the crossings of lanes whose `rows.count` is not 0. Every lane steps through the rows of its own box.
 INLINE void find_crossings_in_lanes(Layout layout, LaneVertices a, LaneVertices b, LaneVertices c, LaneRows rows,
                                     int bits_y, int bits_z, __private Writer* writer) {
     const longL orientation = product_of_ints(b.y - a.y, c.z - a.z) - product_of_ints(b.z - a.z, c.y - a.y);
@@ -292,7 +292,7 @@ __kernel void sign_crossings_of_large(Layout layout, uint begin, uint end, __glo
     leave_records(writer);
 }
 
-// One work-item a record: its key to its row, of which `starts` holds where the keys begin.
+// Moves the key of a record, one per work-item, to its row. starts: where the keys of each row begin.
 __kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* records, __global const uint* starts,
                            __global uint* keys) {
     const uint n = begin + get_global_id(0);
@@ -300,7 +300,7 @@ __kernel void sign_scatter(uint begin, uint end, __global const SweepRecord* rec
     keys[starts[records[n].row] + records[n].index] = records[n].key;
 }
 
-// Sorts keys[0, count); rows have few crossings as a rule, and n log n operations where they have many.
+// Sorts keys[0, count). Most rows have few crossings; many are sorted in n log n operations.
 static inline void sort_keys(__global uint* keys, uint count) {
     if (count <= 16) {
         for (uint i = 1; i < count; ++i) {

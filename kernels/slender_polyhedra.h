@@ -1,13 +1,13 @@
-// Slender polyhedra: which of a coarse brick's list are, and what bounds them layer by layer.
+// Slender polyhedra: selects those of a coarse brick's list, and bounds them layer by layer.
 //
 // If triangles are small, a polyhedron contains few of the samples of the sub-blocks that it overlaps. So a polyhedron
 // with small sections is cut with layers of samples, and the samples within are listed one by one (slender_scan.h). The
 // layers lie across the axis of the lattice along which the height over the face changes most.
 //
-// Each side of the face, as far as it reaches within the coarse brick, is the frustum between two sections. Their six
-// corners are projected along one of the other two axes. A line bounds the projections on each side, and gives each
-// layer's first or last sample along the remaining axis. In these boxes the lateral planes decide. All is computed for
-// LANES polyhedra at once, in samples from the coarse brick's first.
+// Each side of the face, as far as it reaches within the coarse brick, is bounded by two sections. Their six corners
+// are projected along one of the other two axes. A line bounds the projections on each side, and gives each layer's
+// first or last sample along the remaining axis. In these boxes the lateral planes decide. All is computed for LANES
+// polyhedra at once, in samples from the coarse brick's first.
 #ifndef CLSDF_SLENDER_POLYHEDRA_H
 #define CLSDF_SLENDER_POLYHEDRA_H
 
@@ -19,12 +19,11 @@
 #define SLENDER_SAMPLES_NEAR 30.0f
 #define SLENDER_SAMPLES_FAR 6.0f
 
-// Nor are they longer than this, in samples: rounding grows with it (slender_scan.h), and is to stay that of a
-// brick.
+// Greatest length of a section, in samples. It keeps the rounding (slender_scan.h) as small as a brick's.
 #define SLENDER_LENGTH 12.0f
 
-// Along each axis, how far the integer origin of a slender polyhedron is from a coarse brick's centre, at most, in
-// samples: sums that slender_scan.h takes for exact are.
+// Greatest distance along an axis from the integer origin of a slender polyhedron to the coarse brick's centre, in
+// samples. Within it the sums that slender_scan.h takes for exact are exact.
 #define SLENDER_RANGE 200.0f
 
 // at + step m, of layer m.
@@ -37,8 +36,8 @@ typedef struct Plane {
     floatL at, step_a, step_u, step_v;
 } Plane;
 
-// So many layers leave room in a vector for 2^columns_log neighbours along u of each, four at most. (True is 1 for
-// numbers, and -1 for vectors.)
+// columns_log: a vector with so many layers has room for 2^columns_log neighbours along u of each, four at most. (True
+// is 1 for numbers, and -1 for vectors.)
 #define TIMES_HALVED(layers) (((layers) <= LANES / 2) + ((layers) <= LANES / 4))
 INLINE int columns_log_of(float layers) {
     return TIMES_HALVED(layers);
@@ -49,7 +48,7 @@ INLINE intL columns_log_of_lanes(floatL layers) {
 
 // The layers of samples of one side of the face, within a coarse brick.
 typedef struct SideLayers {
-    floatL first, last;  // layers; none where the last comes before the first
+    floatL first, last;  // layers; none if the last is less than the first
     intL columns_log;    // of all layers
     Line low_u, high_u, low_v, high_v;
     // Three lateral planes, by edge: samples beyond them are outside. The fourth plane lies half way between the ends:
@@ -60,7 +59,7 @@ typedef struct SideLayers {
 typedef struct SlenderPolyhedra {
     SideLayers sides[2];       // above, below
     intL axis;                 // of the layers; of the other two, u is the first and v the last
-    intL columns_log_of_both;  // of both sides in one vector; -1 where they do not go together
+    intL columns_log_of_both;  // of both sides in one vector; -1 if they do not fit
 } SlenderPolyhedra;
 
 INLINE floatL least_of_three(const floatL* a) {
@@ -75,7 +74,7 @@ INLINE floatL sum_of_three(const floatL* a) {
     return a[0] + a[1] + a[2];
 }
 
-// The triangles of the polyhedra, and where they are.
+// The triangles of the polyhedra, and their positions.
 typedef struct LaneTriangles {
     floatL words[WORDS];
     floatL altitude;
@@ -125,8 +124,8 @@ INLINE float half_height(float bound, float margin) {
     return 0.5f * bound + margin;
 }
 
-// The heights of a side within the coarse brick, counted from a margin beneath the face; none where the last is less
-// than the first.
+// The heights of a side within the coarse brick, counted from a margin beneath the face; none if the last is less than
+// the first.
 typedef struct Heights {
     floatL first, last;
 } Heights;
@@ -163,7 +162,8 @@ static inline PartOfCoarse part_of_coarse(Layout layout, int3 coarse) {
     return part;
 }
 
-// Which triangles may be within the bound of a sample of the part: their balls are, around the feet of their altitudes.
+// Selects the triangles that may be within the bound of a sample of the part, by balls around the feet of their
+// altitudes.
 INLINE intL is_near_part(Layout layout, const LaneTriangles* t, const PartOfCoarse* part, float bound, float margin) {
     const floatL right = t->words[NUMBER_BASE + CLSDF_HALF_RIGHT], left = t->words[NUMBER_BASE + CLSDF_HALF_LEFT];
     const floatL longer = GREATER(right, left), slanted = 0.8661f * (right + left);
@@ -180,8 +180,8 @@ INLINE intL is_near_part(Layout layout, const LaneTriangles* t, const PartOfCoar
     return squared <= far * far;
 }
 
-// Which of a coarse brick's polyhedra are slender; `absent`: which have no samples in the part. bound: of its
-// distances.
+// Returns which polyhedra of a coarse brick are slender; sets `absent` to those without samples in the part. bound: of
+// the coarse brick's distances.
 INLINE uint choose_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
                            int3 first, const PartOfCoarse* part, float bound, float slack, uint* absent) {
     LaneTriangles t;
@@ -248,8 +248,7 @@ INLINE void clip_layers(const Line* line, float limit, float sense, floatL* firs
     *last = ((step > 1.0e-4f) & (where < *last)) ? where : *last;
 }
 
-// Along the axes a, u and v: the gradients, and the frame's axes in samples; and where its origin, the altitude's foot,
-// lies, in samples.
+// Along the axes a, u and v: the gradients; in samples, the frame's axes and its origin, the altitude's foot.
 typedef struct LayerAxes {
     intL axis;  // of the layers
     floatL gradients[3][3], axes[3][3], foot[3];
@@ -315,7 +314,7 @@ INLINE void set_corners(const LaneTriangles* t, const LayerAxes* axes, float sid
 #undef PLACE
 }
 
-// The boxes of the layers, and which layers have one within the coarse brick.
+// Sets the boxes of the layers, and the range of layers that have a box within the coarse brick.
 INLINE void set_boxes(const Corners* corners, intL present, __private SideLayers* layers) {
     const floatL* a = corners->a;
     const floatL distance = (sum_of_three(a + 3) - sum_of_three(a)) * (1.0f / 3.0f);
@@ -361,8 +360,8 @@ INLINE void set_planes(const LaneTriangles* t, const LayerAxes* axes, float side
     set_plane(t, axes, side, margin, 0.0f, 0.0f, 1.0f, half_height(bound, margin), layers->planes + 3);
 }
 
-// Sets the bounds of slender polyhedra. Returns which of them may have samples. (Their numbers are loaded once more:
-// those that are slender have been packed since.)
+// Sets the bounds of slender polyhedra. Returns which of them may have samples. (It loads their records once more:
+// these lanes come from several vectors of the list.)
 INLINE uint bound_slender(Layout layout, __global const Polyhedron* polyhedra, __private const uint* numbers,
                           int3 first, float bound, float slack, __private SlenderPolyhedra* slender) {
     LaneTriangles t;

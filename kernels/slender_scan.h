@@ -26,7 +26,7 @@ typedef struct Samples {
 // The indices of samples (i, j, k) of a coarse brick among its bricks' minima.
 INLINE uintL indices_of(uintL i, uintL j, uintL k) {
 #ifdef LOOK_UP
-    // In tables of all coordinates' indices.
+    // Tables hold the indices of all coordinates.
 #define OF_TABLE(INDEX, indices) LOOK_UP(INDEX(LANE_NUMBERS), INDEX(LANE_NUMBERS + 16u), indices)
     return OF_TABLE(INDEX_OF_X, i) | OF_TABLE(INDEX_OF_Y, j) | OF_TABLE(INDEX_OF_Z, k);
 #undef OF_TABLE
@@ -79,7 +79,7 @@ typedef struct Split {
     float4 high, low;
 } Split;
 
-// rounder: added and taken away again, leaves such a multiple.
+// rounder: a number that is added and subtracted again leaves such a multiple.
 INLINE Split split(double4 exact, double rounder) {
     const double4 high = (exact + rounder) - rounder;
     const Split parts = {convert_float4(high), convert_float4(exact - high)};
@@ -89,7 +89,7 @@ INLINE double splitting_rounder(float spacing) {
     return 0x1.8p52 * 0x1p-14 * (double)power_of_two_below(spacing);
 }
 
-// Its offsets are those of the frame's origin.
+// The table of a polyhedron, with the offsets at the frame's origin.
 INLINE EdgeTable table_of(__global const Polyhedron* p) {
     const double2 base = vload2(0, p->exact_base);
     const double2 along = vload2(0, p->exact_normal_along), across = vload2(0, p->exact_normal_across);
@@ -129,7 +129,7 @@ static inline void evaluate_samples(__global const Polyhedron* polyhedra, uint n
 }
 
 #ifdef COUNT
-// (Those within the slack of the face are listed for either side.)
+// (Samples within the slack of the face are listed for both sides.)
 static inline void count_samples(Layout layout, __global const Polyhedron* p, int3 first, __private const Samples* list,
                                  __private ulong* counters) {
     const float slack = layout.half_width * layout.slack_rate + layout.brick_slack;
@@ -191,8 +191,8 @@ typedef struct LayerRange {
     int columns_log;
 } LayerRange;
 
-// From LANES * columns_log on: each lane's layer and its column along u. Few layers leave lanes free, which take the
-// neighbouring columns.
+// Each lane's layer and its column along u, from LANES * columns_log on. If there are few layers, the free lanes take
+// the neighbouring columns.
 #if LANES == 16
 __constant float layer_of_lane[3 * LANES] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
                                              0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5,  5,  6,  6,  7,  7,
@@ -250,7 +250,7 @@ INLINE void list_layers(const SlenderScan* scan, uint polyhedron, __private cons
     }
 #undef OF_LANE
 #undef OF_SIDE
-    // By how many bits a sample's place along each axis is shifted.
+    // The index of a sample along each axis is shifted by so many bits.
     const uint axis = ((__private const uint*)&slender->axis)[lane];
     const uint shift_a = 5 * axis, shift_u = axis == 0 ? 5 : 0, shift_v = axis == 2 ? 5 : 10;
     uintL row = as_uintL(convert_intL(m)) << shift_a | as_uintL(convert_intL(u)) << shift_u |

@@ -2,7 +2,7 @@
 // z.
 //
 // They are numbered with y running fastest and x slowest, so that those of one x, a plane of 4 x 4, are whole vectors
-// of blocks. Sub-blocks of 2 x 2 x 2 would save distances, but double the tests, and take longer.
+// of blocks. Sub-blocks of 2 x 2 x 2 would save distances, but double the tests.
 #ifndef CLSDF_SUBBLOCKS_H
 #define CLSDF_SUBBLOCKS_H
 
@@ -68,7 +68,7 @@ typedef floatL LeastL;
 #define NO_LEAST INFINITY
 #endif
 
-// The state of a brick's samples, sub-block by sub-block.
+// The minima of a brick's samples, sub-block by sub-block.
 typedef struct Minimum {
     LeastL least[SUBBLOCKS * SUBBLOCK_VECTORS];
 } Minimum;

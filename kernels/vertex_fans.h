@@ -90,7 +90,7 @@ INLINE doubleL least_factor(Vectors middle, double sign, Vectors a, Vectors b, V
     return LESSER(LESSER(of_a, of_b), LESSER(of_c, determinant));
 }
 
-// Conditions a third of the fan apart mostly do.
+// Tries conditions a third of the fan apart; for most vertices they suffice.
 INLINE doubleL best_of_thirds(__private const Vectors* v, uint faces, Vectors middle, double sign) {
     doubleL best = 0.0;
     const uint third = (faces + 1) / 3;
@@ -118,7 +118,7 @@ INLINE doubleL best_of_all(__private const Vectors* v, uint faces, Vectors middl
     return best;
 }
 
-// Whether three of the conditions surely contradict each other, at both edges and on both sides.
+// True if three of the conditions surely contradict each other, at both edges and on both sides.
 INLINE longL are_covered(__private const Fans* fans, uint faces, bool look_at_all) {
     doubleL least = 1.0;
 #pragma unroll

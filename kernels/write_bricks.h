@@ -1,4 +1,4 @@
-// The way of bricks' samples into the field.
+// Writes the samples of bricks into the field.
 #ifndef CLSDF_WRITE_BRICKS_H
 #define CLSDF_WRITE_BRICKS_H
 
@@ -19,7 +19,7 @@ typedef struct Output {
     __private const Finishing* finishing;
     __private Slice* slice;
 #endif
-    __global uint* rows;       // the distances of such rows
+    __global uint* rows;       // room for the distances of a slice, before they are stored
     __global uchar* computed;  // of each brick, whether it was written
     __global const uint* sign_bits;
 } Output;
@@ -102,7 +102,7 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
         const size_t slice = ((size_t)(first.z + z) * size.y + first.y) * size.x + first.x;
         finish_slice(output.finishing, output.slice, count, begin, end, slice, size.x);
 #endif
-        // Rows that are read right after they are stored would be waited for.
+        // A separate loop: a row that is read right after it is stored is waited for.
         for (int y = begin.y; y < end.y; ++y) {
             const size_t row = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x;
             const size_t from = row + first.x + begin.x, to = row + first.x + end.x;

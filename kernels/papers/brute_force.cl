@@ -14,7 +14,7 @@
 #define ROWS (CLSDF_BRICK * CLSDF_BRICK)
 #define ITEM_VECTORS (ITEM_ROWS * CLSDF_BRICK / LANES)
 
-// What a work-item has found so far.
+// The minima of a work-item so far.
 typedef struct Least {
     floatL squared[ITEM_VECTORS];
     uintL triangle[ITEM_VECTORS];

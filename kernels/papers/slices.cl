@@ -73,7 +73,7 @@ __kernel void slices_finish(Layout layout, int first_slice, int end_slice, KEY_P
 // among them. Offsets are those of the sample's brick: a sample and a triangle have the same distance as in the scan by
 // bricks, within the accuracy; as in bricks_by_group.cl, to the last bit.
 
-// Of all but the distances.
+// For all code below; distances are contracted.
 #pragma OPENCL FP_CONTRACT OFF
 
 // A convex polygon gets one corner more with each half-plane; a few are left for those that rounding makes.
@@ -89,7 +89,7 @@ __kernel void slices_finish(Layout layout, int first_slice, int end_slice, KEY_P
 #define COUNTERS_ARGUMENT
 #endif
 
-// What normal . point <= room leaves of a convex polygon; returns the number of its corners.
+// Clips a convex polygon to normal . point <= room; returns the number of its corners.
 static inline uint clip(__private const double2* polygon, uint count, double2 normal, double room,
                         __private double2* clipped) {
     uint n = 0;

@@ -1,6 +1,6 @@
-// The nearest triangle of a sample so far, as what a scan in any order ends with: the least of an ordered key, the bits
-// of the squared distance above the triangle's index. Squared distances are not negative, so their bits are in their
-// order; equal ones go to the lower triangle.
+// The nearest triangle of a sample so far is the least of an ordered key: the bits of the squared distance above the
+// triangle's index. So a scan in any order ends with the same one. Squared distances are not negative, so their bits
+// are in their order; equal ones go to the lower triangle.
 //   KEY_64: one 64-bit number, by 64-bit atomics.
 //   else: two 32-bit numbers, in two passes: the least distances first, then the least triangle among those that have
 //   them. Without NEAREST the first pass is all.

@@ -162,7 +162,7 @@ private:
                                  : distances_per_launch;
         const std::size_t bricks = chunk_layers() * bricks_of_layer();
         const auto at_once = static_cast<std::size_t>(limit / brick_samples);  // (brick, record)
-        // Some records at least, for which a work-item's minima are worth their way.
+        // With fewer records, loading and storing minima would cost more than the distances.
         constexpr std::size_t fewest_records = 256;
         bricks_at_once_ = std::clamp<std::size_t>(at_once / std::min(fewest_records, record_count_), 1, bricks);
         records_at_once_ = std::clamp<std::size_t>(at_once / bricks_at_once_, 1, record_count_);

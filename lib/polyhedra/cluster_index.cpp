@@ -63,7 +63,7 @@ Box box_of(const std::array<Vec3, 3>& corners) {
     return box;
 }
 
-/// The kernels' boxes are of floats from a cluster's first face.
+/// Kernels compute the box in float, relative to the cluster's first face. This covers their rounding.
 void widen(Box& box) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const double rounding = 4e-5 * (box.upper[axis] - box.lower[axis]);
@@ -72,7 +72,7 @@ void widen(Box& box) {
     }
 }
 
-/// Ranges of neighbours that are wanted, made one if they touch.
+/// Appends a range, or extends the last one if that ends at `begin`.
 void append(std::vector<RecordRange>& ranges, std::size_t begin, std::size_t end) {
     if (!ranges.empty() && ranges.back().end == begin)
         ranges.back().end = end;
@@ -182,7 +182,7 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
     MeshPart part{Mesh(std::move(positions), std::move(of_part), mesh.name()), std::move(triangles), nullptr, {}};
     PartMaker::set_box(part.mesh, mesh.box());
     auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
-    // Some faces of an edge may be missing, and records tell by its mark that there were many.
+    // The part may lack faces of an edge; the edge keeps its non-manifold mark, which records need.
     for_each_index(faces.size(), [&](std::size_t i) {
         for (std::size_t k = 0; k < 3; ++k)
             if ((topology.edges.faces[faces[i]].marks[k] & edge_non_manifold) != 0)

@@ -14,7 +14,7 @@ namespace clsdf::transform {
 namespace {
 
 // Nanoseconds on two cores. A call has launches and waits; a sample beyond the band is filled; a sample of the band
-// takes what its polyhedra do.
+// costs its distances.
 constexpr double cost_of_call = 5e5;
 constexpr double cost_of_sample = 0.7;
 constexpr double cost_of_band_sample = 5;
