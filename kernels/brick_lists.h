@@ -109,7 +109,7 @@ INLINE uintL subblocks_of_one_side(OneSide at, OneSide x, OneSide y, OneSide z, 
     return bits;
 }
 
-// Which sub-blocks each of the polyhedra overlaps: a SubblockMask a lane.
+// Returns a SubblockMask per lane: the sub-blocks that the lane's polyhedron overlaps.
 INLINE uintL overlapped_subblocks(const LanePolyhedra* p, __private const float* bounds, float slack) {
     const float half_x = 0.5f * (SUBBLOCK_X - 1);
     const LaneExtent extent = extent_of_lanes(p, half_x, 0.5f, 0.5f, slack);

@@ -29,7 +29,7 @@ typedef struct SurfacePoint {
     float foot[3];          // from there, in units
 } SurfacePoint;
 
-// Which polyhedra of a cluster overlap a coarse brick.
+// A cluster and a coarse brick, with the polyhedra of the cluster that overlap it.
 typedef struct ClusterPair {
     clsdf_uint32 cluster;
     clsdf_uint32 brick;  // its number among the part's coarse bricks

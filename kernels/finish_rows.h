@@ -36,7 +36,7 @@ typedef struct Rows {
 #define OF_ROWS(row_of) ((doubleL)(row_of(0), row_of(1)))
 #endif
 
-// How far the sample of a lane lies behind the first one in a slice.
+// The offset of a lane's sample from the first one in a slice.
 #define OFFSET_OF_LANE(lane) ((lane) / CLSDF_BRICK * CLSDF_COARSE + (lane) % CLSDF_BRICK)
 
 INLINE int3 sample_of(__private const Rows* rows, uint lane) {

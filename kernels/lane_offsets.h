@@ -81,7 +81,7 @@ INLINE floatL squared_distance_in_region(EdgeTable table, floatL x, floatL y, fl
 #endif
 }
 
-// From the point (x, y, z), that of the table's offsets.
+// The same, with displacements from (x, y, z), the point of the table's offsets.
 INLINE floatL squared_distance_by_table(EdgeTable table, float x, float y, float z, floatL dx, floatL dy, floatL dz) {
     return squared_distance_in_region(table, x + dx, y + dy, dx, dy, z + dz);
 }

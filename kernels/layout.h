@@ -17,7 +17,7 @@
 // that, the number of the nearest polyhedron.
 #define CLSDF_MINIMUM_BYTES(with_nearest) (CLSDF_BRICK * CLSDF_BRICK * CLSDF_BRICK * ((with_nearest) ? 8 : 4))
 
-// How many polyhedra of a coarse brick's list the vector body takes at a time.
+// The vector body takes so many polyhedra of a coarse brick's list at a time.
 #define CLSDF_LIST_PART 2048
 // A work-item's own memory there: a bit for each polyhedron and each brick, and two lists, each with
 // room for a vector.

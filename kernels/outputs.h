@@ -30,7 +30,7 @@ enum clsdf_output_number { CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT
 // The outputs that take the names of sites.
 #define CLSDF_OUTPUTS_BY_NAME (1u << CLSDF_OUTPUT_triangle | 1u << CLSDF_OUTPUT_site | 1u << CLSDF_OUTPUT_barycentric)
 
-// How the sites of the vertices and edges of one triangle are named: as those of the lowest triangle that shares them.
+// Names of a triangle's vertices and edges: each is named as a site of the lowest triangle that shares it.
 typedef struct TriangleSites {
     clsdf_uint32 triangle[6];  // by site: the lowest triangle, in the caller's order
     clsdf_uint8

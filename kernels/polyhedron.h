@@ -65,7 +65,7 @@ using clsdf_uint8 = std::uint8_t;
 #define CLSDF_POLYHEDRON_VERTEX_SHIFT 4
 
 typedef struct Polyhedron {
-    // What tests read, 32 words, so that several polyhedra can be transposed into lanes (lane_polyhedra.h).
+    // The 32 words that tests read, so that several polyhedra can be transposed into lanes (lane_records.h).
     // Columns: [0] of X, [1] of Y, [2] of Z. Columns are read as vectors of four, the fourth being the next member.
     float gradient_x[3];
     float gradient_y[3];

@@ -5,13 +5,13 @@
 #include "layout.h"
 #include "simd.h"
 
-// Where the sign bits of a row of samples begin. (y, z): the row, counted from the first sample of the part's first
+// Returns the first word of a row's sign bits. (y, z): the row, counted from the first sample of the part's first
 // brick. The rows of sign bits cover whole bricks.
 INLINE __global const uint* sign_row(Layout layout, __global const uint* sign_bits, int y, int z) {
     return sign_bits + ((size_t)z * (layout.bricks[1] * CLSDF_BRICK) + y) * layout.sign_words;
 }
 
-// Whether sample x of a row is inside. x: counted as above.
+// True if sample x of a row is inside. x: counted as above.
 INLINE bool is_inside(__global const uint* row, uint x) {
     return (row[x / 32] >> (x % 32)) & 1u;
 }

@@ -103,7 +103,7 @@ INLINE void load_triangles(__global const Polyhedron* polyhedra, __private const
     t->z = FRAME_AT(words, 2, i, j, k);
     t->height = t->z + rise * COARSE_CENTRE;
     t->extent = extent * COARSE_CENTRE;
-    // From the longer half of the base: the other may be nothing.
+    // The altitude follows from the longer half of the base: the other may be 0.
     const intL right = words[NUMBER_BASE] >= words[NUMBER_BASE + 1];
     t->altitude = (right ? words[NUMBER_NORMAL_ALONG] : words[NUMBER_NORMAL_ALONG + 1]) *
                   (right ? words[NUMBER_BASE] : words[NUMBER_BASE + 1]) /

@@ -30,8 +30,8 @@ INLINE __global uchar* mark_of(Layout layout, int3 brick, Output output) {
     return output.computed + ((size_t)at.z * layout.bricks[1] + at.y) * layout.bricks[0] + at.x;
 }
 
-// Where the sign bits of a brick's slice z begin, whose rows are layout.sign_words apart; and from which bit of a word
-// on.
+// The first word of the sign bits of a brick's slice z, whose rows are layout.sign_words apart; and the first bit
+// there.
 INLINE __global const uint* sign_bits_of(Layout layout, int3 brick, int z, Output output) {
     const int3 at = brick - vload3(0, layout.brick_first);
     return sign_row(layout, output.sign_bits, at.y * CLSDF_BRICK, at.z * CLSDF_BRICK + z) + at.x / 4;
@@ -41,7 +41,7 @@ INLINE uint sign_shift_of(Layout layout, int3 brick) {
 }
 
 #ifdef COUNT
-// Which samples of the rows from y on belong to the part: a bit a lane.
+// A bit per lane: the sample, of the rows from y on, belongs to the part.
 static inline uint lanes_in_part(Layout layout, int3 brick, int y) {
     const int3 first = brick * CLSDF_BRICK - vload3(0, layout.first), size = vload3(0, layout.size);
     const int3 begin = max(-first, (int3)(0)), end = min(size - first, (int3)(CLSDF_BRICK));

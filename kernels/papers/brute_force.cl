@@ -22,7 +22,7 @@ typedef struct Least {
 
 INLINE void lower(__private Least* least, uint v, floatL squared, uint triangle) {
 #ifdef NEAREST
-    // Of equal distances, the lower triangle.
+    // If distances are equal, the lower triangle is kept.
     const intL is_equal = squared == least->squared[v];
     const intL is_less = (squared < least->squared[v]) | (is_equal & ((uintL)triangle < least->triangle[v]));
     least->triangle[v] = is_less ? (uintL)triangle : least->triangle[v];

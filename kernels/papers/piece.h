@@ -34,7 +34,7 @@
 #define CLSDF_VERTEX_LEFT 1
 #define CLSDF_VERTEX_APEX 2
 
-// What the counting variant of the scan by slices adds up: a set of counters for each work-item.
+// The counters of the counting variant of the scan by slices, a set for each work-item.
 #define CLSDF_SLICES_INTERSECTIONS 0
 #define CLSDF_SLICES_EMPTY 1
 #define CLSDF_SLICES_EVALUATED 2

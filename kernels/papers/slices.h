@@ -46,8 +46,8 @@ static inline uint2 square_and_triangle(KEY_PARAMETERS, size_t sample) {
 // The distance from samples to one site of a triangle: its face's plane, the line of an edge, or a vertex. The plane
 // and the line count only for samples whose foot lies on the site.
 
-// Of the half in which the site lies: how far `beyond` the end of the base, the distance r outward from the slanted
-// edge's line, and how far `past` its end at the apex.
+// The numbers are those of the half in which the site lies: how far `beyond` the end of the base, the distance r
+// outward from the slanted edge's line, and how far `past` its end at the apex.
 INLINE floatL squared_at_site(uint site, floatL y, floatL z, floatL beyond, floatL r, floatL past) {
     const floatL zz = z * z;
     if (site == CLSDF_SITE_FACE) return zz;

@@ -134,7 +134,7 @@ static inline Interval in_cut(const RenderView* view, const double* origin, cons
     return interval;
 }
 
-// Whether the ray meets the solid between begin and end; then with the point and the kind of what it meets.
+// True if the ray meets the solid between begin and end; then sets the point and the kind of the hit.
 static inline bool march(const RenderView* view, __global const float* samples, double3 origin, double3 direction,
                          float rate, Interval interval, RenderHit* hit, float3* point) {
     if (interval.end <= interval.begin) return false;
