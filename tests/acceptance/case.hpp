@@ -24,6 +24,7 @@ struct Case {
     std::string name;               ///< with all that reproduces it: resolution, half width, seed
     std::function<Problem()> make;  ///< on demand, so that one mesh is in memory at a time; may throw clsdf::Error
     std::size_t samples = 0;        ///< compared with the reference; 0: all
+    bool has_points = true;         ///< a batch of points, too
 };
 
 /// A resolution with a half width as a share of the longest side of the mesh's box.

@@ -83,7 +83,9 @@ std::string introduction(const Record& record) {
         "# Acceptance\n\n"
         "Fields of the list, computed and held against the reference in double precision, with all outputs. Each is "
         "held\n"
-        "against other calls, too: requests, a restricted transform, points and a moved mesh, in blocks of the grid.\n"
+        "against other calls, too: requests, a restricted transform, points and a moved mesh, in blocks that have "
+        "samples\n"
+        "of the band; and points off the grid, many and few at once.\n"
         "`scripts/accept` makes this record, and the list field by field in build/acceptance.md.\n\n"
         "| | |\n|-|-|\n"
         "| outcome | {}: {} fields, {} failed |\n",

@@ -81,7 +81,7 @@ void compute_and_check(const Device& device, const Case& example, std::span<cons
         const Stopwatch judging;
         judge(problem, example, fields[i], std::move(reports[i]), result);
         result.check_seconds = shared_seconds + judging.seconds();
-        result.wrong_calls = wrong_calls(transforms[i], problem, fields[i]);
+        result.wrong_calls = wrong_calls(transforms[i], problem, fields[i], {example.samples / 25, example.has_points});
     }
 }
 

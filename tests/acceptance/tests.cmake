@@ -6,7 +6,8 @@ foreach(source main case shape_cases strained_cases random_cases archive_cases r
   target_sources(acceptance PRIVATE ${CMAKE_CURRENT_LIST_DIR}/${source}.cpp)
 endforeach()
 target_include_directories(acceptance PRIVATE ${PROJECT_SOURCE_DIR}/tests)
-target_link_libraries(acceptance PRIVATE clsdf::io clsdf::reference clsdf_internals CLI11::CLI11 ${CLSDF_FMT} clsdf_warnings)
+target_link_libraries(acceptance PRIVATE clsdf::io clsdf::reference clsdf_internals Eigen3::Eigen CLI11::CLI11 ${CLSDF_FMT}
+                                         clsdf_warnings)
 add_test(NAME acceptance COMMAND acceptance --sampled)
 
 add_custom_target(accept COMMAND ${PROJECT_SOURCE_DIR}/scripts/accept VERBATIM USES_TERMINAL)
