@@ -137,7 +137,10 @@ private:
             return fmt::format("site {} of triangle {} is not nearest", number, triangle);
 
         const Vector closest = vector_at(field.closest, i), from = vector(truth.point) - closest;
-        const double coordinate = 4 * std::numeric_limits<double>::epsilon() * closest.cwiseAbs().maxCoeff();
+        // The closest point is the point less their offset: a far point's own rounding counts, as in
+        // reference::check().
+        const double coordinate = 4 * std::numeric_limits<double>::epsilon() *
+                                  std::max(closest.cwiseAbs().maxCoeff(), vector(truth.point).cwiseAbs().maxCoeff());
         const double away = distance_to({closest[0], closest[1], closest[2]}, corners_of(corners, number));
         if (!(away <= 1e-6 * voxel_ + coordinate))
             return fmt::format("the closest point is {} off site {} of triangle {}", away, number, triangle);
