@@ -24,18 +24,6 @@ LeanedFrusta frusta_of(const Mesh& mesh) {
     return leaned_frusta(mesh, {});
 }
 
-/// A tip at (0, 0, height) over a ring of radius 10 whose vertices lie `wave` above and below the plane in turn.
-Mesh tip(std::uint32_t ring, double height, double wave) {
-    std::vector<Vec3> vertices{{0, 0, height}};
-    std::vector<Triangle> triangles;
-    for (std::uint32_t i = 0; i < ring; ++i) {
-        const double angle = 6.283185307179586 * i / ring;
-        vertices.push_back({10 * std::cos(angle), 10 * std::sin(angle), i % 2 == 0 ? wave : -wave});
-        triangles.push_back({0, 1 + i, 1 + (i + 1) % ring});
-    }
-    return {std::move(vertices), std::move(triangles), "tip"};
-}
-
 /// In integers: a coordinate of some 1 is a multiple of 2^-100.
 int exact_side(const Mesh& mesh, const Triangle& triangle, std::uint32_t opposite) {
     using Integer = boost::multiprecision::cpp_int;

@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -47,6 +48,18 @@ inline Mesh closed_fan(std::string name, const std::vector<Vec3>& ring) {
         triangles.push_back({count + 1, next, 1 + i});
     }
     return {std::move(vertices), std::move(triangles), std::move(name)};
+}
+
+/// A tip at (0, 0, height) over a ring of radius 10 whose vertices lie `wave` above and below the plane in turn.
+inline Mesh tip(std::uint32_t ring, double height, double wave) {
+    std::vector<Vec3> vertices{{0, 0, height}};
+    std::vector<Triangle> triangles;
+    for (std::uint32_t i = 0; i < ring; ++i) {
+        const double angle = 6.283185307179586 * i / ring;
+        vertices.push_back({10 * std::cos(angle), 10 * std::sin(angle), i % 2 == 0 ? wave : -wave});
+        triangles.push_back({0, 1 + i, 1 + (i + 1) % ring});
+    }
+    return {std::move(vertices), std::move(triangles), "tip"};
 }
 
 /// Concave side: a step 0.01 high. Samples over the low floor lie only in the riser's polyhedron.

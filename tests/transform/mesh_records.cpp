@@ -261,6 +261,13 @@ BOOST_AUTO_TEST_CASE(kernels_make_the_frusta_of_the_host) {
     }
     Random random(61);
     meshes.push_back(random_fans(random, 1500));
+    // More faces around a vertex than kernels take; 261 and 265 are 5 and 9 in a byte.
+    std::vector<Mesh> tips;
+    for (const std::uint32_t faces : {12U, 13U, 25U, 261U, 265U, 1000U})
+        for (const double height : {7.0, 0.5, 0.0})
+            for (const double wave : {0.0, 0.5, 5.0})
+                tips.push_back(shifted(tip(faces, height, wave), {30 * static_cast<double>(tips.size()), 0, 0}));
+    meshes.push_back(together(tips, "tips"));
     for (const Mesh& mesh : meshes) {
         BOOST_TEST_CONTEXT(mesh.name() << ", " << mesh.triangles().size() << " triangles") {
             Grid grid = Grid::around(mesh, 48, Band::symmetric(0.05 * mesh.box().longest_side()));
