@@ -352,12 +352,11 @@ BOOST_AUTO_TEST_CASE(a_call_that_was_short_of_memory_can_be_repeated_beside_a_pl
     BOOST_TEST(divided > 0U);
 }
 
-// On one transform, each with a lattice of its own and boxes of it.
-BOOST_AUTO_TEST_CASE(several_threads_compute_at_once) {
-    const Mesh mesh = tilted(make_shape("knot"));
-    const std::array grids{grid_around(mesh, 50, 4), grid_around(mesh, 70, 4)};
-    const DistanceTransform transform(test_device(), mesh);
-    std::array<std::size_t, grids.size()> wrong{};
+namespace {
+
+/// Two threads compute on one transform, each with a lattice of its own and boxes of it.
+void compute_at_once(const DistanceTransform& transform, const Mesh& mesh, const std::array<Grid, 2>& grids) {
+    std::array<std::size_t, 2> wrong{};
     std::vector<std::thread> threads;
     for (std::size_t n = 0; n < grids.size(); ++n)
         threads.emplace_back([&, n] {
@@ -377,4 +376,19 @@ BOOST_AUTO_TEST_CASE(several_threads_compute_at_once) {
         });
     for (std::thread& thread : threads) thread.join();
     for (const std::size_t count : wrong) BOOST_TEST(count == 0U);
+}
+
+}  // namespace
+
+BOOST_AUTO_TEST_CASE(several_threads_compute_at_once) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const std::array grids{grid_around(mesh, 50, 4), grid_around(mesh, 70, 4)};
+    const DistanceTransform transform(test_device(), mesh);
+    compute_at_once(transform, mesh, grids);
+    // With memory for one lattice, each thread drives out what the other one has in use.
+    const std::size_t of_both = transform.memory().device_bytes, of_lattice = 280 * mesh.triangles().size();
+    const DistanceTransform forgetful(test_device(), mesh, {.kept_bytes = of_both - of_lattice / 2});
+    compute_at_once(forgetful, mesh, grids);
+    BOOST_TEST(forgetful.memory().device_bytes <= of_both - of_lattice / 2);
+    BOOST_TEST(forgetful.memory().device_bytes > of_lattice);
 }
