@@ -163,6 +163,8 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_on
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.programs_built == 0U);
+    // The three waits of docs/gpu.md, and the read of a field too small for pinned memory, which blocks after the last
+    // of them.
     BOOST_TEST(counts.blocking_waits <= 4U);
     // 40 bytes a triangle and 24 a vertex, where a record has 280; beside them, the ends of lists of fans, the order of
     // the coarse lists, and the records that the host writes.
