@@ -82,6 +82,11 @@ Kept make_restricted(const Mesh& mesh, const Device& device, std::int64_t resolu
     return {std::move(part), std::move(field)};
 }
 
+std::size_t kept_bytes(const DistanceTransform& transform) {
+    const KeptMemory memory = transform.memory();
+    return memory.host_bytes + memory.device_bytes;
+}
+
 std::size_t differences(const Field& part, const Field& whole) {
     std::size_t count = 0;
     const Index3& size = part.grid.size;
@@ -113,6 +118,7 @@ RestrictedMemory measure_restricted_memory(const std::function<Mesh()>& load, co
         of_part = std::move(kept.field);
         const std::size_t bytes_of_field = of_part.distance.size() * sizeof(float);
         result.restricted = resident_bytes() - bytes_of_field;
+        result.restricted_kept = kept_bytes(kept.transform);
     }
     {
         Kept kept = [&] {
@@ -123,6 +129,7 @@ RestrictedMemory measure_restricted_memory(const std::function<Mesh()>& load, co
         of_whole = std::move(kept.field);
         const std::size_t bytes_of_fields = (of_part.distance.size() + of_whole.distance.size()) * sizeof(float);
         result.whole = resident_bytes() - bytes_of_fields;
+        result.whole_kept = kept_bytes(kept.transform);
     }
     result.samples = of_part.distance.size();
     result.different = differences(of_part, of_whole);

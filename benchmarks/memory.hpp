@@ -29,10 +29,13 @@ struct RestrictedMemory {
     std::size_t without_mesh = 0;  ///< after the same calls for a small mesh, whose transform has ended
     std::size_t whole = 0;
     std::size_t restricted = 0;
+    std::size_t whole_kept = 0;  ///< by DistanceTransform::memory(), on the host and on the device
+    std::size_t restricted_kept = 0;
     std::size_t samples = 0;    ///< of the eighth
     std::size_t different = 0;  ///< of these, the samples whose bytes are not those of the whole transform
 
     double share() const { return static_cast<double>(restricted) / static_cast<double>(whole); }
+    double kept_share() const { return static_cast<double>(restricted_kept) / static_cast<double>(whole_kept); }
     double share_without_mesh() const {
         return (static_cast<double>(restricted) - static_cast<double>(without_mesh)) /
                (static_cast<double>(whole) - static_cast<double>(without_mesh));

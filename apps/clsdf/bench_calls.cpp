@@ -113,7 +113,7 @@ ordered_json run_bench_memory(const BenchOptions& options) {
     ordered_json result = describe_run("memory", options, device);
     result["rows"] = ordered_json::array();
     BenchTable table({"mesh", "triangles", "whole, MB", "an eighth, MB", "share", "without a mesh, MB",
-                      "share beside that", "samples", "different"});
+                      "share beside that", "share of memory()", "samples", "different"});
     for (const std::string& name : names) {
         const auto load = [&] { return clsdf::bench::load_mesh(name, options.folder, options.measure.seed); };
         const RestrictedMemory memory = clsdf::bench::measure_restricted_memory(load, device, options.scaled(256));
@@ -122,8 +122,8 @@ ordered_json run_bench_memory(const BenchOptions& options) {
         };
         table.add({clsdf::bench::short_name(name), fmt::format("{}", memory.triangles), megabytes(memory.whole),
                    megabytes(memory.restricted), fmt::format("{:.3f}", memory.share()), megabytes(memory.without_mesh),
-                   fmt::format("{:.3f}", memory.share_without_mesh()), fmt::format("{}", memory.samples),
-                   fmt::format("{}", memory.different)});
+                   fmt::format("{:.3f}", memory.share_without_mesh()), fmt::format("{:.3f}", memory.kept_share()),
+                   fmt::format("{}", memory.samples), fmt::format("{}", memory.different)});
         result["rows"].push_back({{"mesh", clsdf::bench::short_name(name)},
                                   {"triangles", memory.triangles},
                                   {"whole_bytes", memory.whole},
@@ -131,6 +131,7 @@ ordered_json run_bench_memory(const BenchOptions& options) {
                                   {"share", memory.share()},
                                   {"without_mesh_bytes", memory.without_mesh},
                                   {"share_without_mesh", memory.share_without_mesh()},
+                                  {"kept_share", memory.kept_share()},
                                   {"samples", memory.samples},
                                   {"different", memory.different}});
     }

@@ -149,15 +149,19 @@ BOOST_AUTO_TEST_CASE(points_of_a_file_are_measured_alone) {
 }
 
 BOOST_AUTO_TEST_CASE(a_part_of_the_domain_has_a_share_of_the_memory_and_the_bytes_of_the_whole) {
-    const json result = result_of({"memory", "sphere7"});
+    // With fewer samples a band of three voxels would hold half of the mesh.
+    const Outcome outcome = run_command({"bench", "memory", "sphere7", "--json", "--quiet"});
+    BOOST_TEST_REQUIRE(outcome.status == 0);
+    const json result = json::parse(outcome.out);
     BOOST_TEST_REQUIRE(result["rows"].size() == 1);
     const json& row = result["rows"][0];
     BOOST_TEST(row["triangles"] == 131072);
     BOOST_TEST(row["samples"].get<int>() > 0);
     BOOST_TEST(row["different"] == 0);
     BOOST_TEST(row["whole_bytes"].get<double>() > row["without_mesh_bytes"].get<double>());
-    BOOST_TEST(row["share"].get<double>() > 0);
-    BOOST_TEST(row["share"].get<double>() < 1);
+    // What malloc keeps blurs the share of a small mesh.
+    BOOST_TEST(row["kept_share"].get<double>() > 0);
+    BOOST_TEST(row["kept_share"].get<double>() < 0.5);
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {

@@ -125,7 +125,7 @@ BOOST_AUTO_TEST_CASE(arguments_out_of_range_are_refused) {
         check_throws(ErrorCode::invalid_argument, {"half width"},
                      [&] { software_scan(sphere, grid, half_width, 1, distance); });
     distance.pop_back();
-    check_throws(ErrorCode::invalid_argument, {"63", "64"}, [&] { software_scan(sphere, grid, 0.3, 1, distance); });
+    check_throws(ErrorCode::invalid_argument, {"728", "729"}, [&] { software_scan(sphere, grid, 0.3, 1, distance); });
 }
 
 BOOST_AUTO_TEST_CASE(unequal_spacing_is_refused) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <clsdf/export.hpp>
+
 #include <cstddef>
 #include <map>
 #include <string>
