@@ -57,3 +57,36 @@ file(GLOB made RELATIVE "${tree}" "${tree}/*")
 if(NOT made STREQUAL "scripts")
   message(SEND_ERROR "the scripts made ${made}")
 endif()
+
+# A nightly run passes if each of its steps passed. The step `systems` counts if it has run or if it can, for root.
+file(WRITE "${tree}/scripts/test" "#!/bin/sh\n")
+file(MAKE_DIRECTORY "${SCRATCH}/programs")
+# expect_verdict(<user number> <line of systems or ""> <verdict>)
+function(expect_verdict user systems verdict)
+  file(WRITE "${SCRATCH}/programs/id" "#!/bin/sh\necho ${user}\n")
+  file(CHMOD "${SCRATCH}/programs/id" "${tree}/scripts/test" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  file(WRITE "${tree}/benchmarks/NIGHTLY.md" "# Nightly runs\n")
+  file(REMOVE_RECURSE "${tree}/build")
+  foreach(step sanitize threads fuzz faults acceptance disguise)
+    file(WRITE "${tree}/build/nightly/${step}.line" "- ${step}: passed at unknown-dirty, 0:00:01; \n")
+  endforeach()
+  if(systems)
+    file(WRITE "${tree}/build/nightly/systems.line" "- systems: ${systems}, 0:00:01; \n")
+  endif()
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -E env "PATH=${SCRATCH}/programs:$ENV{PATH}" "GIT_CEILING_DIRECTORIES=${SCRATCH}"
+            "${tree}/scripts/nightly" suite
+    WORKING_DIRECTORY "${tree}"
+    OUTPUT_VARIABLE output
+    ERROR_VARIABLE output)
+  file(STRINGS "${tree}/benchmarks/NIGHTLY.md" titles REGEX "^## ")
+  if(NOT titles MATCHES "^## Commit unknown-dirty, .*: ${verdict}$")
+    message(SEND_ERROR "user ${user}, systems \"${systems}\": \"${titles}\" instead of ${verdict}: ${output}")
+  endif()
+endfunction()
+expect_verdict(0 "passed at unknown-dirty" passed)
+expect_verdict(0 "FAILED at unknown-dirty" FAILED)
+expect_verdict(0 "" incomplete)
+expect_verdict(1000 "" passed)
+expect_verdict(1000 "FAILED at unknown-dirty" FAILED)
+expect_verdict(1000 "passed at another" incomplete)
