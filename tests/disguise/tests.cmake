@@ -27,6 +27,13 @@ clsdf_between(disguise_drivers)
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
 target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io ${CLSDF_FMT} nlohmann_json::nlohmann_json)
 
+find_package(Python3 QUIET COMPONENTS Interpreter)
+if(Python3_Interpreter_FOUND)
+  add_test(NAME on_opencl
+           COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DLIBRARY=$<TARGET_FILE:clsdf_disguise>
+                   -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/on_opencl -P ${CMAKE_CURRENT_LIST_DIR}/on_opencl.cmake)
+endif()
+
 # The command with calls that fail: a sample, and with -C nightly each call.
 if(TARGET clsdf_command)
   clsdf_test(disguise_faults ${CMAKE_CURRENT_LIST_DIR}/faults.cpp)
