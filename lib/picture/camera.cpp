@@ -184,7 +184,7 @@ double turn(const Point& a, const Point& b, const Point& c) {
 /// Counter-clockwise, without points on its sides (Andrew's monotone chain).
 std::vector<Point> convex_hull(std::vector<Point> points) {
     std::ranges::sort(points);
-    points.erase(std::ranges::unique(points).begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     std::vector<Point> hull;
     const auto add = [&](const Point& point, std::size_t least) {
