@@ -211,22 +211,29 @@ std::string reason_of_choice(const Devices& devices) {
                : "no GPU works here, and it is the strongest of the others";
 }
 
+/// Whether the driver told the properties of the device, beside names and versions.
+bool is_known(const DeviceInfo& info) {
+    return info.compute_units > 0;
+}
+
 ordered_json describe(const DeviceInfo& info) {
+    const auto known = [&](const auto& value) { return is_known(info) ? ordered_json(value) : ordered_json(); };
+    const auto not_empty = [](const std::string& text) { return text.empty() ? ordered_json() : ordered_json(text); };
     return {{"index", info.index},
             {"name", info.name},
-            {"platform", info.platform},
-            {"version", info.version},
-            {"driver", info.driver},
-            {"kind", name_of(info.kind)},
-            {"compute_units", info.compute_units},
-            {"clock_megahertz", info.clock_megahertz},
-            {"memory_bytes", info.memory},
-            {"largest_allocation_bytes", info.largest_allocation},
-            {"fp64", info.fp64},
-            {"atomics64", info.atomics64},
-            {"float_width", info.float_width},
+            {"platform", not_empty(info.platform)},
+            {"version", not_empty(info.version)},
+            {"driver", not_empty(info.driver)},
+            {"kind", known(name_of(info.kind))},
+            {"compute_units", known(info.compute_units)},
+            {"clock_megahertz", known(info.clock_megahertz)},
+            {"memory_bytes", known(info.memory)},
+            {"largest_allocation_bytes", known(info.largest_allocation)},
+            {"fp64", known(info.fp64)},
+            {"atomics64", known(info.atomics64)},
+            {"float_width", known(info.float_width)},
             {"usable", info.usable()},
-            {"why_not", info.usable() ? ordered_json() : ordered_json(info.why_not)}};
+            {"why_not", not_empty(info.why_not)}};
 }
 
 ordered_json describe(const Devices& devices) {
@@ -240,12 +247,16 @@ ordered_json describe(const Devices& devices) {
 void print_human(const DeviceInfo& info) {
     const auto yes_or_no = [](bool yes) { return yes ? "yes" : "no"; };
     print_text("{}  {}\n", info.index, info.name);
-    print_text("   platform  {}; {}, driver {}\n", info.platform, info.version, info.driver);
-    print_text("   kind      {}: {} compute units at {} MHz, {} wide in float\n", name_of(info.kind),
-               info.compute_units, info.clock_megahertz, info.float_width);
-    print_text("   memory    {}, the largest allocation {}\n", human_bytes(static_cast<double>(info.memory)),
-               human_bytes(static_cast<double>(info.largest_allocation)));
-    print_text("   fp64      {}; 64-bit atomics {}\n", yes_or_no(info.fp64), yes_or_no(info.atomics64));
+    if (!info.platform.empty())
+        print_text("   platform  {}{}{}\n", info.platform, info.version.empty() ? "" : "; " + info.version,
+                   info.driver.empty() ? "" : ", driver " + info.driver);
+    if (is_known(info)) {
+        print_text("   kind      {}: {} compute units at {} MHz, {} wide in float\n", name_of(info.kind),
+                   info.compute_units, info.clock_megahertz, info.float_width);
+        print_text("   memory    {}, the largest allocation {}\n", human_bytes(static_cast<double>(info.memory)),
+                   human_bytes(static_cast<double>(info.largest_allocation)));
+        print_text("   fp64      {}; 64-bit atomics {}\n", yes_or_no(info.fp64), yes_or_no(info.atomics64));
+    }
     print_text("   usable    {}\n", info.usable() ? "yes" : "no: " + info.why_not);
 }
 

@@ -3,8 +3,8 @@
 
 #include "core/lifetime.hpp"
 #include "device/context.hpp"
+#include "device/found_devices.hpp"
 #include "device/opencl.hpp"
-#include "device/requirements.hpp"
 
 #include <fmt/format.h>
 
@@ -153,57 +153,13 @@ cl_command_queue Device::queue() const {
 
 namespace {
 
-/// Throws cl::Error.
-std::vector<cl::Platform> all_platforms() {
-    std::vector<cl::Platform> platforms;
-    try {
-        cl::Platform::get(&platforms);
-    } catch (const cl::Error& error) {
-        constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR
-        if (error.err() != no_platform) throw;
-    }
-    return platforms;
-}
-
-/// Throws cl::Error.
-std::vector<cl::Device> devices_of(const cl::Platform& platform) {
-    std::vector<cl::Device> devices;
-    try {
-        platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
-    } catch (const cl::Error& error) {
-        if (error.err() != CL_DEVICE_NOT_FOUND) throw;
-    }
-    return devices;
-}
-
 constexpr const char* how_to_install =
     "install an OpenCL driver: for any processor PoCL (Debian: apt install pocl-opencl-icd); for a GPU its maker's, "
     "nvidia-opencl-icd (NVIDIA), intel-opencl-icd (Intel), rocm-opencl-icd (AMD, from Debian 13 on) or AMD's own ROCm";
 
-/// Platforms without devices, each with a remedy, as the end of a sentence; empty if there are none.
-std::string empty_platforms() {
-    std::string text;
-    try {
-        for (const cl::Platform& platform : all_platforms()) {
-            if (!devices_of(platform).empty()) continue;
-            const std::string name = platform.getInfo<CL_PLATFORM_NAME>();
-            text += fmt::format("; the platform \"{}\" has no devices", name);
-            if (name == "rusticl")
-                text +=
-                    ": it shows GPUs if RUSTICL_ENABLE=radeonsi (AMD), iris (Intel) or nouveau (NVIDIA) is in the "
-                    "environment";
-        }
-    } catch (const cl::Error&) {
-        // The others are not named.
-    }
-    if (text.empty()) return text;
-    return text +
-           "; a GPU needs access to the files in /dev/dri (AMD's also to /dev/kfd); on most systems, join the group "
-           "render";
-}
-
 Error no_device_found() {
-    return {ErrorCode::no_device, fmt::format("no OpenCL device was found{}; {}", empty_platforms(), how_to_install)};
+    return {ErrorCode::no_device,
+            fmt::format("no OpenCL device was found{}; {}", device::empty_platforms(), how_to_install)};
 }
 
 Error not_selected(const std::string& reason, const std::vector<DeviceInfo>& infos) {
@@ -287,22 +243,34 @@ const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::str
 }  // namespace
 
 Device Device::best() {
-    const std::vector<DeviceInfo> infos = all();
-    if (infos.empty()) throw no_device_found();
+    const DefaultEnvironment environment;
+    const std::vector<device::FoundDevice> found = device::guarded(device::find_devices);
+    if (found.empty()) throw no_device_found();
     std::string failures;
-    for (const DeviceInfo& info : infos)
+    bool lacks_features = false, fails = false;
+    std::vector<DeviceInfo> infos;
+    for (const auto& [info, obstacle] : found) {
+        infos.push_back(info);
         if (!info.usable()) failures += fmt::format("; \"{}\" cannot be used: {}", info.name, info.why_not);
+        lacks_features |= obstacle == device::Obstacle::missing_feature;
+        fails |= obstacle == device::Obstacle::failing_call;
+    }
     for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
         try {
             return open(info);
         } catch (const cl::Error& error) {
             failures += fmt::format("; \"{}\" failed at {}: {}", info.name, device::call_name(error),
                                     device::code_name(error.err()));
+            fails = true;
         }
     }
+    // A device with a known fault has its own remedy.
+    std::string remedies;
+    if (fails) remedies += "; try again, and update the driver if it fails again";
+    if (lacks_features) remedies += fmt::format("; {}", how_to_install);
     throw Error(ErrorCode::no_device,
-                fmt::format("no usable OpenCL device with double precision and a compiler was found{}{}; {}", failures,
-                            empty_platforms(), how_to_install));
+                fmt::format("no usable OpenCL device with double precision and a compiler was found{}{}{}", failures,
+                            device::empty_platforms(), remedies));
 }
 
 Device Device::select(const std::string& index_or_substring) {
@@ -331,78 +299,6 @@ std::string Device::environment_choice() {
     return choice == nullptr ? "" : choice;
 }
 
-namespace {
-
-std::string failure(const cl::Error& error) {
-    return fmt::format("it fails at {}: {}", device::call_name(error), device::code_name(error.err()));
-}
-
-/// In place of the devices that a platform does not tell.
-DeviceInfo info_of_failing(const cl::Platform& platform, const cl::Error& error) {
-    DeviceInfo info;
-    info.name = "devices of a platform";
-    info.why_not = failure(error);
-    try {
-        info.platform = platform.getInfo<CL_PLATFORM_NAME>();
-        info.name = fmt::format("devices of {}", info.platform);
-    } catch (const cl::Error&) {
-        // It stays without a name.
-    }
-    return info;
-}
-
-DeviceKind kind_of(const cl::Device& device) {
-    const cl_device_type type = device.getInfo<CL_DEVICE_TYPE>();
-    if ((type & CL_DEVICE_TYPE_GPU) != 0) return DeviceKind::gpu;
-    if ((type & CL_DEVICE_TYPE_CPU) != 0) return DeviceKind::processor;
-    if ((type & CL_DEVICE_TYPE_ACCELERATOR) != 0) return DeviceKind::accelerator;
-    return DeviceKind::other;
-}
-
-/// Throws cl::Error, as devices with a broken driver do; what was learnt until then stays.
-void ask(const cl::Device& device, DeviceInfo& info) {
-    info.name = device.getInfo<CL_DEVICE_NAME>();
-    info.platform = cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
-    info.version = device.getInfo<CL_DEVICE_VERSION>();
-    info.driver = device.getInfo<CL_DRIVER_VERSION>();
-    info.kind = kind_of(device);
-    info.why_not = device::too_old(device);
-    const device::Context::Capabilities capabilities = device::capabilities_of(device);
-    info.compute_units = capabilities.compute_units;
-    info.clock_megahertz = device.getInfo<CL_DEVICE_MAX_CLOCK_FREQUENCY>();
-    info.memory = capabilities.memory;
-    info.largest_allocation = capabilities.largest_allocation;
-    info.float_width = capabilities.float_width;
-    info.atomics64 = device::has_extension(device, "cl_khr_int64_base_atomics");
-    info.fp64 = device::has_double_precision(device);
-    info.why_not = device::missing_feature(device);
-    if (!info.why_not.empty()) return;
-    if (capabilities.largest_group < 64)
-        info.why_not =
-            fmt::format("its work-groups have {} items at most, and kernels need 64", capabilities.largest_group);
-    else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
-        info.why_not = "its driver has no compiler";
-    else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
-        info.why_not = "its driver says that it is not available";
-    else if (const device::KnownFault* fault =
-                 device::known_fault(device::implementation_of(device),
-                                     capabilities.is_processor ? KernelBody::by_vector : KernelBody::by_group))
-        info.why_not = fmt::format("it {}; {}", fault->symptom, fault->remedy);
-}
-
-DeviceInfo info_of(const cl::Device& device) {
-    DeviceInfo info;
-    info.id = device();
-    try {
-        ask(device, info);
-    } catch (const cl::Error& error) {
-        if (info.why_not.empty()) info.why_not = failure(error);  // a driver that is too old knows fewer properties
-    }
-    return info;
-}
-
-}  // namespace
-
 std::string name_of(DeviceKind kind) {
     switch (kind) {
         case DeviceKind::gpu:
@@ -419,14 +315,7 @@ std::string name_of(DeviceKind kind) {
 std::vector<DeviceInfo> Device::all() {
     const DefaultEnvironment environment;
     std::vector<DeviceInfo> infos;
-    for (const cl::Platform& platform : device::guarded(all_platforms)) {
-        try {
-            for (const cl::Device& device : devices_of(platform)) infos.push_back(info_of(device));
-        } catch (const cl::Error& error) {
-            infos.push_back(info_of_failing(platform, error));
-        }
-    }
-    for (std::size_t index = 0; index < infos.size(); ++index) infos[index].index = index;
+    for (device::FoundDevice& found : device::guarded(device::find_devices)) infos.push_back(std::move(found.info));
     return infos;
 }
 

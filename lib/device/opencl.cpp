@@ -164,6 +164,10 @@ Implementation implementation_of(const cl::Device& device) {
             device.getInfo<CL_DEVICE_NAME>(), device.getInfo<CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT>()};
 }
 
+std::string text_of(const Implementation& implementation) {
+    return fmt::format("\"{}\" ({})", implementation.platform, implementation.version);
+}
+
 const char* name_of(KernelBody body) {
     return body == KernelBody::by_group ? "by_group" : "by_vector";
 }
@@ -180,10 +184,9 @@ const KnownFault* known_fault(const Implementation& implementation, KernelBody b
 void refuse_known_fault(const cl::Device& device, KernelBody body) {
     const Implementation implementation = guarded([&] { return implementation_of(device); });
     if (const KnownFault* fault = known_fault(implementation, body))
-        throw Error(ErrorCode::unsupported,
-                    fmt::format("\"{}\" ({}) on \"{}\" {}, so the kernel body {} is not tried there; {}",
-                                implementation.platform, implementation.version, implementation.device, fault->symptom,
-                                name_of(body), fault->remedy));
+        throw Error(ErrorCode::unsupported, fmt::format("{} on \"{}\" {}, so the kernel body {} is not tried there; {}",
+                                                        text_of(implementation), implementation.device, fault->symptom,
+                                                        name_of(body), fault->remedy));
 }
 
 std::string_view options_around_faults(const Implementation& implementation, std::string_view kernel_file) {

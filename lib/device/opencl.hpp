@@ -70,6 +70,9 @@ struct Implementation {
 
 Implementation implementation_of(const cl::Device& device);
 
+/// Platform and version, e.g. "Portable Computing Language" (OpenCL 3.0 PoCL 3.0 ...).
+std::string text_of(const Implementation& implementation);
+
 /// A fault of an OpenCL implementation that no change of the kernels avoids. All texts must be part of the
 /// implementation's own; an empty one always is.
 struct KnownFault {

@@ -261,12 +261,47 @@ BOOST_AUTO_TEST_CASE(a_device_whose_compiler_is_known_to_crash_is_listed_and_not
     BOOST_TEST(devices["taken"].is_null());
     for (const json& device : devices["devices"]) {
         BOOST_TEST(device["usable"] == false);
-        BOOST_TEST(device["why_not"].get<std::string>().find("install PoCL 3.1") != std::string::npos);
+        const std::string why_not = device["why_not"];
+        for (const char* fragment : {"Portable Computing Language", "PoCL 3.0-rc2", "LLVM 14.0.6", "install PoCL 3.1"})
+            BOOST_TEST(why_not.find(fragment) != std::string::npos, "no '" << fragment << "' in " << why_not);
     }
     const TemporaryFolder folder;
     std::vector<std::string> arguments = compute();
     arguments.insert(arguments.end(), {"-o", folder.file("field.npy")});
     const Outcome refused = run_command(arguments, environment);
-    check_refused(refused, 4, {"cannot compile vectors", "install PoCL 3.1", "clsdf devices"});
+    check_refused(refused, 4, {"PoCL 3.0-rc2", "cannot compile vectors", "install PoCL 3.1", "clsdf devices"});
+    BOOST_TEST(refused.error.find("install an OpenCL driver") == std::string::npos, refused.error);
     BOOST_TEST(folder.file_count() == 0U);
+}
+
+BOOST_AUTO_TEST_CASE(a_device_whose_driver_does_not_answer_is_listed_with_what_is_known) {
+    const std::string name = "a device of Portable Computing Language";
+    // The platform lists no devices; then a device tells nothing; then its name alone.
+    for (const char* fault : {"clGetDeviceIDs:1+", "clGetDeviceInfo:1+", "clGetDeviceInfo:3+"}) {
+        const std::vector<std::string> environment{"LD_PRELOAD=" CLSDF_DISGUISE_LIBRARY,
+                                                   std::string("CLSDF_DISGUISE_FAULT=") + fault, "CLSDF_DEVICE="};
+        const bool has_name = fault == std::string("clGetDeviceInfo:3+");
+        const Outcome listed = run_command({"devices", "--json"}, environment);
+        BOOST_TEST_CONTEXT(fault << "; the command said: " << listed.error) {
+            BOOST_TEST(listed.status == 4);
+            const std::string& text = listed.error;
+            const auto has = [&](const char* part) { return text.find(part) != std::string::npos; };
+            BOOST_TEST(has("cannot be used: it fails at clGet"));
+            BOOST_TEST(has("update the driver"));
+            BOOST_TEST(has("   platform  Portable Computing Language\n"));
+            for (const char* part : {"install", "\"\"", "; ,", "driver \n", "0 compute units", "fp64", "memory"})
+                BOOST_TEST(!has(part), "'" << part << "'");
+            const json devices = json::parse(listed.out)["devices"];
+            BOOST_REQUIRE(!devices.empty());
+            for (const json& device : devices) {
+                BOOST_TEST((device["name"] == name) == !has_name);
+                BOOST_TEST(device["platform"] == "Portable Computing Language");
+                BOOST_TEST(device["usable"] == false);
+                for (const char* property :
+                     {"version", "driver", "kind", "compute_units", "clock_megahertz", "memory_bytes",
+                      "largest_allocation_bytes", "fp64", "atomics64", "float_width"})
+                    BOOST_TEST(device[property].is_null(), property);
+            }
+        }
+    }
 }

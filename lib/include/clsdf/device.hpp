@@ -27,7 +27,8 @@ enum class DeviceKind { gpu, processor, accelerator, other };
 /// "gpu", "processor", "accelerator" or "other".
 CLSDF_EXPORT std::string name_of(DeviceKind kind);
 
-/// The properties that an OpenCL device reports.
+/// The properties that an OpenCL device reports. Those that its driver does not tell stay empty or 0. If `compute_units`
+/// is 0, all from `kind` to `float_width` are unknown. A device without a name is named after its platform.
 struct DeviceInfo {
     std::size_t index = 0;  ///< in Device::all()
     cl_device_id id = nullptr;
@@ -65,7 +66,8 @@ public:
     /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used.
     static std::vector<DeviceInfo> all();
 
-    /// The strongest GPU, else the strongest other device. Throws Error(no_device) that names the packages to install.
+    /// The strongest GPU, else the strongest other device. Throws Error(no_device) that says why each device
+    /// cannot be used, and the remedy.
     static Device best();
 
     /// A whole number is an index in all(). Any other text is a part of the name or of the platform's name of exactly

@@ -1,0 +1,147 @@
+#include "device/found_devices.hpp"
+
+#include <clsdf/distance_transform.hpp>
+
+#include "device/context.hpp"
+#include "device/opencl.hpp"
+#include "device/requirements.hpp"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+
+namespace clsdf::device {
+
+namespace {
+
+/// Throws cl::Error.
+std::vector<cl::Platform> all_platforms() {
+    std::vector<cl::Platform> platforms;
+    try {
+        cl::Platform::get(&platforms);
+    } catch (const cl::Error& error) {
+        constexpr cl_int no_platform = -1001;  // CL_PLATFORM_NOT_FOUND_KHR
+        if (error.err() != no_platform) throw;
+    }
+    return platforms;
+}
+
+/// Throws cl::Error.
+std::vector<cl::Device> devices_of(const cl::Platform& platform) {
+    std::vector<cl::Device> devices;
+    try {
+        platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+    } catch (const cl::Error& error) {
+        if (error.err() != CL_DEVICE_NOT_FOUND) throw;
+    }
+    return devices;
+}
+
+DeviceKind kind_of(const cl::Device& device) {
+    const cl_device_type type = device.getInfo<CL_DEVICE_TYPE>();
+    if ((type & CL_DEVICE_TYPE_GPU) != 0) return DeviceKind::gpu;
+    if ((type & CL_DEVICE_TYPE_CPU) != 0) return DeviceKind::processor;
+    if ((type & CL_DEVICE_TYPE_ACCELERATOR) != 0) return DeviceKind::accelerator;
+    return DeviceKind::other;
+}
+
+void refuse(FoundDevice& found, Obstacle obstacle, std::string why_not) {
+    found.info.why_not = std::move(why_not);
+    found.obstacle = found.info.why_not.empty() ? Obstacle::none : obstacle;
+}
+
+/// A device whose driver fails. Its name may be unknown, and its platform's too.
+void refuse(FoundDevice& found, const cl::Platform& platform, const cl::Error& error) {
+    refuse(found, Obstacle::failing_call, fmt::format("it fails at {}: {}", call_name(error), code_name(error.err())));
+    DeviceInfo& info = found.info;
+    try {
+        if (info.platform.empty()) info.platform = platform.getInfo<CL_PLATFORM_NAME>();
+    } catch (const cl::Error&) {
+        // It stays without a name.
+    }
+    if (info.name.empty())
+        info.name = fmt::format("a device of {}", info.platform.empty() ? "a platform without a name" : info.platform);
+}
+
+/// Throws cl::Error, as devices with a broken driver do; the properties that are known by then are kept.
+void ask(const cl::Device& device, FoundDevice& found) {
+    DeviceInfo& info = found.info;
+    info.name = device.getInfo<CL_DEVICE_NAME>();
+    info.platform = cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>();
+    info.version = device.getInfo<CL_DEVICE_VERSION>();
+    info.driver = device.getInfo<CL_DRIVER_VERSION>();
+    info.kind = kind_of(device);
+    refuse(found, Obstacle::missing_feature, too_old(device));
+    info.atomics64 = has_extension(device, "cl_khr_int64_base_atomics");
+    info.fp64 = has_double_precision(device);
+    info.clock_megahertz = device.getInfo<CL_DEVICE_MAX_CLOCK_FREQUENCY>();
+    const Context::Capabilities capabilities = capabilities_of(device);
+    info.compute_units = capabilities.compute_units;
+    info.memory = capabilities.memory;
+    info.largest_allocation = capabilities.largest_allocation;
+    info.float_width = capabilities.float_width;
+    refuse(found, Obstacle::missing_feature, missing_feature(device));
+    if (!info.usable()) return;
+    if (capabilities.largest_group < 64)
+        refuse(found, Obstacle::missing_feature,
+               fmt::format("its work-groups have {} items at most, and kernels need 64", capabilities.largest_group));
+    else if (device.getInfo<CL_DEVICE_COMPILER_AVAILABLE>() == 0)
+        refuse(found, Obstacle::missing_feature, "its driver has no compiler");
+    else if (device.getInfo<CL_DEVICE_AVAILABLE>() == 0)
+        refuse(found, Obstacle::missing_feature, "its driver says that it is not available");
+    else if (const Implementation implementation = implementation_of(device);
+             const KnownFault* fault =
+                 known_fault(implementation, capabilities.is_processor ? KernelBody::by_vector : KernelBody::by_group))
+        refuse(found, Obstacle::known_fault,
+               fmt::format("{} {}; {}", text_of(implementation), fault->symptom, fault->remedy));
+}
+
+FoundDevice found_device(const cl::Platform& platform, const cl::Device& device) {
+    FoundDevice found;
+    found.info.id = device();
+    try {
+        ask(device, found);
+    } catch (const cl::Error& error) {
+        // A driver that is too old knows fewer properties.
+        if (found.info.usable()) refuse(found, platform, error);
+    }
+    return found;
+}
+
+}  // namespace
+
+std::vector<FoundDevice> find_devices() {
+    std::vector<FoundDevice> all;
+    for (const cl::Platform& platform : all_platforms()) {
+        try {
+            for (const cl::Device& device : devices_of(platform)) all.push_back(found_device(platform, device));
+        } catch (const cl::Error& error) {
+            refuse(all.emplace_back(), platform, error);
+        }
+    }
+    for (std::size_t index = 0; index < all.size(); ++index) all[index].info.index = index;
+    return all;
+}
+
+std::string empty_platforms() {
+    std::string text;
+    try {
+        for (const cl::Platform& platform : all_platforms()) {
+            if (!devices_of(platform).empty()) continue;
+            const std::string name = platform.getInfo<CL_PLATFORM_NAME>();
+            text += fmt::format("; the platform \"{}\" has no devices", name);
+            if (name == "rusticl")
+                text +=
+                    ": it shows GPUs if RUSTICL_ENABLE=radeonsi (AMD), iris (Intel) or nouveau (NVIDIA) is in the "
+                    "environment";
+        }
+    } catch (const cl::Error&) {
+        // The others are not named.
+    }
+    if (text.empty()) return text;
+    return text +
+           "; a GPU needs access to the files in /dev/dri (AMD's also to /dev/kfd); on most systems, join the group "
+           "render";
+}
+
+}  // namespace clsdf::device

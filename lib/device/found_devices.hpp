@@ -1,0 +1,30 @@
+#pragma once
+
+#include <clsdf/device.hpp>
+
+#include <string>
+#include <vector>
+
+namespace clsdf::device {
+
+/// Why a device cannot be used; the remedy depends on it.
+enum class Obstacle {
+    none,
+    missing_feature,  ///< another driver may have the feature, or another device
+    known_fault,      ///< why_not names the remedy
+    failing_call,     ///< a question to the driver fails
+};
+
+struct FoundDevice {
+    DeviceInfo info;
+    Obstacle obstacle = Obstacle::none;
+};
+
+/// Every device of every platform, in the order of OpenCL's loader. A platform that does not list its devices has one
+/// entry without `id`. Throws cl::Error if the platforms cannot be listed.
+std::vector<FoundDevice> find_devices();
+
+/// Platforms without devices, each with a remedy, as the end of a sentence; empty if there are none.
+std::string empty_platforms();
+
+}  // namespace clsdf::device
