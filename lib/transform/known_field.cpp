@@ -35,6 +35,8 @@ constexpr double on_surface = 1e-8;
 constexpr Vec3 saddle{5.31, 4.22, 3.13};
 constexpr double fan_scale = 1.1;
 
+constexpr Vec3 cube_centre{-4.37, -4.71, -4.13};
+
 struct Surface {
     std::vector<Vec3> vertices;
     std::vector<Triangle> triangles;
@@ -53,9 +55,9 @@ Surface make_cube() {
                 if (x == 1 && y == 1 && z == 1) continue;
                 const double u = x - 1, v = y - 1, w = z - 1;
                 numbers[place({x, y, z})] = static_cast<std::uint32_t>(cube.vertices.size());
-                cube.vertices.push_back({-4.37 + 5.7 * (u + 0.05 * v - 0.03 * w),
-                                         -4.71 + 5.7 * (v - 0.04 * u + 0.05 * w),
-                                         -4.13 + 5.7 * (w + 0.03 * u - 0.05 * v)});
+                cube.vertices.push_back({cube_centre[0] + 5.7 * (u + 0.05 * v - 0.03 * w),
+                                         cube_centre[1] + 5.7 * (v - 0.04 * u + 0.05 * w),
+                                         cube_centre[2] + 5.7 * (w + 0.03 * u - 0.05 * v)});
             }
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const int side : {0, 2})
@@ -105,10 +107,23 @@ Mesh make_mesh() {
     return {std::move(all.vertices), std::move(all.triangles), "known field"};
 }
 
+/// Sample (16, 16, 16), in the middle of a coarse brick, is the cube's centre. The rows along x lie in this coarse
+/// brick, in the next one, which a face of the cube crosses, and in one outside.
+Grid make_fine_grid(const KnownFieldKind& kind) {
+    Grid grid;
+    grid.spacing = {0.15, 0.15, 0.15};
+    if (kind.long_bricks) grid.spacing[2] *= 1.7;
+    for (std::size_t axis = 0; axis < 3; ++axis) grid.origin[axis] = cube_centre[axis] - 16 * grid.spacing[axis];
+    grid.first = {-36, 12, 12};
+    grid.size = {40, 4, 4};
+    return grid;
+}
+
 /// The grid's sample (0, 0, 0) is the common corner of eight coarse bricks. Some samples of the later lattice lie a few
 /// 1e-9 beside vertices and faces of the second surface. They are nearer than on_surface, so that their gradient is the
 /// pseudonormal, and farther than the rounding of this arithmetic, so that their sign is certain.
 Grid make_grid(const KnownFieldKind& kind) {
+    if (kind.fine) return make_fine_grid(kind);
     Grid grid;
     if (kind.later) {
         grid.origin = {saddle[0] + 2e-9, saddle[1] + 5e-9, saddle[2] - 3e-9};

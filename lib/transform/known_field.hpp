@@ -21,12 +21,13 @@ struct KnownFieldKind {
     bool long_bricks = false;  ///< samples farther apart along z
     bool large = false;        ///< triangles with many rows of samples; else with few
     bool later = false;        ///< a grid of another lattice, with samples on vertices and faces
+    bool fine = false;         ///< a fine grid: no polyhedron overlaps one coarse brick inside and one outside
 };
 
 /// A small field whose values are known: of a cube, a closed fan whose saddle vertex has a gap between its triangles'
-/// polyhedra, and a sliver, on a grid across the corner of eight coarse bricks. The values come from plain
-/// arithmetic in double precision: the least distance to all triangles, and the winding number along rows. It shares
-/// nothing with the polyhedra and the kernels. All kinds have the same mesh.
+/// polyhedra, and a sliver, on a grid across the corner of eight coarse bricks, or a fine one through a face. The
+/// values come from plain arithmetic in double precision: the least distance to all triangles, and the winding number
+/// along rows. It shares nothing with the polyhedra and the kernels. All kinds have the same mesh.
 class KnownField {
 public:
     explicit KnownField(const KnownFieldKind& kind);

@@ -172,6 +172,23 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
     }
 }
 
+BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
+    for (const KernelBody body : {vector_body, group_body})
+        for (const bool long_bricks : {false, true}) {
+            const KnownField known({.long_bricks = long_bricks, .fine = true});
+            DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero, .body = body});
+            TransformStatistics statistics;
+            Field field = transform(known.grid(), known.band(), every_output, {.statistics = &statistics});
+            BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 30U);
+            const std::optional<std::string> difference = known.difference(arrays_of(field));
+            BOOST_TEST(!difference.has_value(), difference.value_or(""));
+            // Of three: the first samples of a row lie outside, the last ones inside.
+            BOOST_TEST(statistics.coarse_bricks == 1U);
+            BOOST_TEST(field.distance.front() == static_cast<float>(known.band().outside));
+            BOOST_TEST(field.distance.back() == -static_cast<float>(known.band().inside));
+        }
+}
+
 BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
     const KnownField known({});
     DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
@@ -263,9 +280,6 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
         {"the polyhedron of the lane beside it",
          bricks(vector_body, true, false, true),
          {vector_file, "polyhedra + queue->numbers[n];", "polyhedra + queue->numbers[n == 5 ? 4 : n];"}},
-        {"wrong sign beyond the band",
-         bricks(vector_body, false, false),
-         {"fill.cl", "inside ? layout.inside_fill : layout.outside_fill", "layout.outside_fill"}},
         {"a crossing of the surface too few",
          bricks(vector_body, false, false),
          {"sign_sweep.cl", "TO_INTS(orientation != 0 ?", "TO_INTS(orientation != 0 && rows.begin_z != rows.end_z ?"}},
@@ -294,6 +308,22 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
     for (Mutation& mutation : mutations)
         check_refusal(mutation.what, mutation.changed, folder.file("cache"),
                       [&](const Device& device) { return message_of_test(device, mutation.test_case); });
+}
+
+// The group body leaves to the fill only coarse bricks that no polyhedron overlaps.
+BOOST_AUTO_TEST_CASE(refuses_a_wrong_fill_inside_and_outside_of_either_body) {
+    const TemporaryFolder folder;
+    const std::string right = "inside ? layout.inside_fill : layout.outside_fill";
+    for (const KernelBody body : {vector_body, group_body}) {
+        for (const char* wrong : {"layout.inside_fill", "layout.outside_fill"}) {
+            Changed changed{"fill.cl", right, wrong};
+            check_refusal(wrong, changed, folder.file("cache"),
+                          [&](const Device& device) { return message_of_test(device, bricks(body, false, false)); });
+        }
+        Changed changed{"fill.cl", "store_ones(run_begin, run_end);\n}", "}"};
+        check_refusal("outputs that are not left out", changed, folder.file("cache"),
+                      [&](const Device& device) { return message_of_test(device, bricks(body, true, false)); });
+    }
 }
 
 BOOST_AUTO_TEST_CASE(refuses_wrong_records_of_a_later_lattice) {
