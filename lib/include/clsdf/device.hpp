@@ -27,8 +27,9 @@ enum class DeviceKind { gpu, processor, accelerator, other };
 /// "gpu", "processor", "accelerator" or "other".
 CLSDF_EXPORT std::string name_of(DeviceKind kind);
 
-/// The properties that an OpenCL device reports. Those that its driver does not tell stay empty or 0. If `compute_units`
-/// is 0, all from `kind` to `float_width` are unknown. A device without a name is named after its platform.
+/// The properties that an OpenCL device reports. Those that its driver does not tell stay empty or 0. If
+/// `compute_units` is 0, all from `kind` to `float_width` are unknown. A device without a name is named after its
+/// platform.
 struct DeviceInfo {
     std::size_t index = 0;  ///< in Device::all()
     cl_device_id id = nullptr;
