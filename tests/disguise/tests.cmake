@@ -27,6 +27,13 @@ clsdf_between(disguise_drivers)
 add_executable(gpu_counts ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cpp)
 target_link_libraries(gpu_counts PRIVATE clsdf_warnings clsdf_disguise clsdf::io ${CLSDF_FMT} nlohmann_json::nlohmann_json)
 
+if(TARGET clsdf_command)
+  add_test(NAME gpu_counts
+           COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DBUILD=${PROJECT_BINARY_DIR} -DPROGRAM=$<TARGET_FILE:clsdf_command>
+                   -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/gpu_counts_files -P ${CMAKE_CURRENT_LIST_DIR}/gpu_counts.cmake)
+  set_tests_properties(gpu_counts PROPERTIES ENVIRONMENT_MODIFICATION ASAN_OPTIONS=string_append::verify_asan_link_order=0)
+endif()
+
 find_package(Python3 QUIET COMPONENTS Interpreter)
 if(Python3_Interpreter_FOUND)
   add_test(NAME on_opencl
