@@ -2,11 +2,18 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <poll.h>
 #include <pty.h>
 
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <regex>
 
+using clsdf::test::content_of;
+using clsdf::test::Process;
 using clsdf::test::run_command;
 using clsdf::test::TemporaryFolder;
 
@@ -15,7 +22,8 @@ namespace {
 /// The command with a terminal of its own as standard error.
 class OnTerminal {
 public:
-    explicit OnTerminal(std::vector<std::string> arguments) {
+    /// `environment` is added to this process' own, as "NAME=value".
+    explicit OnTerminal(std::vector<std::string> arguments, std::vector<std::string> environment = {}) {
         arguments.insert(arguments.begin(), clsdf::test::command_path());
         std::vector<char*> words;
         for (std::string& argument : arguments) words.push_back(argument.data());
@@ -23,6 +31,7 @@ public:
         id_ = ::forkpty(&terminal_, nullptr, nullptr, nullptr);
         BOOST_REQUIRE(id_ >= 0);
         if (id_ == 0) {
+            for (std::string& variable : environment) ::putenv(variable.data());
             ::execv(words[0], words.data());
             ::_exit(127);
         }
@@ -31,8 +40,12 @@ public:
     OnTerminal(const OnTerminal&) = delete;
     OnTerminal& operator=(const OnTerminal&) = delete;
 
-    /// Appends what is printed next; false if the command has ended.
+    /// Appends what is printed next; false if the command has ended, or has run for two minutes.
     bool read_more(std::string& text) const {
+        const auto left =
+            std::chrono::duration_cast<std::chrono::milliseconds>(give_up_ - std::chrono::steady_clock::now());
+        pollfd readable{terminal_, POLLIN, 0};
+        if (left.count() <= 0 || ::poll(&readable, 1, static_cast<int>(left.count())) != 1) return false;
         std::array<char, 4096> buffer{};
         const ssize_t count = ::read(terminal_, buffer.data(), buffer.size());
         if (count <= 0) return false;
@@ -50,6 +63,7 @@ public:
     }
 
 private:
+    std::chrono::steady_clock::time_point give_up_ = std::chrono::steady_clock::now() + std::chrono::minutes(2);
     int terminal_ = -1;
     pid_t id_ = -1;
 };
@@ -74,4 +88,42 @@ BOOST_AUTO_TEST_CASE(a_terminal_shows_a_bar_with_the_time_left_until_control_c) 
     BOOST_TEST(terminal.wait() == 6);
     BOOST_TEST(text.find("clsdf: cancelled; nothing was written") != std::string::npos);
     BOOST_TEST(folder.file_count() == 1U);
+}
+
+BOOST_AUTO_TEST_CASE(a_terminal_shows_that_another_process_compiles_and_then_each_step_of_the_own_compilation) {
+    const TemporaryFolder folder, caches;
+    const std::vector<std::string> query{"query", folder.file("mesh.off", clsdf::test::tetrahedron),
+                                         folder.file("points.csv", "x,y,z\n0.1,0.1,0.1\n"), "-o",
+                                         folder.file("found.csv")};
+    const std::string own = std::filesystem::path(caches.file("x")).parent_path().string();
+    const std::vector<std::string> environment{"CLSDF_CACHE_DIR=" + own, "POCL_CACHE_DIR=" + caches.file("pocl")};
+    Process other(query, environment);
+    other.wait_until([&] {
+        const std::filesystem::directory_iterator files(own);
+        return std::any_of(begin(files), end(files), [](const std::filesystem::directory_entry& file) {
+            return file.path().extension() == ".building" && !content_of(file.path().string()).empty();
+        });
+    });
+    // It holds its lock until it is killed.
+    other.send(SIGSTOP);
+    const OnTerminal terminal(query, environment);
+    const std::regex waiting(R"(\rwaiting for another process that compiles the same kernels)");
+    const std::regex compiling(R"(\rcompiling kernels [0-9]+ of [0-9]+)");
+    std::string text;
+    bool has_waited = false, has_compiled = false;
+    while (terminal.read_more(text)) {
+        if (!has_waited && std::regex_search(text, waiting)) {
+            has_waited = true;
+            BOOST_TEST(!std::regex_search(text, compiling));
+            other.send(SIGKILL);
+        }
+        if (!has_compiled && std::regex_search(text, compiling)) {
+            has_compiled = true;
+            terminal.type_control_c();
+        }
+    }
+    other.send(SIGKILL);
+    BOOST_TEST(has_waited, "not said to wait in " << text);
+    BOOST_TEST(has_compiled, "no steps in " << text);
+    BOOST_TEST(terminal.wait() == 6);
 }
