@@ -179,9 +179,10 @@ std::optional<std::string> run_self_test(const Device& device, const Programs& p
     device::Context& context = device::context_of(device);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
     const auto make_stages = [&] {
-        return std::make_unique<Stages>(
-            context, pool, KnownField(kind).mesh(),
-            Stages::Options{test_case.method, {programs.mesh_records, programs.mesh_lanes()}});
+        return std::make_unique<Stages>(context, pool, KnownField(kind).mesh(),
+                                        Stages::Options{.method = test_case.method,
+                                                        .set_up = {programs.mesh_records, programs.mesh_lanes()},
+                                                        .is_whole = true});
     };
     std::unique_ptr<Stages> stages = make_stages();
     std::optional<std::string> difference = run_field_test(device, programs, test_case, kind, *stages, watch);

@@ -304,7 +304,7 @@ bool Stages::is_shared(bool is_kept, std::size_t packed, double most) const {
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, std::size_t faces) {
-    if (!is_small(share_of(mesh_.box(), box))) return std::nullopt;
+    if (options_.is_whole || !is_small(share_of(mesh_.box(), box))) return std::nullopt;
     polyhedra::NearRecords near = index().near(box);
     if (!is_small(static_cast<double>(near.face_count) / static_cast<double>(faces))) return std::nullopt;
     return near;

@@ -75,6 +75,7 @@ public:
         SetUpBy set_up{};
         bool has_selections = false;              ///< the lists can be made of a part of the records
         std::optional<std::size_t> kept_bytes{};  ///< see TransformOptions
+        bool is_whole = false;                    ///< small grids, too, get records of the whole mesh
     };
 
     Stages(device::Context& context, std::shared_ptr<device::BufferPool> pool, Mesh mesh, Options options);

@@ -335,6 +335,16 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_records_of_a_later_lattice) {
     }
 }
 
+// Drivers compile a kernel at its first launch.
+BOOST_AUTO_TEST_CASE(runs_the_kernel_of_later_lattices_only_if_they_are_tested) {
+    const TemporaryFolder folder;
+    for (const KernelBody body : {vector_body, group_body}) {
+        Changed changed{"mesh_records.cl", "faces[lane] = min(face + lane, face_count - 1)", "faces[lane] = 0"};
+        BOOST_TEST(message_of_test(changed.device(folder.file("cache")), bricks(body, false, false)) == "");
+        BOOST_TEST(changed.is_found);
+    }
+}
+
 BOOST_AUTO_TEST_CASE(refuses_wrong_outputs) {
     const TemporaryFolder folder;
     const std::string vector_file = "bricks_by_vector.cl", group_file = "bricks_by_group.cl";
