@@ -1,6 +1,8 @@
 #include "benchmarks/calls.hpp"
 
+#include "benchmarks/call_judge.hpp"
 #include "benchmarks/cost.hpp"
+#include "benchmarks/points.hpp"
 
 #include "device/opencl.hpp"
 
@@ -28,122 +30,6 @@ double seconds_of(const std::function<void()>& calls) {
     calls();
     return watch.cost().wall;
 }
-
-/// A field with the closest points, as offsets from the samples, and the gradients.
-struct FieldWithOutputs {
-    Field field;
-    FieldArray<float> closest, gradient;
-
-    OutputTargets targets() { return {.distance = field.distance, .closest = closest, .gradient = gradient}; }
-};
-
-/// Compares random samples of fields with the reference.
-class Judge {
-public:
-    Judge(const Mesh& mesh, std::uint64_t seed) : oracle_(mesh), random_(seed) {}
-
-    void look_at(const Field& field, std::size_t samples, CallCost& cost) {
-        std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
-        for (std::size_t n = 0; n < samples; ++n) look_at_sample(field, any(random_), cost);
-    }
-
-    /// A sample with an output that breaks its contract is wrong, too.
-    void look_at(const FieldWithOutputs& outputs, std::size_t samples, CallCost& cost) {
-        std::uniform_int_distribution<std::size_t> any(0, outputs.field.distance.size() - 1);
-        for (std::size_t n = 0; n < samples; ++n) {
-            const std::size_t offset = any(random_), wrong = cost.wrong;
-            look_at_sample(outputs.field, offset, cost);
-            if (cost.wrong == wrong && !has_right_outputs(outputs, offset)) ++cost.wrong;
-        }
-    }
-
-    /// Random points of those of a query without a limit. A voxel is that of a grid of 256 samples a side.
-    void look_at(std::span<const Vec3> points, std::span<const float> distance, double voxel, std::size_t samples,
-                 CallCost& cost) {
-        std::uniform_int_distribution<std::size_t> any(0, points.size() - 1);
-        for (std::size_t n = 0; n < samples; ++n) {
-            const std::size_t i = any(random_);
-            look_at_value(points[i], static_cast<double>(distance[i]), Band::full(), voxel, cost);
-        }
-    }
-
-    /// A point of each of some boxes: wrong if it belies the box's place.
-    void look_at(std::span<const Box> boxes, std::span<const BoxPlace> places, double half_width, std::size_t samples,
-                 CallCost& cost) {
-        std::uniform_int_distribution<std::size_t> any(0, boxes.size() - 1);
-        std::uniform_real_distribution<double> part(0, 1);
-        for (std::size_t n = 0; n < samples; ++n) {
-            const std::size_t i = any(random_);
-            const auto& [lower, upper] = boxes[i];
-            Vec3 point{};
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                point[axis] = std::lerp(lower[axis], upper[axis], part(random_));
-            ++cost.judged;
-            if (places[i] == BoxPlace::near) continue;
-            const std::optional<int> winding = oracle_.winding_number(point);
-            const BoxPlace expected = winding.has_value() && *winding != 0 ? BoxPlace::inside : BoxPlace::outside;
-            if (places[i] != expected || oracle_.nearest(point).distance <= half_width) ++cost.wrong;
-        }
-    }
-
-private:
-    static Vec3 position_of(const Grid& grid, std::size_t offset) {
-        const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
-        const Index3 at{static_cast<std::int64_t>(offset % nx), static_cast<std::int64_t>(offset / nx % ny),
-                        static_cast<std::int64_t>(offset / (nx * ny))};
-        Vec3 point{};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            point[axis] = grid.origin[axis] + static_cast<double>(grid.first[axis] + at[axis]) * grid.spacing[axis];
-        return point;
-    }
-
-    /// The closest point is on the surface, at the distance of the sample, and the gradient leads away from it; beyond
-    /// the band there is none.
-    bool has_right_outputs(const FieldWithOutputs& outputs, std::size_t offset) const {
-        const Field& field = outputs.field;
-        const Vec3 sample = position_of(field.grid, offset);
-        const auto signed_distance = static_cast<double>(field.distance[offset]);
-        const double distance = std::abs(signed_distance), voxel = field.grid.voxel();
-        double squared = 0, along = 0, squared_gradient = 0;
-        Vec3 point{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const auto to_point = static_cast<double>(outputs.closest[3 * offset + axis]);
-            const auto gradient = static_cast<double>(outputs.gradient[3 * offset + axis]);
-            point[axis] = sample[axis] + to_point;
-            squared += to_point * to_point;
-            squared_gradient += gradient * gradient;
-            along -= gradient * to_point;
-        }
-        if (distance >= (signed_distance < 0 ? field.band.inside : field.band.outside))
-            return std::isnan(squared) && std::isnan(squared_gradient);
-        const double rounding = distance * static_cast<double>(std::numeric_limits<float>::epsilon());
-        const double tolerance = 1e-6 * voxel + 2 * rounding;
-        return std::abs(std::sqrt(squared) - distance) <= 1e-5 * voxel + 2 * rounding &&
-               oracle_.nearest(point).distance <= tolerance && std::abs(squared_gradient - 1) <= 1e-5 &&
-               std::abs(along - signed_distance) <= 1e-5 * voxel + 1e-5 * distance;
-    }
-
-    void look_at_sample(const Field& field, std::size_t offset, CallCost& cost) {
-        look_at_value(position_of(field.grid, offset), static_cast<double>(field.distance[offset]), field.band,
-                      field.grid.voxel(), cost);
-    }
-
-    void look_at_value(const Vec3& point, double value, const Band& band, double voxel, CallCost& cost) {
-        const double distance = oracle_.nearest(point).distance;
-        const std::optional<int> winding = oracle_.winding_number(point);
-        const bool inside = winding.has_value() && *winding != 0;
-        const double expected = inside ? -std::min(distance, band.inside) : std::min(distance, band.outside);
-        const double error = std::abs(value - expected);
-        const double ulp = std::abs(expected) * static_cast<double>(std::numeric_limits<float>::epsilon());
-        ++cost.judged;
-        if (!(error <= std::max(2 * ulp, 1e-5 * voxel))) ++cost.wrong;
-        if (distance < (inside ? band.inside : band.outside))
-            cost.max_error_voxels = std::max(cost.max_error_voxels, error / voxel);
-    }
-
-    reference::Oracle oracle_;
-    std::mt19937_64 random_;
-};
 
 struct Job {
     const Mesh& mesh;
@@ -180,7 +66,7 @@ struct Job {
     }
 };
 
-CallCost measure_again(const Job& job, Judge& judge) {
+CallCost measure_again(const Job& job, CallJudge& judge) {
     CallCost cost{"again", "the same grid and band on a kept transform / its first call"};
     cost.limit = 0.75;
     const Grid grid = job.grid(256);
@@ -198,7 +84,7 @@ CallCost measure_again(const Job& job, Judge& judge) {
 }
 
 /// Of a band of 10% on 256 samples a side: from the mesh's arrays, or with a transform that is kept.
-CallCost measure_outputs(const Job& job, Judge& judge, bool is_kept) {
+CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
     const char* const what =
         "distance, closest point and gradient, both in floats / the distance; a band of 10% on 256 samples on the "
         "longest side";
@@ -242,7 +128,7 @@ std::vector<Index3> chosen_samples(const Field& field, std::size_t count, std::u
     return chosen;
 }
 
-CallCost measure_one_sample(const Job& job, Judge& judge) {
+CallCost measure_one_sample(const Job& job, CallJudge& judge) {
     CallCost cost{"one_sample",
                   "a grid of one sample, half of 64 in the band / a band of 10% on 256 samples on the "
                   "longest side, from the mesh's arrays"};
@@ -322,7 +208,7 @@ struct Patches {
 };
 
 /// Boxes, by a call each or in one call, beside levels that are computed whole, all with a transform that is new.
-CallCost measure_boxes(const Job& job, Judge& judge, CallCost cost, Patches& patches, std::vector<Field>& levels,
+CallCost measure_boxes(const Job& job, CallJudge& judge, CallCost cost, Patches& patches, std::vector<Field>& levels,
                        bool in_one_call) {
     std::unique_ptr<DistanceTransform> transform;
     const auto renew = [&] { transform = std::make_unique<DistanceTransform>(job.device, job.mesh); };
@@ -355,7 +241,7 @@ CallCost measure_boxes(const Job& job, Judge& judge, CallCost cost, Patches& pat
     return cost;
 }
 
-CallCost measure_patches(const Job& job, Judge& judge, bool in_one_call) {
+CallCost measure_patches(const Job& job, CallJudge& judge, bool in_one_call) {
     CallCost cost =
         in_one_call
             ? CallCost{"patches_at_once",
@@ -373,7 +259,7 @@ CallCost measure_patches(const Job& job, Judge& judge, bool in_one_call) {
     return measure_boxes(job, judge, cost, patches, levels, in_one_call);
 }
 
-CallCost measure_band_boxes(const Job& job, Judge& judge) {
+CallCost measure_band_boxes(const Job& job, CallJudge& judge) {
     CallCost cost{"band_boxes",
                   "all boxes of 16^3 samples of 512 a side that meet the band, 4096 at most, in one call / "
                   "the grid whole"};
@@ -420,21 +306,8 @@ CallCost measure_moved(const Job& job, const char* name, std::int64_t resolution
         [&] {
             return seconds_of([&] { DistanceTransform(job.device, moved).compute(grid, band, {field.distance, {}}); });
         });
-    Judge(moved, job.options.seed).look_at(transform(grid, band), job.options.samples_judged, cost);
+    CallJudge(moved, job.options.seed).look_at(transform(grid, band), job.options.samples_judged, cost);
     return cost;
-}
-
-/// In the mesh's box and 10% of its longest side around it.
-std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
-    std::mt19937_64 random(seed);
-    std::uniform_real_distribution<double> part(0, 1);
-    const Box& box = mesh.box();
-    const double margin = 0.1 * box.longest_side();
-    std::vector<Vec3> points(count);
-    for (Vec3& point : points)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            point[axis] = std::lerp(box.lower[axis] - margin, box.upper[axis] + margin, part(random));
-    return points;
 }
 
 CallCost measure_moved_points(const Job& job) {
@@ -462,7 +335,7 @@ CallCost measure_moved_points(const Job& job) {
         },
         [&] { return seconds_of([&] { query(kept); }); });
     // The results of the last call, after a move.
-    Judge(moved, job.options.seed)
+    CallJudge(moved, job.options.seed)
         .look_at(points, distance, moved.box().longest_side() / 256, job.options.samples_judged, cost);
     return cost;
 }
@@ -500,7 +373,7 @@ CallCost measure_plan_move(const Job& job) {
             return seconds_of([&] { compute(moved); });
         });
     queue.enqueueReadBuffer(buffer, CL_TRUE, 0, field.distance.size() * sizeof(float), field.distance.data());
-    Judge(moved, job.options.seed).look_at(field, job.options.samples_judged, cost);
+    CallJudge(moved, job.options.seed).look_at(field, job.options.samples_judged, cost);
     return cost;
 }
 
@@ -523,7 +396,7 @@ CallCost measure_small_meshes(const Job& job) {
         [&] { return seconds_of([&] {
                   job.transform().compute(large, Job::band(large), {whole.distance, {}});
               }); });
-    Judge(small, job.options.seed).look_at(field, job.options.samples_judged, cost);
+    CallJudge(small, job.options.seed).look_at(field, job.options.samples_judged, cost);
     return cost;
 }
 
@@ -542,7 +415,7 @@ std::vector<Box> divided(const std::vector<Box>& boxes) {
     return result;
 }
 
-CallCost measure_classify(const Job& job, Judge& judge) {
+CallCost measure_classify(const Job& job, CallJudge& judge) {
     CallCost cost{"classify",
                   "cells of an octree that is refined near the surface, a call for each level, a million of them / a "
                   "second"};
@@ -580,7 +453,7 @@ CallCost measure_classify(const Job& job, Judge& judge) {
 std::vector<CallCost> measure_calls(const Mesh& mesh, const Device& device, const MeasureOptions& options,
                                     bool is_quick) {
     const Job job{mesh, device, options, is_quick};
-    Judge judge(mesh, options.seed);
+    CallJudge judge(mesh, options.seed);
     return {measure_again(job, judge),
             measure_outputs(job, judge, false),
             measure_outputs(job, judge, true),

@@ -232,6 +232,10 @@ std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, co
     return measurements.take();
 }
 
+std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+    return PointMaker(mesh, seed).uniform(count);
+}
+
 std::vector<PointCost> measure_these_points(const Mesh& mesh, std::span<const Vec3> points, const Device& device,
                                             const MeasureOptions& options) {
     Measurements measurements(mesh, device, options, points.size());

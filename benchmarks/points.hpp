@@ -5,6 +5,7 @@
 #include <clsdf/clsdf.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -39,5 +40,8 @@ std::vector<PointCost> measure_points(const Mesh& mesh, const Device& device, co
 /// The same of the caller's points, in one call.
 std::vector<PointCost> measure_these_points(const Mesh& mesh, std::span<const Vec3> points, const Device& device,
                                             const MeasureOptions& options);
+
+/// Random points in the mesh's box and 10% of its longest side around it.
+std::vector<Vec3> points_around(const Mesh& mesh, std::size_t count, std::uint64_t seed);
 
 }  // namespace clsdf::bench

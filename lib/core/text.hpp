@@ -1,11 +1,8 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace clsdf {
 
@@ -14,19 +11,6 @@ namespace clsdf {
 std::string quoted(std::string_view text, std::size_t limit = 40);
 
 /// The fewest insertions, deletions and replacements of one character that turn one word into the other (Levenshtein).
-/// Defined in the header, because the command cannot link hidden functions of the library.
-inline std::size_t edit_distance(std::string_view from, std::string_view to) {
-    std::vector<std::size_t> row(to.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (const char letter : from) {
-        std::size_t diagonal = row[0]++;
-        for (std::size_t j = 0; j < to.size(); ++j) {
-            const std::size_t replaced = diagonal + (letter == to[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-        }
-    }
-    return row.back();
-}
+std::size_t edit_distance(std::string_view from, std::string_view to);
 
 }  // namespace clsdf

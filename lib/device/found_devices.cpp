@@ -1,6 +1,6 @@
 #include "device/found_devices.hpp"
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/laboratory.hpp>
 
 #include "device/context.hpp"
 #include "device/opencl.hpp"

@@ -1,6 +1,6 @@
 #include "device/opencl.hpp"
 
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/laboratory.hpp>
 
 #include <fmt/format.h>
 

@@ -1,10 +1,11 @@
 #include "papers/site_solids.hpp"
 
+#include "core/parallel.hpp"
+#include "polyhedra/frames.hpp"
+
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -17,7 +18,8 @@ namespace clsdf::papers {
 
 namespace {
 
-using Vector = Eigen::Vector3d;
+using polyhedra::any_perpendicular;
+using polyhedra::Vector;
 using Vector2 = Eigen::Vector2d;
 
 constexpr std::size_t most_rays = SiteSolid::most_corners - 1;
@@ -32,17 +34,6 @@ struct FaceEdge {
         return vertices != other.vertices ? vertices < other.vertices : face < other.face;
     }
 };
-
-template <typename Function>
-void for_each_index(std::size_t count, const Function& f) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 512), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
-    });
-}
-
-Vector any_perpendicular(const Vector& v) {
-    return v.cross(std::abs(v.x()) < 0.6 * v.norm() ? Vector::UnitX() : Vector::UnitY()).normalized();
-}
 
 /// The part of a convex polygon with n . (x, y) <= limit.
 void cut(std::vector<Vector2>& polygon, const Vector2& n, double limit, std::vector<Vector2>& result) {

@@ -16,8 +16,8 @@ namespace clsdf::scan {
 
 namespace {
 
-// Crossings that there is room for at first, for each row on average (see sign_bytes_of_slice). Where there are more
-// crossings, they are found twice.
+// The first room for crossings, per row on average (see sign_bytes_of_slice). If there are more crossings, they are
+// found twice.
 constexpr std::size_t records_per_row = 4;
 constexpr const char* records_purpose = "crossings of the sign's sweep";
 constexpr const char* listed = "crossings of the surface by rows of samples";

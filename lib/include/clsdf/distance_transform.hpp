@@ -39,8 +39,8 @@ struct TransformOptions {
     std::function<void(const std::string& message)> log{};  ///< warnings; on the calling thread, as CallOptions' are
     /// Limit of the device memory that is kept between calls, in bytes: polyhedra of lattices, lists of the last four
     /// grids, and what points need. The default is the polyhedra of two lattices (280 bytes a triangle each) and all
-    /// that points need, or 256 MiB if that is more. 0 keeps nothing. What all grids and points share is kept first,
-    /// then the lattices and grids that were used last.
+    /// that points need, or 256 MiB if that is more. 0 keeps nothing. Data that all grids and points share is kept
+    /// first, then the lattices and grids that were used last.
     std::optional<std::size_t> kept_bytes{};
 };
 

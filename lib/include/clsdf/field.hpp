@@ -12,6 +12,7 @@
 #include <string>
 
 namespace clsdf {
+
 /// An array for the samples of a grid, in memory for fast stores: it is aligned to a cache line (64 bytes) and, from 4
 /// MiB on, lies on huge pages if the system provides them. `Value` is float, double, std::uint32_t or std::uint8_t.
 ///
