@@ -1,15 +1,16 @@
 // Inside or outside at every sample: the exact winding number by a sweep along x (docs/method.md, 'Sign by crossings').
 //
 // y and z of the vertices are snapped to multiples of 2^-b spacings, such that samples are exact: sample (j, k) lies at
-// (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) iff three edge functions, exact
-// integers, say so; a row through an edge or a vertex counts as moved by (+epsilon, +epsilon^2) in (y, z), so that a
-// closed mesh is crossed consistently by every row. The snapped mesh has the same connectivity. A
-// vertex moves by at most 2^-21 voxel in y and in z. The sign may differ only within 2^-20 / sqrt 2 voxel of the
-// surface. The crossing of the row and the triangle is interpolated in double. The edge functions are the weights: all
-// have one sign, so nothing cancels. (On steep triangles the plane would be extrapolated.)
+// (j << bits_y, k << bits_z). A triangle projected along x covers a row (j, k) if the signs of three edge functions
+// agree, which are exact integers. A row through an edge or a vertex is treated as moved by (+epsilon, +epsilon^2) in
+// (y, z), so every row crosses a closed mesh consistently. The snapped mesh has the same connectivity. A vertex moves
+// by at most 2^-21 voxel in y and in z. The sign may differ only within 2^-20 / sqrt 2 voxel of the surface. The
+// crossing of the row and the triangle is interpolated in double. The edge functions are the weights: all have one
+// sign, so nothing cancels. (On steep triangles the plane would be extrapolated.)
 //
-// Crossings are found once, as records in no order, and counted by row. The counts scanned, the records are scattered
-// to their rows and sorted there; a running sum of their orientation is the winding number.
+// Crossings are found once, as records in no order, and counted by row. A prefix sum of the counts gives the start of
+// each row. The records are scattered to their rows and sorted; a running sum of their orientation is the winding
+// number.
 
 #include "layout.h"
 #include "shares.h"
@@ -245,8 +246,9 @@ INLINE void sweep_lanes(Layout layout, __private const uint* numbers, uint valid
 #endif
 
 // Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there:
-// those with few rows now, the numbers of the others to `large`. Keys: 2 k + (1 where the surface faces -x), k the
-// first sample at or after the crossing, counted from the first brick's first sample and clamped to [0, row_length].
+// it handles those with few rows, and appends the numbers of the others to `large`. Keys: 2 k + (1 where the surface
+// faces -x), k the first sample at or after the crossing, counted from the first brick's first sample and clamped to
+// [0, row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,
                              __global const SweepVertex* vertices, int bits_y, int bits_z, __global uint* row_counts,
                              uint capacity, __global SweepRecord* records, __global SweepTotals* totals,

@@ -261,9 +261,9 @@ Command add_bench(CLI::App& program) {
     parser->add_option("--meshes", options->folder, "the folder of the meshes of scripts/fetch-meshes")
         ->type_name("FOLDER")
         ->capture_default_str();
-    takes_some_of(
-        parser->add_option("--workload", options->workloads, "of peers and floors, separated by commas [all]"),
-        {"W1", "W2", "W3", "W4"});
+    takes_some_of(parser->add_option("--workload", options->workloads,
+                                     "of peers and floors, separated by commas [all; W4 of the first mesh]"),
+                  {"W1", "W2", "W3", "W4"});
     takes_some_of(parser->add_option("--method", options->methods,
                                      "of peers and scaling, separated by commas [peers: all, scaling: clsdf]"),
                   {"clsdf", "again", "embree", "openvdb", "cgal"});

@@ -98,9 +98,10 @@ void add_grid_options(CLI::App& parser, ComputeOptions& options) {
         parser.add_option("--spacing", options.spacing, "instead: distance of the samples, for all axes or each")
             ->type_name("H[,H,H]")
             ->excludes(resolution);
-    CLI::Option* margin =
-        parser.add_option("--margin", options.margin, "room around the mesh [the band's width outside]")
-            ->type_name("LENGTH");
+    CLI::Option* margin = parser
+                              .add_option("--margin", options.margin,
+                                          "room around the mesh [the band's width outside, 5% without an end]")
+                              ->type_name("LENGTH");
     CLI::Option* cubic = parser.add_flag("--cubic", options.cubic, "as many samples on every axis");
     CLI::Option* size = parser.add_option("--size", options.size, "with --origin and --spacing: a grid stated in full")
                             ->type_name("NX,NY,NZ")

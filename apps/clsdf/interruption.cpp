@@ -38,7 +38,7 @@ extern "C" void handle_signal(int) {
     errno = error;
 }
 
-// The signals that end the process: those of these that were not ignored at the start. Set before any other thread
+// The signals that end the process: the known ones that were not ignored at the start. Set before any other thread
 // starts.
 constexpr std::array known_signals{SIGINT, SIGTERM, SIGHUP};
 sigset_t ending_signals;
@@ -115,7 +115,7 @@ void end_when_interrupted(bool json) {
     if (::pipe2(ends, O_CLOEXEC) != 0)
         throw clsdf::Error(clsdf::ErrorCode::out_of_memory, "no pipe can be opened to listen for Ctrl-C");
     signal_pipe = ends[1];
-    // Blocked while the thread starts, so that it inherits the mask: the main thread gets the signals.
+    // The thread inherits the mask of blocked signals, so the main thread gets them.
     choose_signals();
     sigset_t before;
     ::pthread_sigmask(SIG_BLOCK, &ending_signals, &before);

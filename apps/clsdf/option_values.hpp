@@ -45,9 +45,9 @@ CLI::Validator file_name();
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
 
-/// If the message begins with the subject, the error with the file's name before the message, and unreadable_input in
-/// place of invalid_argument. Otherwise the error unchanged. The library names a point by its number, and a field by
-/// "field: ".
+/// If the message begins with the subject, returns the error with the file's name before the message, and with
+/// unreadable_input in place of invalid_argument. Otherwise returns it unchanged. The library names a point by its
+/// number, and a field by "field: ".
 clsdf::Error with_file(const clsdf::Error& error, std::string_view subject, const std::string& file);
 
 /// The value whose name_of() is the text. The words that the option takes are their names.

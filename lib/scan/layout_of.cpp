@@ -31,7 +31,7 @@ double unit_of(const Grid& grid) {
     return std::ldexp(1.0, std::ilogb(grid.voxel()));
 }
 
-/// Throws where lengths leave the range of a float, or of the sweep's integers.
+/// Throws if a length is not in the range of a float, or if spacings differ by more than 1e9.
 void check_range(const Grid& grid, const Band& band) {
     constexpr double largest_ratio = 1e9;
     const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());

@@ -137,7 +137,7 @@ SlabPipeline::SlabPipeline(const device::Context& context, std::shared_ptr<devic
     : context_(context),
       pool_(std::move(pool)),
       sink_(std::move(sink)),
-      // A thread if there is one to be had, and if it is of use.
+      // A thread if one can be started, and if the sink or the transfer can overlap.
       policy_(overlap && (sink_ || !context.capabilities().is_processor) ? std::launch::async | std::launch::deferred
                                                                          : std::launch::deferred),
       transfers_(device::guarded([&] { return cl::CommandQueue(context.context(), context.device()); })) {}

@@ -44,10 +44,10 @@ public:
 
     const cl::Buffer& buffer() const { return in_place_() != nullptr ? in_place_ : *lease_; }
 
-    /// Enqueued behind what computes the result: where the array is the device's memory, it holds the result when all
-    /// of the queue, which is in order, has ended.
+    /// To be called after the commands that compute the result. If the array is the device's memory, it holds the
+    /// result when the queue, which is in order, has finished.
     void enqueue_handover(const cl::CommandQueue& queue) const;
-    /// Elsewhere: reads the result, which has been computed, into the array.
+    /// On other devices: reads the finished result into the array.
     void read(const device::Context& context, const cl::CommandQueue& transfers) const;
 
 private:
@@ -117,8 +117,8 @@ public:
         std::shared_future<void> delivered_;
     };
 
-    /// Without a sink slabs end in the caller's memory. Without overlap it is called from the thread of deliver(), and
-    /// what is still to be read is read in finish().
+    /// Without a sink, slabs stay in the caller's memory. Without overlap, the thread of deliver() calls the sink, and
+    /// finish() reads the remaining slabs.
     SlabPipeline(const device::Context& context, std::shared_ptr<device::BufferPool> pool, ArraySink sink,
                  bool overlap);
     /// Slabs that were not handed on yet are dropped; waits for the sink.

@@ -33,7 +33,7 @@ int bits_of(double ratio) {
     return snap_bits + static_cast<int>(std::ceil(std::log2(std::max(ratio, 1.0))));
 }
 
-/// A place on an axis of the lattice, in samples: the sum of both.
+/// A place on an axis of the lattice, in samples: the sum of both. Two doubles keep the fraction exact far away.
 struct Place {
     double sample;  // 0 unless far; else the nearest whole number, up to a rounding
     double past;
@@ -47,8 +47,8 @@ Place place_of(double position, const Grid& grid, const polyhedra::LatticeView& 
     return {sample, lattice.from_sample(axis, position, sample) / spacing};
 }
 
-/// The sample that x is counted from: 0, or, of a mesh that lies far from it, one at the mesh's near end. A row's
-/// crossing with a triangle is rounded as coarsely as the numbers that it is formed from.
+/// The sample that x is counted from: 0, or a sample at the near end of a mesh that is far from it. Crossings are
+/// formed from these numbers, so small numbers keep their rounding small.
 std::int32_t first_x_of(const Mesh& mesh, const Grid& grid, const polyhedra::LatticeView& lattice) {
     const auto samples = [&](double position) { return (position - grid.origin[0]) / grid.spacing[0]; };
     const double nearest = std::max(samples(mesh.box().lower[0]), std::min(samples(mesh.box().upper[0]), 0.0));

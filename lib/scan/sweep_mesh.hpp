@@ -47,7 +47,7 @@ SweepSelection select_triangles(const device::Context& context, const SweepMesh&
 bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 
 /// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
-/// `faces`: null if the host makes the vertices, else what the set-up makes them of.
+/// `faces`: null if the host makes the vertices, else the device's faces.
 SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
                           const Mesh& mesh, const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces>& faces);
 

@@ -71,7 +71,7 @@ private:
         std::vector<std::size_t> requests;
         bool in_place;
         HostArrays arrays;        ///< which outputs, and the elements that are computed
-        OutputTargets like;       ///< the first request's: all have its elements
+        OutputTargets like;       ///< of the first request: all have the same elements
         OutputBuffers buffers{};  ///< that the samples are computed in
         PerOutput<StoreOf> stores{};
     };

@@ -73,7 +73,7 @@ public:
     struct Options {
         std::shared_ptr<const FieldMethod> method{};  ///< null for leaned polyhedra scanned by bricks
         SetUpBy set_up{};
-        bool has_selections = false;              ///< the lists can be made of a part of the records
+        bool has_selections = false;              ///< the kernels can make lists of a part of the records
         std::optional<std::size_t> kept_bytes{};  ///< see TransformOptions
         bool is_whole = false;                    ///< small grids, too, get records of the whole mesh
     };
@@ -104,11 +104,11 @@ public:
     /// New positions of the same vertices. Throws Error(invalid_mesh) if one in use is not finite.
     void move(std::vector<Vec3> positions);
 
-    /// lone: what a small grid gets is its own, and holds nothing that is not near it. Throws Error(invalid_argument,
+    /// lone: a small grid gets inputs of its own, which contain only triangles near it. Throws Error(invalid_argument,
     /// unsupported or out_of_memory).
     Inputs inputs(const Grid& grid, const Layout& layout, SignRule sign, bool lone = false);
 
-    /// Selects those of a grid's inputs that matter to a part of it, unless they are most. Throws Error(out_of_memory).
+    /// Reduces a grid's inputs to those near a part of it, unless most of them are. Throws Error(out_of_memory).
     void select(const Grid& part, const Layout& layout, Inputs& inputs);
 
     /// Whether samples of the grid's lattice may lie on an edge or a vertex, so that gradients need pseudonormals.

@@ -166,8 +166,8 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_on
     // The three waits of docs/gpu.md, and the read of a field too small for pinned memory, which blocks after the last
     // of them.
     BOOST_TEST(counts.blocking_waits <= 4U);
-    // 40 bytes a triangle and 24 a vertex, where a record has 280; beside them, the ends of lists of fans, the order of
-    // the coarse lists, and the records that the host writes.
+    // 40 bytes a triangle and 24 a vertex (a record would be 280), and the ends of the lists of fans, the order of the
+    // coarse lists, and the records that the host writes.
     BOOST_TEST(counts.bytes_up <= 40 * mesh().triangles().size() + 24 * mesh().vertices().size() + 16384);
     BOOST_TEST(counts.kernels.contains("face_slopes"));
     BOOST_TEST(!counts.kernels.contains("face_records"));
@@ -188,8 +188,8 @@ BOOST_AUTO_TEST_CASE(vertices_that_move_go_to_the_device_and_nothing_else_of_the
     BOOST_TEST(counts.blocking_waits <= 4U);
 }
 
-// Its lists have another length in each step. Buffers for lists are made with an eighth more than they need. What is
-// made in each step is a buffer for the order of the coarse bricks.
+// The lengths of the lists change in each step, but their buffers are an eighth longer than they need to be. So a step
+// allocates only the buffer for the order of the coarse bricks.
 BOOST_AUTO_TEST_CASE(a_body_that_turns_finds_the_memory_of_the_step_before) {
     const Mesh body = make_shape("stairs");
     const Grid around = grid_around(body, 90, 12);

@@ -159,7 +159,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
     const Plan small = transform.plan(grid.part({0, 120, 120}, {16, 16, 16}), band);
     BOOST_TEST(small.statistics().coarse_pairs > 0U);
     BOOST_TEST(small.statistics().device_bytes < 4U << 20);
-    // The plan has the polyhedra near it. What all polyhedra are made of is in the memory of a GPU, too.
+    // The plan has the polyhedra near it. A GPU also keeps the faces that all polyhedra are made of.
     const std::size_t of_faces = is_processor() ? 0 : 52 * mesh.triangles().size();
     BOOST_TEST(transform.memory().device_bytes < of_faces + (1U << 20));
     BOOST_TEST(small.statistics().device_bytes > 280 * mesh.triangles().size() / 1000);
@@ -326,7 +326,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
     BOOST_TEST(same_bytes(transform(grid, band), before));
 }
 
-// To forget what a plan holds, too, would free nothing, and the next call would need it a second time.
+// If the call forgot data that the plan holds, no memory would be freed, and the next call would allocate it again.
 BOOST_AUTO_TEST_CASE(a_call_that_was_short_of_memory_can_be_repeated_beside_a_plan) {
     const Mesh mesh = make_shape("sphere4");
     const Grid grid = grid_around(mesh, 64, 4);

@@ -247,7 +247,7 @@ public:
     DistanceTransform restrict_to(const Box& box, double half_width, double spacing) const;
 
     /// Builds the other programs that such a field needs and, the first time on this device and driver version, tests
-    /// them: a small known field is computed and compared. Computations do it by themselves; this is for programs that
+    /// them: known fields are computed and compared. Computations do it by themselves; this is for programs that
     /// want to choose when. Returns whether something was tested. Throws Error(device_failure) that names the device,
     /// its platform and their versions if the device computes wrong values or if its compiler has ended earlier
     /// processes; Error(cancelled).
@@ -261,7 +261,8 @@ public:
     /// device. Device memory is written by a plan(), which cannot be cancelled while samples are computed. An error
     /// leaves the targets undefined. The targets are written after the events of `wait_list`, and before the call
     /// returns. Throws Error(invalid_argument) for a grid, a band or a target's memory out of range and for an event of
-    /// another context; Error(unsupported) for other elements; Error(out_of_memory, device_failure or cancelled).
+    /// another context; Error(unsupported) for other elements and for a signed field of a mesh beyond the limits of
+    /// Grid; Error(out_of_memory, device_failure or cancelled).
     void compute(const Grid& grid, const Band& band, const OutputTargets& targets, const CallOptions& call = {},
                  std::span<const cl_event> wait_list = {}) const;
 

@@ -66,7 +66,8 @@ struct GridOptions {
 /// stored doubles. A Grid is the block of samples first <= (i, j, k) < first + size of that lattice; x runs fastest in
 /// memory. Bricks and all snapping are relative to the lattice's sample (0, 0, 0), never to `first`: a part of a grid
 /// has the same bytes as the whole. A field is as accurate far from sample (0, 0, 0) as near it. A block may reach 2^30
-/// - 128 samples from sample (0, 0, 0) on every axis, a mesh 1e14 times the smallest spacing.
+/// - 128 samples from sample (0, 0, 0) on every axis, a mesh 1e14 times the smallest spacing (2^40 times it in y and z,
+/// for a field with a sign).
 struct CLSDF_EXPORT Grid {
     Vec3 origin{};
     Vec3 spacing{1, 1, 1};

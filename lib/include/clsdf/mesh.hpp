@@ -146,7 +146,8 @@ struct PartMaker;
 /// reported by describe_topology().
 class CLSDF_EXPORT Mesh {
 public:
-    /// Takes the arrays over. Throws Error(invalid_mesh) that names `name`, the element and the value.
+    /// Takes the arrays over. Throws Error(invalid_mesh) that names `name`, the element and the value;
+    /// Error(unsupported) from 2^32 - 1 vertices or triangles on.
     Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name = "mesh");
     /// Copies the caller's arrays. Throws Error(invalid_mesh), and Error(unsupported) for memory of the device, which a
     /// DistanceTransform can read.

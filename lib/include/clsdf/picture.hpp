@@ -146,7 +146,8 @@ public:
 
     double offset() const;
 
-    /// The axis that probably points upwards: y or z, the one along which the solid stands most firmly.
+    /// The axis that probably points upwards: y or z, the one along which the solid stands firmly; z if both,
+    /// unless y is clearly firmer; y if neither.
     Axis upright() const;
 
     /// Throws Error(invalid_argument) if an option makes no sense, Error(cancelled), Error(device_failure).
