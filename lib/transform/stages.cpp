@@ -41,8 +41,8 @@ Box widened(Box box, double margin) {
     return box;
 }
 
-/// The greatest distance between a coarse brick and the polyhedra of its list, in the mesh's units; see
-/// coarse_clusters.h.
+/// Triangles farther than this from a brick, in the mesh's units, decide none of its samples: they are farther than the
+/// half width from each, by more than the rounding of distances and of the tests in kernels/coarse_clusters.h.
 double greatest_distance_of(const Layout& layout) {
     const auto half_width = static_cast<double>(layout.half_width);
     const double units = half_width * (1 + static_cast<double>(layout.slack_rate)) +
@@ -114,9 +114,8 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
         restriction.box = box;
         restriction.half_width = half_width;
         restriction.spacing = spacing;
-        // Up to the grid's outermost coarse bricks and the slack of their tests, which is far less than a sample.
-        polyhedra::NearRecords near =
-            index().near(widened(box, half_width * (1 + 1e-3) + (CLSDF_COARSE + 1) * spacing));
+        // Up to the grid's outermost bricks and the slack of their tests, which is far less than a sample.
+        polyhedra::NearRecords near = index().near(widened(box, half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * spacing));
         restriction.record_count = near.face_count + near.site_count;
         if (sign != SignRule::none) {
             // The sweep's rows are those of the grid's bricks: see near_rows().
@@ -269,9 +268,9 @@ const polyhedra::NearRecords& Stages::kept_records(const Grid& grid) {
         const std::size_t faces = topology().order.size(), sites = frusta().sites.size();
         kept = polyhedra::NearRecords{{{0, faces}}, {{0, sites}}, faces, sites};
     } else if (!kept) {
-        Box box;  // of the coarse bricks with samples in the part's box
+        Box box;  // of the bricks with samples in the part's box
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double size = CLSDF_COARSE * grid.spacing[axis];
+            const double size = CLSDF_BRICK * grid.spacing[axis];
             // Samples may lie beyond it by the rounding of their positions.
             const auto brick = [&](double position, double slack) {
                 return std::floor((position - grid.origin[axis] + slack * grid.spacing[axis]) / size);
@@ -312,9 +311,9 @@ std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, std::size
 
 std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
     if (!is_bounded(layout)) return std::nullopt;
-    return near_box(
-        widened(box_of(grid, layout.coarse_first, layout.coarse_bricks, CLSDF_COARSE), greatest_distance_of(layout)),
-        restriction_ ? kept_records(grid).face_count : topology().order.size());
+    // Of the bricks alone: what is near the rest of their coarse bricks decides none of the samples.
+    return near_box(widened(box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK), greatest_distance_of(layout)),
+                    restriction_ ? kept_records(grid).face_count : topology().order.size());
 }
 
 std::optional<polyhedra::NearRecords> Stages::near_rows(const Grid& grid, const Layout& layout) {
