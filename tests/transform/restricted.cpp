@@ -106,6 +106,20 @@ BOOST_AUTO_TEST_CASE(grids_in_the_box_have_the_bytes_of_the_whole) {
         }
 }
 
+// The box ends almost a half width before the surface, which is finer than the other meshes.
+BOOST_AUTO_TEST_CASE(a_part_has_all_that_is_within_the_half_width_of_its_box) {
+    const Mesh mesh = make_shape("sphere6");
+    const double h = 0.004, half_width = 0.4;
+    const Box box{{-1.45, -0.1, -0.1}, {-1.39, 0.1, 0.1}};
+    const Grid grid = samples_in(box, h, {0.001, 0.002, 0.003});
+    for (const KernelBody body : both_bodies) {
+        const DistanceTransform whole(test_device(), mesh, {.body = body});
+        const Field expected = whole(grid, Band::symmetric(half_width), all_outputs());
+        BOOST_TEST(static_cast<double>(std::ranges::min(expected.distance)) < half_width);
+        check_same(expected, whole.restrict_to(box, half_width, h)(grid, Band::symmetric(half_width), all_outputs()));
+    }
+}
+
 BOOST_AUTO_TEST_CASE(points_and_boxes_in_the_box_have_the_answers_of_the_whole) {
     for (const KernelBody body : both_bodies)
         for (const Mesh& mesh : meshes(body)) {
