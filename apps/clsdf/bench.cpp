@@ -133,7 +133,10 @@ namespace {
 /// says more.
 void check_name(const std::string& word) {
     const std::vector<std::string> known = clsdf::bench::mesh_names();
-    if (contains(known, word) || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word)) return;
+    std::error_code ignored;
+    if (contains(known, word) || word.find_first_of("./") != std::string::npos ||
+        std::filesystem::exists(word, ignored))
+        return;
     throw Error(ErrorCode::invalid_argument,
                 fmt::format("there is no mesh '{}'{}\nThe names are {}; any other mesh is a file.", word,
                             did_you_mean(nearest_word(word, known)), fmt::join(known, ", ")));

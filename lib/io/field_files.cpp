@@ -9,6 +9,7 @@
 #include <clsdf/io.hpp>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -82,6 +83,10 @@ std::string path_beside(const std::string& path, const std::string& name) {
     return (fs::path(path).parent_path() / file).string();
 }
 
+bool is_there(const std::string& path) noexcept {
+    return ::access(path.c_str(), F_OK) == 0;
+}
+
 namespace fs = std::filesystem;
 
 void check_output(const std::string& path, const Outputs& outputs) {
@@ -124,7 +129,7 @@ std::vector<std::string> missing_files(const std::string& path) {
     std::vector<std::string> missing;
     if (format.files == nullptr) return missing;
     for (const auto& [output, name] : format.files(path))
-        if (const std::string beside = path_beside(path, name); !fs::exists(beside)) missing.push_back(beside);
+        if (const std::string beside = path_beside(path, name); !is_there(beside)) missing.push_back(beside);
     return missing;
 }
 

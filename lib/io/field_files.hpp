@@ -97,6 +97,9 @@ std::string file_name(const std::string& path);
 /// plain name.
 std::string path_beside(const std::string& path, const std::string& name);
 
+/// Whether there is a file of that path. No system has one whose name it finds too long.
+bool is_there(const std::string& path) noexcept;
+
 /// The properties of a field for which most formats have no fields of their own, as the text of a JSON object. Its
 /// members:
 ///   "origin", "spacing", "size"   of the samples: three numbers along x, y, z; the origin is the first sample

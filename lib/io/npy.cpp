@@ -12,7 +12,6 @@
 #include <charconv>
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -189,8 +188,6 @@ const char* npy_name_of(ValueType type) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string sidecar_path(const std::string& path) {
     return path + ".json";
 }
@@ -294,7 +291,7 @@ Field read_npy(const std::string& path) {
     checked_count(file, header.values, header.shape);
 
     const std::string sidecar = sidecar_path(path);
-    if (!fs::exists(sidecar))
+    if (!is_there(sidecar))
         file.fail(
             fmt::format("there is no '{}' beside it, which states where the samples lie: at least \"origin\", "
                         "\"spacing\" and \"size\", each with three numbers along x, y, z",
@@ -307,7 +304,7 @@ Field read_npy(const std::string& path) {
         const auto name = description.files.find(kind.name);
         if (name == description.files.end()) continue;
         const std::string beside = path_beside(path, name->second);
-        if (fs::exists(beside)) read_extra(beside, kind, field);
+        if (is_there(beside)) read_extra(beside, kind, field);
     }
     return field;
 }

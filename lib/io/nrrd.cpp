@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -334,7 +333,7 @@ Field read_nrrd(const std::string& path) {
         const auto name = files.find(kind.name);
         if (name == files.end()) continue;
         const std::string beside = path_beside(path, name->second);
-        if (std::filesystem::exists(beside)) read_extra(beside, kind, field);
+        if (is_there(beside)) read_extra(beside, kind, field);
     }
     return field;
 }

@@ -136,7 +136,8 @@ BOOST_AUTO_TEST_CASE(points_have_speeds_and_no_errors) {
 BOOST_AUTO_TEST_CASE(points_of_a_file_are_measured_alone) {
     const TemporaryFolder folder;
     const std::string file = folder.file("points.csv", "x,y,z\n0,0,0\n9,9,9\n0.5,1,0.25\n");
-    for (const json& row : result_of({"points", "knot", "--points", file})["rows"]) {
+    const json result = result_of({"points", "knot", "--points", file});
+    for (const json& row : result["rows"]) {
         BOOST_TEST(row["name"] == "file");
         BOOST_TEST(row["points"] == 3);
         BOOST_TEST(row["judged"] == 3);
@@ -175,6 +176,7 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_measured_is_refused_with_the_remedy) {
     check_refused(run_command({"bench", "papers", "armadillo"}), 2, {"armadillo", "bunny00"});
     check_refused(run_command({"bench", "papers", "bunny"}), 2, {"did you mean bunny00?"});
     check_refused(run_command({"bench", "peers", "nomesh"}), 2, {"nomesh", "noisy_sphere", "refined_elephant", "knot"});
+    check_refused(run_command({"bench", "peers", std::string(300, 'a')}), 2, {"there is no mesh 'aaa"});
     check_refused(run_command({"bench", "floors", "seashel"}), 2, {"did you mean seashell?"});
     check_refused(run_command({"bench", "scaling", "knot", "torus"}), 2, {"one mesh", "torus"});
     for (const char* benchmark : {"peers", "scaling", "floors", "papers", "calls", "points", "memory"})

@@ -81,6 +81,14 @@ BOOST_AUTO_TEST_CASE(that_was_cropped_from_ours_has_the_place_it_states_and_not_
     BOOST_TEST(field.grid.position(0, 0, 0) == (Vec3{-1, 2, 300}), boost::test_tools::per_element());
 }
 
+BOOST_AUTO_TEST_CASE(that_names_a_file_that_no_system_can_have_is_read_without_it) {
+    const TemporaryFolder folder;
+    const std::string other = "clsdf_triangle_file:=" + std::string(300, 'x') + "\n";
+    const std::string path = folder.file("a.nrrd", fields + place + other + "\n" + six_bytes());
+    BOOST_TEST(read_field(path).triangle.empty());
+    BOOST_TEST(missing_files(path).size() == 1U);
+}
+
 BOOST_AUTO_TEST_CASE(that_does_not_say_enough_is_refused_with_the_field_the_value_and_the_remedy) {
     const TemporaryFolder folder;
     const auto refused = [&](const std::string& header, const std::vector<std::string>& fragments) {
