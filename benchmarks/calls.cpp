@@ -83,7 +83,7 @@ CallCost measure_again(const Job& job, CallJudge& judge) {
     return cost;
 }
 
-/// Of a band of 10% on 256 samples a side: from the mesh's arrays, or with a transform that is kept.
+/// The cost of more outputs, in a band of 10% on 256 samples a side: from the mesh's arrays, or on a kept transform.
 CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
     const char* const what =
         "distance, closest point and gradient, both in floats / the distance; a band of 10% on 256 samples on the "

@@ -22,8 +22,8 @@ private:
     std::optional<std::size_t> before_;
 };
 
-/// What a process holds after a field, for a whole transform and for one that is restricted to an eighth of the domain:
-/// its resident bytes without the field's array.
+/// The resident bytes of a process after a field, without the field's array: for a whole transform, and for one that is
+/// restricted to an eighth of the domain.
 struct RestrictedMemory {
     std::size_t triangles = 0;
     std::size_t without_mesh = 0;  ///< after the same calls for a small mesh, whose transform has ended

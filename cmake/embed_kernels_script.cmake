@@ -27,7 +27,7 @@ namespace clsdf::kernels {
 
 using namespace std::string_view_literals;
 
-// Of this library: others have files of their own.
+// The kernel files of this library; other libraries have their own.
 constexpr device::KernelFile files[] = {
 ${table}};
 

@@ -106,7 +106,7 @@ int main(int argument_count, char** arguments) {
 
         std::vector<std::vector<float>> distances(own.size());
         if (!own.empty()) {
-            // What the rank's blocks need of the mesh. The rest ends with the whole transform.
+            // The part of the mesh that the rank's blocks need. The rest ends with the whole transform.
             const clsdf::DistanceTransform part = whole->restrict_to(box_around(own), band.widest(), domain.voxel());
             whole.reset();
             std::vector<clsdf::Request> requests;

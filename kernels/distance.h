@@ -1,8 +1,8 @@
 // The distance from samples to a triangle by its seven sites (face, edges, vertices).
 //
 // The altitude on its longest edge divides a triangle in two right-angled halves; the nearest point of the triangle
-// lies in the half on the sample's side of the altitude. Of the half's two outer edges, the base counts where Y < 0,
-// else the slanted one: with r the distance outward from that edge and t the position along it, in the coordinates of
+// lies in the half on the sample's side of the altitude. This half has two outer edges: the base counts if Y < 0, else
+// the slanted one. With r the distance outward from that edge and t the position along it, in the coordinates of
 // polyhedron.h,
 //   distance^2 = max(r, 0)^2 + (t beyond [0, length])^2 + Z^2
 // (for the base, t is the distance from the altitude; the base goes on in the other half, so t has no lower limit).
@@ -73,7 +73,7 @@ DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, double, long)
 DEFINE_EDGE_OFFSETS(LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)
 #endif
 
-// The same where a brick is so long on one axis that floats around its centre are too coarse: everything in double up
+// The same if a brick is so long on one axis that floats around its centre are too coarse: everything in double up
 // to the values that are squared. `centre`: (X, Y, Z) at the brick's centre.
 static inline floatL squared_distance_long_brick(__global const Polyhedron* p, double4 centre, floatL i, floatL j,
                                                  floatL k) {

@@ -52,7 +52,7 @@ typedef struct Layout {
         sign_words;  // 32-bit words a row of sign bits has; bit 0 of a row is the part's first brick's first sample
 
     // Lengths in units (see `unit`).
-    float half_width;      // of the band, the larger side; a finite bound where the band is infinite
+    float half_width;      // of the band, the larger side; a finite bound if the band is infinite
     float inside_squared;  // squared half widths, possibly infinite
     float outside_squared;
     float slack_rate;  // slack of a test = slack of its level + slack_rate * bound

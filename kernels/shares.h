@@ -2,7 +2,7 @@
 #ifndef CLSDF_SHARES_H
 #define CLSDF_SHARES_H
 
-// Where share `number` of `shares` begins. Share number + 1 begins where it ends.
+// The begin of share `number` of `shares`. It ends at the begin of share number + 1.
 static inline uint share_of(uint count, uint number, uint shares) {
     return (uint)((ulong)count * number / shares);
 }

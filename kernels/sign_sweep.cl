@@ -246,7 +246,7 @@ INLINE void sweep_lanes(Layout layout, __private const uint* numbers, uint valid
 #endif
 
 // Each work-item takes a range of the triangles [begin, end), or, if has_chosen, of those that `chosen` names there:
-// it handles those with few rows, and appends the numbers of the others to `large`. Keys: 2 k + (1 where the surface
+// it handles those with few rows, and appends the numbers of the others to `large`. Keys: 2 k + (1 if the surface
 // faces -x), k the first sample at or after the crossing, counted from the first brick's first sample and clamped to
 // [0, row_length].
 __kernel void sign_crossings(Layout layout, uint begin, uint end, __global const uint* triangles,

@@ -23,7 +23,7 @@ typedef struct SweepVertex {
 // A crossing of a row and the surface.
 typedef struct SweepRecord {
     clsdf_uint32 row;
-    clsdf_uint32 key;    // 2 k + (1 where the surface faces -x there), see sign_sweep.cl
+    clsdf_uint32 key;    // 2 k + (1 if the surface faces -x there), see sign_sweep.cl
     clsdf_uint32 index;  // among the row's crossings, in no order
 } SweepRecord;
 

@@ -1,4 +1,4 @@
-// On which side of a triangle's edge, seen along x, a sample lies: exact integers, of 128 bits where the triangle is
+// On which side of a triangle's edge, seen along x, a sample lies: exact integers, of 128 bits if the triangle is
 // large.
 #ifndef CLSDF_SWEEP_EDGES_H
 #define CLSDF_SWEEP_EDGES_H
@@ -38,7 +38,7 @@ INLINE bool is_displaced_left(SweepVertex p, SweepVertex q) {
     return q.z < p.z || (q.z == p.z && q.y > p.y);
 }
 
-// Whether the sample (y, z), or its displacement where it lies on the line, is left of p -> q; the edge function is
+// Whether the sample (y, z), or its displacement if it lies on the line, is left of p -> q; the edge function is
 // returned through `weight`.
 static inline bool left_of(SweepVertex p, SweepVertex q, long y, long z, __private double* weight) {
     const Wide e = wide_difference(wide_product(q.y - p.y, z - p.z), wide_product(q.z - p.z, y - p.y));

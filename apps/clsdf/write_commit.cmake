@@ -1,4 +1,4 @@
-# Run at every build: commit and date of SOURCE -> OUTPUT, a header that changes only with them. Where SOURCE is under no
+# Run at every build: commit and date of SOURCE -> OUTPUT, a header that changes only with them. If SOURCE is under no
 # version control of its own, the commit is empty and the date today's, or that of SOURCE_DATE_EPOCH.
 cmake_minimum_required(VERSION 3.25)
 

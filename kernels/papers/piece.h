@@ -4,7 +4,7 @@
 //   normal . (i, j, k) <= offset
 // where the normal contains the axis' spacing and is a unit vector in the metric frame, so that the offset is a length
 // in units. A triangle counts for the samples of its pieces, those within the slack CLSDF_PIECE_SLACK included, with
-// its own distance or, where a piece belongs to one site of it, with the distance to that site.
+// its own distance or, if a piece belongs to one site of it, with the distance to that site.
 //
 // Each step from whole pieces to samples has less slack than the step before, by more than its rounding. So no sample
 // of a piece is lost, and no step gets an empty input:
@@ -21,8 +21,8 @@
 // Planes of a piece, at most.
 #define CLSDF_MOST_PLANES 16
 
-// What gives a piece its distance: the nearest of the record's seven sites, or one of them; of edges and vertices in
-// its frame (polyhedron.h). The plane of the face and the line of an edge go on beyond them: such a piece ends where
+// The site whose distance a piece has: the nearest of the record's seven, or one of them. Edges and vertices are those
+// of its frame (polyhedron.h). The plane of the face and the line of an edge go on beyond them: such a piece ends where
 // the site does.
 #define CLSDF_SITE_NEAREST 0u
 #define CLSDF_SITE_FACE 1u

@@ -32,7 +32,7 @@ __kernel void slices_active(Layout layout, uint count, __global const Piece* pie
     }
 }
 
-// The values of whole slices from their keys: the distance with its sign where it lies in the band, else the fill.
+// The values of whole slices from their keys: the distance with its sign if it lies in the band, else the fill.
 
 // Slices [first_slice, end_slice) of the lattice are those that the keys hold. Global size: (samples of x, rows of y,
 // slices), or more.

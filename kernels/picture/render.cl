@@ -8,7 +8,7 @@
 //     rate = |d[0]| slope[0] + |d[1]| slope[1] + |d[2]| slope[2]      (<= sqrt(3) for true distances)
 // so a step of (F - level) / rate passes no point of the surface: the interpolant's, exactly, in whatever cells are in
 // between. Steps are at least LEAST_STEP, so that a ray that grazes the surface comes to an end; what is passed
-// over is thinner than that. Where the sign changes, the root is bisected.
+// over is thinner than that. If the sign changes, the root is bisected.
 
 #include "render.h"
 

@@ -11,7 +11,7 @@
 namespace clsdf {
 #endif
 
-// What a ray meets: nothing, the surface, or the inside of the solid where it was opened: by a cut across x, y or z
+// A ray meets nothing, the surface, or the inside of the solid where it was opened: by a cut across x, y or z
 // (CLSDF_RENDER_CUT + 0, 1, 2), or by the end of the grid.
 #define CLSDF_RENDER_NOTHING 0
 #define CLSDF_RENDER_SURFACE 1

@@ -29,7 +29,7 @@ public:
         return pool;
     }
 
-    // NOLINTBEGIN(bugprone-exception-escape): OpenCL's binding would throw from a move where a release fails
+    // NOLINTBEGIN(bugprone-exception-escape): OpenCL's binding would throw from a move if a release fails
     /// A buffer of at least `bytes` bytes, its contents undefined, that goes back to the pool by itself. Commands in
     /// the context's queue may still use it then. The queue is in order: the next user enqueues there, or waits for it.
     class Lease {
@@ -53,10 +53,10 @@ public:
     };
     // NOLINTEND(bugprone-exception-escape)
 
-    /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once.
+    /// Throws Error(out_of_memory) that names `purpose` if the device cannot allocate so much at once.
     void check_size(std::size_t bytes, const char* purpose) const;
 
-    /// Throws Error(out_of_memory) that names `purpose` where the device cannot allocate so much at once, or has not so
+    /// Throws Error(out_of_memory) that names `purpose` if the device cannot allocate so much at once, or has not so
     /// much memory left.
     Lease lease(std::size_t bytes, const char* purpose);
 
@@ -64,7 +64,7 @@ public:
     /// than asked for, if that fits, so that it serves longer lists, too.
     Lease lease_for_list(std::size_t bytes, const char* purpose);
 
-    /// The same for what one can do without: nothing where it does not fit.
+    /// The same for an optional buffer: nothing if it does not fit.
     std::optional<Lease> lease_if_it_fits(std::size_t bytes, const char* purpose);
 
     /// Releases the free buffers that were not in use since the last call.
@@ -140,7 +140,7 @@ private:
     BufferPool::Lease buffer_;  // where it is mapped
     void* memory_ = nullptr;
     bool is_mapped_ = false;
-    std::unique_ptr<std::byte[]> array_;  // where the buffer is not mapped
+    std::unique_ptr<std::byte[]> array_;  // if the buffer is not mapped
 };
 
 }  // namespace clsdf::device

@@ -115,7 +115,7 @@ cl_int build(const cl::Program& program, const cl::Device& device, const std::st
     return clBuildProgram(program(), 1, &device(), options.c_str(), nullptr, nullptr);
 }
 
-/// What the compiler said, as the end of a sentence; a remedy if it said nothing.
+/// The compiler's log, as the end of a sentence; a remedy if the log is empty.
 std::string build_log(const cl::Program& program, const cl::Device& device) {
     std::string log;
     try {
@@ -140,7 +140,7 @@ std::optional<cl::Program> from_binary(const cl::Context& context, const cl::Dev
     }
 }
 
-/// Empty where the driver gives none. A context may have devices beside the one that the program was built for, whose
+/// Empty if the driver gives none. A context may have devices beside the one that the program was built for, whose
 /// binaries are empty.
 ProgramCache::Binary binary_of(const cl::Program& program) {
     try {

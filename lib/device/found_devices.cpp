@@ -136,7 +136,7 @@ std::string empty_platforms() {
                     "environment";
         }
     } catch (const cl::Error&) {
-        // The others are not named.
+        // Further platforms are not named.
     }
     if (text.empty()) return text;
     return text +

@@ -82,7 +82,7 @@ constexpr std::array named_codes{
     CLSDF_NAMED(CL_INVALID_COMPILER_OPTIONS),
     CLSDF_NAMED(CL_INVALID_LINKER_OPTIONS),
     CLSDF_NAMED(CL_INVALID_DEVICE_PARTITION_COUNT),
-    // Of OpenCL 2, which the headers of 1.2 do not name; of the loader; of NVIDIA's driver.
+    // Codes of OpenCL 2, which the headers of 1.2 do not name, of the loader, and of NVIDIA's driver.
     NamedCode{-69, "CL_INVALID_PIPE_SIZE"},
     NamedCode{-70, "CL_INVALID_DEVICE_QUEUE"},
     NamedCode{-71, "CL_INVALID_SPEC_ID"},

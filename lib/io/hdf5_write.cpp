@@ -47,7 +47,7 @@ private:
     Handle driver_;
 };
 
-// What HDF5 sees of a layout: its own record, and ours behind it.
+// A layout as HDF5 sees it: its own record, and ours behind it.
 struct OpenLayout {
     H5FD_t record;
     Layout* layout;

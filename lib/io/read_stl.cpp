@@ -54,7 +54,7 @@ void expect(TextScanner& scanner, std::string_view keyword) {
     if (!equals_ignoring_case(word, keyword)) scanner.fail_word(fmt::format("'{}'", keyword).c_str(), word);
 }
 
-/// What lies between "facet" and "endfacet".
+/// Reads the text between "facet" and "endfacet".
 void read_facet(TextScanner& scanner, MeshArrays& mesh) {
     expect(scanner, "normal");
     // The normal follows from the vertices, and is written as NaN for faces without area.

@@ -16,7 +16,7 @@ namespace {
 
 using scan::CommandChain;
 
-// Of the minima of the slices that are computed together, each of two numbers; a layer of bricks may exceed it.
+// Memory of the minima of slices that are computed together, two numbers each; a layer of bricks may exceed it.
 constexpr std::size_t chunk_bytes = std::size_t{64} << 20;
 // A launch ends within a fifth of a second, if a core takes at most 6 nanoseconds a distance.
 constexpr double distances_per_core_and_launch = 3e7;

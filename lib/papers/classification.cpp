@@ -167,7 +167,7 @@ double squared_length(const Surface& surface, const Corner& edge) {
     return (polyhedra::to_vector(surface.position(triangle[next_of_three(edge.vertex)])) - from).squaredNorm();
 }
 
-/// What is to be done about a vertex.
+/// The change that mends a vertex.
 struct Remedy {
     bool irregular = false;
     std::optional<Corner> edge;  ///< to cut: opposite to the vertex, the longest among its flipped faces

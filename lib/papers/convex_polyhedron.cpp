@@ -78,7 +78,7 @@ private:
         for (std::uint32_t i = 0; i < heights_.size(); ++i) is_removed_[i] = component(i) != component(lowest);
     }
 
-    /// Of the graph of edges whose ends are on one side.
+    /// Finds the components of the graph of edges whose ends are on one side.
     void find_components() {
         parents_.resize(heights_.size());
         std::iota(parents_.begin(), parents_.end(), 0U);
@@ -96,7 +96,7 @@ private:
         return vertex;
     }
 
-    /// Builds the faces that are left and the cycle of the cap. False, with one more vertex removed, where the cycle
+    /// Builds the faces that are left and the cycle of the cap. False, with one more vertex removed, if the cycle
     /// would pass through that one twice.
     bool cut_faces() {
         solid_.vertices.resize(heights_.size());
@@ -141,7 +141,7 @@ private:
             faces_.push_back({half_space, first, size});
     }
 
-    /// The vertex in which an edge meets the plane: the kept one where that lies in it.
+    /// The vertex in which an edge meets the plane: the kept one if that lies in it.
     std::uint32_t crossing(std::uint32_t kept, std::uint32_t removed) {
         const double low = heights_[kept];
         const double high = heights_[removed];
@@ -189,9 +189,9 @@ private:
 
     ConvexPolyhedron solid_;
     double size_ = 0;
-    // Of the plane at hand:
+    // For the current plane:
     double tolerance_ = 0;
-    std::vector<double> heights_;  // of the vertices before the cut; what they have more are crossings
+    std::vector<double> heights_;  // of the vertices before the cut; further vertices are crossings
     std::vector<bool> is_removed_;
     std::vector<std::uint32_t> parents_;
     std::vector<Crossing> crossings_;

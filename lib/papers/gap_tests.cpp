@@ -134,7 +134,7 @@ struct ExactArithmetic {
     static bool is_surely_zero(const Number& value) { return value.sign() == 0; }
 };
 
-/// nullopt where the interval leaves the sign open.
+/// nullopt if the interval leaves the sign open.
 std::optional<int> sign_of(const IntervalArithmetic::Number& value) {
     if (value.inf() > 0) return 1;
     if (value.sup() < 0) return -1;

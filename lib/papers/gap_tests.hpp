@@ -28,7 +28,7 @@ public:
     const std::vector<Triangle>& triangles() const { return triangles_; }
     /// Indices of the triangles in the mesh.
     const std::vector<std::uint32_t>& sources() const { return sources_; }
-    /// Of each vertex of the mesh the one that stands for it.
+    /// For each vertex of the mesh, the one that stands for it.
     const std::vector<std::uint32_t>& representatives() const { return representatives_; }
     /// Directions only: lengths are in units of the mesh's longest side.
     const std::vector<polyhedra::TriangleFrame>& frames() const { return frames_; }
@@ -38,12 +38,12 @@ public:
     VertexKind kind(std::size_t vertex, polyhedra::VertexFans& fans) const;
 
     bool has_pair(const Corner& edge) const;
-    /// The other face's edge, where there is exactly one other face.
+    /// The other face's edge, if there is exactly one other face.
     Corner across(const Corner& edge) const { return Corner::unpack(edges_[edge.face].across[edge.vertex]); }
     /// Every face's edge between the two vertices of `edge`, which is among them; the lowest first.
     std::vector<Corner> edges_at(const Corner& edge) const;
 
-    /// Of a vertex that is not on a boundary and has manifold edges.
+    /// The vertex is not on a boundary and has manifold edges.
     void build_fans(std::size_t vertex, polyhedra::VertexFans& fans) const;
 
 private:
@@ -86,7 +86,7 @@ struct PlaneLine {
 };
 
 /// Signs that the bisector planes of one fan decide, each exact for the coordinates as given: by interval arithmetic,
-/// and where that leaves one open by numbers with square roots. To be used, and destroyed, by the thread that made it.
+/// and, if that leaves one open, by numbers with square roots. To be used, and destroyed, by the thread that made it.
 class FanSigns {
 public:
     /// The fan must outlive it.
@@ -95,7 +95,7 @@ public:
 
     const Fan& fan() const { return fan_; }
 
-    /// On which side of bisector plane k the direction A_i x A_j lies: 1, -1, or 0 on the plane or where the planes i
+    /// On which side of bisector plane k the direction A_i x A_j lies: 1, -1, or 0 on the plane or if the planes i
     /// and j are parallel. The normal A_k points out of face k.
     int side(std::size_t i, std::size_t j, std::size_t k);
 
@@ -145,14 +145,14 @@ struct FailingLine {
     int direction;  ///< 1 where A_i x A_(i+1) points beyond the planes of all faces in the sense of increasing i, or -1
 };
 
-/// The published test: it passes where there are none.
+/// The published test: it passes if there are none.
 std::vector<FailingLine> failing_lines(FanSigns& signs);
 
 /// The complete test: whether there are points strictly beyond all planes. The cone of such points, if there are any,
 /// is spanned by lines in which two planes meet, not necessarily successive ones.
 bool has_gap(FanSigns& signs);
 
-/// Whether there is a direction along which every face is seen from its front. False also where all normals lie in one
+/// Whether there is a direction along which every face is seen from its front. False also if all normals lie in one
 /// plane.
 bool has_view(FanSigns& signs);
 

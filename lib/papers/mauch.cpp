@@ -23,7 +23,7 @@ using namespace polyhedra;
 /// polyhedron must contain'), and what bounds its part of the unit ball.
 class MauchCone {
 public:
-    /// normal . u <= 0, or <= 1 where it is a cap; of unit length.
+    /// normal . u <= 0, or <= 1 if it is a cap; of unit length.
     struct Bound {
         polyhedra::Vector normal;
         bool is_cap;
@@ -32,11 +32,11 @@ public:
     void start() { half_spaces_.clear(); }
     void add(const polyhedra::Vector& neighbour) { half_spaces_.push_back({neighbour, 0}); }
 
-    /// False where the cone is empty, or thinner than 2e-13; its bounds are then those of what may be left of it. Of
+    /// False if the cone is empty, or thinner than 2e-13; its bounds are then those of what may be left of it. Of
     /// very many neighbours a few are kept, which bound the cone and little more.
     bool build();
 
-    /// CLSDF_MOST_PLANES at most, which may leave more than the cone where it has very many neighbours: a vertex is a
+    /// CLSDF_MOST_PLANES at most, which may leave more than the cone if it has very many neighbours: a vertex is a
     /// bound of the distance wherever the sample lies.
     std::span<const Bound> bounds() const { return bounds_; }
 
@@ -244,7 +244,7 @@ public:
         const auto at_box = [&](const EdgeEntry& entry) { return is_box(entry.edge().face); };
         if (std::any_of(entries.begin(), entries.end(), at_box)) return;
         const Sector sector = sector_at(faces_, entries);
-        // What is left out is within the slack of the towers beside it.
+        // A wedge that is left out lies within the slack of the towers beside it.
         if (sector.is_empty(std::min(2e-12, 0.1 * CLSDF_PIECE_SLACK / half_width_))) return;
 
         const RecordFrame record(records_[sector.first.face]);

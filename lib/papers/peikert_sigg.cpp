@@ -38,7 +38,7 @@ BisectorPolyhedron polyhedron_of(const Surface& surface, std::uint32_t face, dou
 }
 
 /// The centroid of the test points that fail. The paper leaves open how far from the vertex they are; here they have
-/// its distance along the average normal, the half width, or are twenty times as far away where they are nearly
+/// its distance along the average normal, the half width, or are twenty times as far away if they are nearly
 /// perpendicular to that.
 std::optional<Vector> point_in_gap(const Surface& surface, const VertexFans& fans,
                                    const std::vector<FailingLine>& lines, double half_width) {

@@ -19,7 +19,7 @@
 /// Bounding polyhedra of any kind as convex pieces, for the scan by slices.
 namespace clsdf::papers {
 
-/// What a piece costs in each of its slices, on average.
+/// The mean cost of a piece in each of its slices.
 struct PieceCost {
     float rows = 0;
     float samples = 0;
@@ -183,7 +183,7 @@ struct BisectorPolyhedra {
     std::vector<GapClosing> closings;           ///< of the vertices at which the published test fails
 };
 
-/// Where an edge does not have exactly one other face, or one that is folded onto the triangle, the lateral plane is
+/// If an edge does not have exactly one other face, or one that is folded onto the triangle, the lateral plane is
 /// perpendicular to the triangle. `half_width` > 0 in the mesh's units.
 BisectorPolyhedra peikert_sigg_polyhedra(const Mesh& mesh, double half_width, bool close_gaps = true);
 

@@ -22,7 +22,7 @@ public:
     RootSum() = default;
     explicit RootSum(double value) { add(Integer(1), Rational(value)); }
 
-    /// Of a rational value that is not negative.
+    /// `square` is a rational value that is not negative.
     static RootSum square_root(const RootSum& square) {
         RootSum result;
         if (square.terms_.empty()) return result;
@@ -85,13 +85,13 @@ private:
         Rational factor;  // not zero
     };
 
-    /// The square root, where that is a whole number.
+    /// The square root, if that is a whole number.
     static std::optional<Integer> whole_root(const Integer& square) {
         if (mpz_perfect_square_p(square.backend().data()) == 0) return std::nullopt;
         return boost::multiprecision::sqrt(square);
     }
 
-    /// Of the terms times one whole number.
+    /// The squares of the terms, all terms multiplied by one whole number.
     std::vector<Integer> whole_squares() const {
         Integer common(1);
         for (const Term& term : terms_)

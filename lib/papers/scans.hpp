@@ -32,7 +32,7 @@ UninitializedVector<Polyhedron> face_records(transform::Stages& stages, const po
 /// Throws Error(unsupported) that names the scan for any other output.
 void check_distance_and_triangle(const Outputs& outputs, const char* scan);
 
-/// What the host keeps of a piece.
+/// The slices of a piece, and its cost, as the host keeps them.
 struct PieceSlices {
     std::int32_t begin = 0;
     std::int32_t end = 0;
@@ -79,14 +79,14 @@ struct SliceLimits {
     std::int32_t passes;
 };
 
-/// Of a piece in a slice, in distances of a sample.
+/// The cost of a piece in a slice; the unit is the distance of one sample.
 double cost_of(const PieceCost& piece);
 
 /// Divides slices [first, first + count) of the lattice.
 SliceSchedule schedule_slices(std::span<const PieceSlices> pieces, std::int32_t first, std::int32_t count,
                               const SliceLimits& limits);
 
-/// What the kernels of the scan are compiled for.
+/// The options that the kernels of the scan are compiled with.
 struct SliceVariant {
     scan::BrickVariant brick;  ///< the same options as there
     bool key_64 = false;       ///< distance and triangle in one 64-bit number
@@ -99,7 +99,7 @@ struct SliceShape {
 };
 SliceShape slice_shape(KernelBody body);
 
-/// Of counters, one for each slice; blocks.
+/// The sum of counters, one for each slice. Blocks.
 std::size_t sum_of(const cl::CommandQueue& queue, const device::BufferPool::Lease& counters, std::size_t count);
 
 /// The program of the scan's three kernels.

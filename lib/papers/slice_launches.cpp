@@ -6,7 +6,7 @@ namespace clsdf::papers {
 
 namespace {
 
-/// What all pieces of a slice amount to.
+/// The sum over all pieces of a slice.
 struct SliceLoad {
     std::size_t active = 0;
     double cost = 0;
@@ -74,7 +74,7 @@ private:
     double cost_ = 0;
 };
 
-/// Where the launches of a chunk end.
+/// The ends of the launches of a chunk.
 std::vector<std::size_t> launch_ends(const SliceChunk& chunk, std::span<const SliceLoad> loads,
                                      std::span<const PieceSlices> pieces, double limit) {
     std::vector<std::size_t> ends;

@@ -175,7 +175,7 @@ private:
         scan::PrefixSums sums(context, programs, pool, *cursors_, *starts_, cursor_count(),
                               "intersections of a piece and a slice");
         sums.enqueue();
-        sums.total();  // throws where the starts do not hold it
+        sums.total();  // throws if the starts do not hold it
     }
 
     void make_buffers(const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& sign_bits) {
@@ -270,7 +270,7 @@ private:
     device::BufferPool::Lease cursors_;
     device::BufferPool::Lease active_;
     device::BufferPool::Lease keys_;       ///< or the squared distances, where keys have 32 bits
-    device::BufferPool::Lease triangles_;  ///< where they are not in the keys
+    device::BufferPool::Lease triangles_;  ///< if they are not in the keys
     device::BufferPool::Lease counters_;
     device::BufferPool::Lease band_samples_;
     cl::Kernel active_kernel_;

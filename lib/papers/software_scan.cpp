@@ -67,7 +67,7 @@ public:
         : size_{static_cast<std::int32_t>(grid.size[0]), static_cast<std::int32_t>(grid.size[1]),
                 static_cast<std::int32_t>(grid.size[2])},
           half_width_(half_width),
-          // What floats of this size round to, several times.
+          // Several times the rounding of floats of this size.
           slack_(1e-5F + 4e-6F * half_width),
           field_(field),
           rows_(static_cast<std::size_t>(grid.size[1])) {}

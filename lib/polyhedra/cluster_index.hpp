@@ -52,7 +52,7 @@ private:
     std::vector<Box> sites_;  // of record_group point sites each
 };
 
-/// Some of a mesh's triangles, with the polyhedra that they have in the whole mesh.
+/// A part of a mesh's triangles, with the polyhedra that they have in the whole mesh.
 struct MeshPart {
     Mesh mesh;                             ///< its triangles and vertices ascend as in the whole, and it has its box
     std::vector<std::uint32_t> triangles;  ///< of each triangle, its index in the whole

@@ -286,7 +286,7 @@ private:
     }
 
     void list(Part& part, std::span<std::uint32_t> listed) {
-        // A batch at a time: other cores have written to the lines where the vertices' numbers are, or they are far.
+        // A batch at a time: other cores have written to the lines of the vertices' numbers, or these are far.
         constexpr std::size_t batch = 256;
         static_assert(OrderedFaces::chunk % batch == 0);
         std::uint32_t next = part.list_begin();

@@ -60,7 +60,7 @@ std::optional<std::vector<Vector>> extreme_rays(const std::vector<Vector>& neigh
     return rays;
 }
 
-/// Sets the slopes of a frame around the rays' mean; false where the cone is too wide, or no cone.
+/// Sets the slopes of a frame around the rays' mean; false if the cone is too wide, or no cone.
 bool set_slopes(const std::vector<Vector>& rays, const TriangleFrame& frame, FaceSlopes& slopes) {
     constexpr double lowest = 1e-3;  // sine of a ray's angle to the frame's plane
     constexpr double tolerance = 1e-6;

@@ -116,7 +116,7 @@ constexpr double cone_tolerance = 1e-8;
 
 constexpr std::size_t large_fan = 32;
 
-/// Sine of the steepest spoke to a face's plane where the faces around a vertex are taken for flat ground.
+/// Sine of the steepest spoke to a face's plane if the faces around a vertex are taken for flat ground.
 constexpr double flat = 1e-9;
 
 /// Marks of the edges at a vertex.
@@ -201,7 +201,7 @@ private:
 
     /// Whether `search` succeeds from one of several axes: unit vectors such that every normal u of the vertex, with
     /// u . spoke <= 0 for all spokes, has axis . u >= 0 for one of them. The sum of the spokes, reversed, is such an
-    /// axis. Where it vanishes, or all normals are nearly perpendicular to it, as on flat ground, a face's normal and
+    /// axis. If it vanishes, or all normals are nearly perpendicular to it, as on flat ground, a face's normal and
     /// its opposite are.
     template <typename Search>
     bool for_axes(std::size_t vertex, const Search& search) {
@@ -231,7 +231,7 @@ private:
         return true;
     }
 
-    /// Every edge of a fan rejects a direction for one of its two faces at most, so where all faces reject one, all do
+    /// Every edge of a fan rejects a direction for one of its two faces at most, so if all faces reject one, all do
     /// at their edge with the face before, or all at their edge with the face after.
     bool leaves_direction_out(const Vector& axis) {
         if (!add_normal_cone(axis)) return false;
@@ -265,7 +265,7 @@ private:
     /// that of the side on which the normals lie, which mostly decides.
     ///
     /// A linear condition can only ask for g . u >= margin (m . u) with a unit vector m, which is weaker, and least so
-    /// where u is near m. Where the direction that is found does not have the margin, it becomes the next m.
+    /// where u is near m. If the direction that is found does not have the margin, it becomes the next m.
     bool add_rejections() {
         constexpr int rounds = 4;  // a flat vertex has normals on both sides; more than that is left undecided
         for (int round = 0; round < rounds; ++round) {

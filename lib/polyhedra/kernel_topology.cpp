@@ -114,7 +114,7 @@ private:
         return marks == edge_open && uses < 4;
     }
 
-    /// Whether the faces are one closed fan; lists its corners, counter-clockwise, where the ring has its own.
+    /// Whether the faces are one closed fan; lists its corners, counter-clockwise, if the ring has its own.
     bool walk(std::size_t vertex, std::size_t count) {
         std::uint32_t* const fan = &fans_[topology_.rings.start(vertex)];
         const Corner first = topology_.rings.corner(vertex, 0);

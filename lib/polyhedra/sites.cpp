@@ -190,7 +190,7 @@ bool may_meet_samples(const MeshTopology& topology, std::span<const Vec3> positi
             const std::array corners{in_samples(triangle[0]), in_samples(triangle[1]), in_samples(triangle[2])};
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const std::uint32_t next = next_of_three(k);
-                // Of two faces that run along an edge in opposite directions, one looks at it.
+                // Only one of two faces that run along an edge in opposite directions looks at it.
                 if (triangle[k] > triangle[next] && topology.edges.faces[face].marks[k] == 0) continue;
                 if (may_meet_sample(corners[k], corners[next])) found = true;
             }

@@ -146,7 +146,7 @@ private:
                 gate.open();
             }
             cl::Event::waitForEvents(read);
-            sums.total();  // throws where the starts do not hold it
+            sums.total();  // throws if the starts do not hold it
             if (std::equal(pairs_found_.begin(), pairs_found_.end(), room.begin(), std::less_equal<>())) break;
             make_room(room = pairs_found_);
         }
@@ -216,7 +216,7 @@ void order_by_length(CoarseLists& lists, const std::vector<cl_uint>& starts) {
     for (const cl_uint brick : lists.order) lists.lengths.push_back(length(brick));
 }
 
-/// Keeps the points that the device reads where the host has them if the driver cannot tell that it has ended.
+/// Keeps the points that the device reads in the host's memory if the driver cannot tell that it has ended.
 class PointsInUse {
 public:
     PointsInUse(const device::Context& context, std::shared_ptr<const SurfacePoints> points)

@@ -79,7 +79,7 @@ public:
     /// Whether there is a command, so that there is a last one.
     bool has_begun() const { return !events_.empty(); }
     const cl::Event& last() const { return events_.back(); }
-    /// Of all commands so far.
+    /// The events of all commands so far.
     const std::vector<cl::Event>& events() const { return events_; }
     /// The wait list.
     const std::vector<cl::Event>& awaited() const { return awaited_; }

@@ -24,7 +24,7 @@ struct ScanInputs {
     const ShortLaunches& launches;  ///< of the set-up
     BrickVariant variant{};
     cl::Buffer sign_bits{};
-    // Of the scan by bricks alone:
+    // For the scan by bricks alone:
     RecordSelection selection{};                    ///< the records that matter
     std::shared_ptr<const SurfacePoints> points{};  ///< null if the band is so narrow that no bound would be below it
     const Finishing* finishing = nullptr;           ///< null if the distance alone is asked for

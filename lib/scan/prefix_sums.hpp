@@ -18,7 +18,7 @@ Error too_many(const char* what);
 /// Exclusive prefix sums of `count` 32-bit values into starts[0, count), and their total into starts[count].
 class PrefixSums {
 public:
-    /// Throws Error(out_of_memory), naming `what`, where the values are too many to be counted in 32 bits.
+    /// Throws Error(out_of_memory), naming `what`, if the values are too many to be counted in 32 bits.
     PrefixSums(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what);
 

@@ -16,7 +16,7 @@ KernelBody body_for(const device::Context::Capabilities& capabilities, KernelBod
     return capabilities.is_processor ? KernelBody::by_vector : KernelBody::by_group;
 }
 
-/// Lanes of a work-item's vectors: 512 bits where the processor has them, else 256, which narrower ones divide.
+/// Lanes of a work-item's vectors: 512 bits if the processor has them, else 256, which narrower ones divide.
 std::size_t lanes_for(const device::Context::Capabilities& capabilities, KernelBody body) {
     if (body == KernelBody::by_group) return 1;
     return capabilities.float_width >= 16 ? 16 : 8;

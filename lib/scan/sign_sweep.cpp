@@ -78,7 +78,7 @@ public:
     CrossingSearch(const CrossingSearch&) = delete;
     CrossingSearch& operator=(const CrossingSearch&) = delete;
     ~CrossingSearch() {
-        // After an error: what is under way reads the mesh where the host has it.
+        // After an error: commands that still run read the mesh in the host's memory.
         if (is_under_way_ && !inputs_.context.drain()) keep_for_good(totals_found_);
     }
 

@@ -22,7 +22,7 @@ struct SignBits {
     bool has_large_triangles = false;  ///< a triangle of the sweep has more than CLSDF_LARGE_ROWS rows
 };
 
-/// What a sweep works on; all of it must outlive the sweep.
+/// The inputs of a sweep; all of them must outlive it.
 struct SweepInputs {
     device::Context& context;
     const Programs& programs;

@@ -15,7 +15,7 @@
 namespace clsdf::scan {
 
 /// A mesh on the device as the sweep for the sign sees it from one lattice: the same for all parts of a grid. A
-/// processor reads the triangles where the mesh has them, which must outlive this.
+/// processor reads the triangles in the mesh's memory, which must outlive this.
 struct SweepMesh {
     device::BufferPool::Lease own_triangles;
     device::BufferPool::Lease vertices;  ///< SweepVertex, x counted from sample first_x
@@ -26,7 +26,7 @@ struct SweepMesh {
 
     /// Whose triangles are swept, in the topology's order; null: own_triangles, in the caller's.
     std::shared_ptr<const DeviceFaces::Names> faces{};
-    bool shares_triangles = false;  ///< own_triangles lie where the mesh has them
+    bool shares_triangles = false;  ///< own_triangles lie in the mesh's memory
 
     const cl::Buffer& triangles() const;
     /// Bytes on the device that are its own.
@@ -46,7 +46,7 @@ SweepSelection select_triangles(const device::Context& context, const SweepMesh&
 /// Whether some of the mesh's triangles are large on the grid, guessed from a sample of them.
 bool expects_large_triangles(const Grid& grid, const Mesh& mesh);
 
-/// Throws Error(unsupported) where the mesh reaches farther from the grid's origin than the sweep's integers.
+/// Throws Error(unsupported) if the mesh reaches farther from the grid's origin than the sweep's integers.
 /// `faces`: null if the host makes the vertices, else the device's faces.
 SweepMesh make_sweep_mesh(device::Context& context, const std::shared_ptr<device::BufferPool>& pool, const Grid& grid,
                           const Mesh& mesh, const DeviceSetUp& set_up, const std::shared_ptr<const DeviceFaces>& faces);

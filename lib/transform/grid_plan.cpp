@@ -66,7 +66,7 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
 
 GridPlan::~GridPlan() {
     if (!device::context_of(device).is_lost()) return;
-    // Whatever takes them next must not share them with what may be under way.
+    // Commands may still use them, so the pool must not hand them out again.
     keep_for_good(scan_);
     keep_for_good(sign_bits_);
     keep_for_good(inputs);

@@ -24,9 +24,9 @@ using scan::HostArrays;
 
 // In voxels: what a field is held to (docs/accuracy.md), twice.
 constexpr double tolerance = 2e-5;
-// Of the length of a unit vector, and of its direction on top of the error of the distance.
+// For the length of a unit vector, and for its direction, on top of the error of the distance.
 constexpr double direction_tolerance = 1e-5;
-// Of a barycentric coordinate in float.
+// For a barycentric coordinate in float.
 constexpr double weight_tolerance = 2e-7;
 // In voxels: a sample this near to the surface has the pseudonormal for its gradient.
 constexpr double on_surface = 1e-8;
@@ -195,7 +195,7 @@ Value value_at(const HostArray& array, std::size_t index) {
     std::memcpy(&value, array.data + index * sizeof(Value), sizeof(Value));
     return value;
 }
-/// Of an output of floats or doubles.
+/// An element of an array of floats or doubles.
 double number_at(const HostArray& array, std::size_t index) {
     return array.in_double ? value_at<double>(array, index) : static_cast<double>(value_at<float>(array, index));
 }

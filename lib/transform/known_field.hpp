@@ -62,7 +62,7 @@ private:
     bool is_lowest(std::uint32_t triangle, std::uint8_t site) const;
     /// The unit vector along the sum of the normals of the faces at a site, at a vertex weighted by angles.
     std::array<double, 3> pseudonormal(std::uint32_t triangle, std::uint8_t site) const;
-    /// Negative inside, but where the field has no sign.
+    /// Negative inside, unless the field has no sign.
     std::vector<double> values() const;
     /// 1 outside, -1 inside.
     void find_signs(std::vector<double>& signs) const;

@@ -15,7 +15,7 @@
 
 namespace clsdf::transform {
 
-/// What a Plan holds: a plan for each block, and the launches that copy samples to the targets. A block that is one
+/// The state of a Plan: a plan for each block, and the launches that copy samples to the targets. A block that is one
 /// request with packed memory is computed in place. The other blocks are computed one after another in memory that
 /// they share, and copied to the targets. For one thread at a time.
 struct PlanState {

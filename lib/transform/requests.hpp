@@ -46,7 +46,7 @@ std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, 
                                              const std::function<void(const Request&)>& check);
 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
-/// asks for, and a call for each request has a cost of its own: requests of a lattice are divided where that is
+/// asks for, and a call for each request has a cost of its own: requests of a lattice are divided if that is
 /// estimated to be cheaper. The division changes no byte. box: the mesh's.
 std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box);
 

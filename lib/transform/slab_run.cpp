@@ -11,7 +11,7 @@ namespace clsdf {
 /// be halved is tried once more, after the data kept for later calls are released.
 class DistanceTransform::State::SlabRun {
 public:
-    /// What is passed by reference must outlive this.
+    /// All arguments that are references must outlive this.
     SlabRun(State& state, const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
             scan::SlabPipeline& pipeline, const CallOptions& call)
         : keeps_budget_{state},

@@ -311,7 +311,7 @@ std::optional<polyhedra::NearRecords> Stages::near_box(const Box& box, std::size
 
 std::optional<polyhedra::NearRecords> Stages::near_bricks(const Grid& grid, const Layout& layout) {
     if (!is_bounded(layout)) return std::nullopt;
-    // Of the bricks alone: what is near the rest of their coarse bricks decides none of the samples.
+    // Near the bricks alone: triangles near the rest of their coarse bricks decide none of the samples.
     return near_box(widened(box_of(grid, layout.brick_first, layout.bricks, CLSDF_BRICK), greatest_distance_of(layout)),
                     restriction_ ? kept_records(grid).face_count : topology().order.size());
 }

@@ -81,8 +81,7 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(c
 }
 
 DistanceTransform::State::~State() {
-    if (device::context_of(device).is_lost())
-        keep_for_good(stages);  // whose mesh the device reads where the host has it
+    if (device::context_of(device).is_lost()) keep_for_good(stages);  // the device reads its mesh in the host's memory
 }
 
 scan::Programs DistanceTransform::State::build_programs(const CallOptions& call) {

@@ -68,7 +68,8 @@ Grid band_block(const Field& field) {
     return grid.block(first, size);
 }
 
-/// Of the grid's lattice, around the vertex that is nearest to a sample, among a thousand: in or beyond the grid.
+/// A block of the grid's lattice around the vertex that is nearest to a sample, among a thousand vertices: in the grid
+/// or beyond it.
 Grid vertex_block(const Mesh& mesh, const Grid& grid) {
     test::Random random(1);
     double least = std::numeric_limits<double>::infinity();

@@ -160,7 +160,7 @@ BOOST_AUTO_TEST_CASE(a_part_of_the_domain_has_a_share_of_the_memory_and_the_byte
     BOOST_TEST(row["samples"].get<int>() > 0);
     BOOST_TEST(row["different"] == 0);
     BOOST_TEST(row["whole_bytes"].get<double>() > row["without_mesh_bytes"].get<double>());
-    // What malloc keeps blurs the share of a small mesh.
+    // The share of a small mesh is blurred by free memory that malloc keeps.
     BOOST_TEST(row["kept_share"].get<double>() > 0);
     BOOST_TEST(row["kept_share"].get<double>() < 0.5);
 }

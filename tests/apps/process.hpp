@@ -160,7 +160,7 @@ inline void check_refused(const Outcome& outcome, int status, const std::vector<
     }
 }
 
-/// What matches the first group of a regular expression.
+/// All texts that match the first group of a regular expression.
 inline std::set<std::string> matches(const std::string& text, const std::string& pattern) {
     const std::regex expression(pattern);
     std::set<std::string> result;

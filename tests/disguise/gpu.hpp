@@ -6,7 +6,7 @@ namespace clsdf::disguise {
 
 constexpr std::size_t largest_group = 128;   ///< work-items; many GPUs have more, few have fewer
 constexpr cl_ulong local_memory = 48 << 10;  ///< bytes of a group, as NVIDIA's GPUs have
-// Of a launch.
+// The limits of a launch.
 constexpr std::size_t most_groups = 65535;  ///< along y and z
 constexpr std::uint64_t most_items = (std::uint64_t{1} << 32) - 1;
 

@@ -18,7 +18,7 @@
 
 namespace clsdf::test {
 
-/// What the files of an ending have a place for.
+/// The properties that the files of an ending can store.
 struct Format {
     std::string ending;
     bool is_described = true;    ///< lattice, band, sign rule and mesh name

@@ -1,7 +1,7 @@
 # CLANG: the compiler; WRITE_PROGRAMS: the program that writes the programs for GPUs; FOLDER: their folder.
 #
-# Without optimisation clang calls every function that is not forced inline. What it then only declares has no body to
-# be called: C99's "inline" without "static". Built-in functions are overloaded, and their names begin with _Z.
+# Without optimisation clang calls every function that is not forced inline. C99's "inline" without "static" then only
+# declares a function: there is no body to be called. Built-in functions are overloaded, and their names begin with _Z.
 cmake_minimum_required(VERSION 3.25)
 
 if(NOT CLANG)

@@ -45,7 +45,7 @@ std::vector<std::pair<std::string, std::string>> sound_files(const TemporaryFold
     return files;
 }
 
-/// Of this process' processor time: a busy machine does not count.
+/// Counts this process' processor time: a busy machine does not matter.
 double seconds_since(std::clock_t start) {
     return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-/// What the tests of mesh files share: texts and bytes that are written, and what is to be made of them.
+/// Shared by the tests of mesh files: texts and bytes that are written, and the meshes that must be read from them.
 namespace clsdf::test {
 
 inline const std::vector<Triangle> two_triangles{{0, 1, 2}, {0, 2, 3}};

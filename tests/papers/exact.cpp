@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-// What holds for leaned and for Mauch's polyhedra alike: CLSDF_SCANNED says which are scanned.
+// Tests of leaned and of Mauch's polyhedra alike: CLSDF_SCANNED says which are scanned.
 
 using namespace clsdf;
 using namespace clsdf::test;

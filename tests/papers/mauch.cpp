@@ -49,7 +49,7 @@ BOOST_AUTO_TEST_CASE(hinges_of_every_angle_are_exact) {
         check_at_some_widths(tilted(hinge(angle)), 30);
 }
 
-// Of a closed convex surface every site has one; where faces meet in a plane there is nothing between them.
+// On a closed convex surface every site has one, but for edges between faces that lie in one plane.
 BOOST_AUTO_TEST_CASE(every_site_with_directions_of_its_own_has_a_polyhedron) {
     const papers::MauchPieces sphere = pieces_of(make_shape("sphere4"), 2);
     BOOST_TEST(sphere.towers == 2048U);
@@ -71,7 +71,7 @@ BOOST_AUTO_TEST_CASE(every_site_with_directions_of_its_own_has_a_polyhedron) {
     BOOST_TEST(pieces_of(hinge(0.1), 2).wedges == 5U);
 }
 
-// What the paper's own scan converted: about one and a tenth distances for each sample of a sphere's band.
+// As the paper's own scan: about 1.1 distances for each sample of a sphere's band.
 BOOST_AUTO_TEST_CASE(few_samples_lie_in_more_than_one_polyhedron) {
     const Mesh mesh = make_shape("sphere4");
     const Band band = Band::symmetric(0.1 * mesh.box().longest_side());

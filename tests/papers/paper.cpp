@@ -31,7 +31,7 @@ bool holds(const BisectorPolyhedron& polyhedron, const Vector& point, double by)
 }
 
 /// The field is what the paper's polyhedra say: at every sample the least distance to a triangle whose polyhedron holds
-/// it, by host and in double, where that does not hang on a plane within 3e-6 voxel of the sample.
+/// it, by host and in double, if that does not hang on a plane within 3e-6 voxel of the sample.
 void check_meaning(const Mesh& mesh, const Grid& grid, double half_width, const PapersOptions& options = {},
                    KernelBody body = KernelBody::automatic) {
     const Band band = Band::symmetric(half_width);

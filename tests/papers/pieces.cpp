@@ -56,7 +56,7 @@ BOOST_AUTO_TEST_CASE(host_and_device_lay_out_pieces_alike) {
     check_agreements(all, device::kernel_text("piece.h", papers::slices_source(programs, {}).files));
 }
 
-// Of the records' polyhedra, cut by slices; the least distance of those that hold a point is the least of all.
+// The records' polyhedra are cut by slices. The least distance of those that hold a point is the least of all.
 BOOST_AUTO_TEST_CASE(pieces_hold_what_the_records_hold_and_are_exact) {
     std::size_t held = 0, exact = 0;
     for (std::uint64_t seed = 1; seed <= 150; ++seed) BOOST_TEST_CONTEXT("seed " << seed) {
@@ -146,7 +146,7 @@ BOOST_AUTO_TEST_CASE(launches_divide_the_active_list_and_keep_their_limits) {
             for (PieceSlices& piece : pieces) {
                 piece.begin = first - 5 + static_cast<std::int32_t>(random.index(count + 5));
                 piece.end = piece.begin + 1 + static_cast<std::int32_t>(random.index(20));
-                // Some are many times as large as others.
+                // Their costs differ by up to four orders of magnitude.
                 piece.cost = {4, static_cast<float>(std::pow(10, random.uniform(0, 4)))};
                 active += static_cast<std::size_t>(
                     std::max(0, std::min(piece.end, first + count) - std::max(piece.begin, first)));
@@ -170,7 +170,7 @@ BOOST_AUTO_TEST_CASE(launches_divide_the_active_list_and_keep_their_limits) {
             BOOST_TEST(slice == first + count);
             BOOST_TEST(position == active);
 
-            // What each entry of the active list costs, in its order.
+            // The cost of each entry of the active list, in its order.
             std::vector<double> costs;
             for (std::int32_t s = first; s < first + count; ++s)
                 for (const PieceSlices& piece : pieces)

@@ -295,7 +295,7 @@ BOOST_AUTO_TEST_CASE(directions_that_lie_in_a_plane_leave_no_gap) {
         BOOST_TEST(!has_direction_beyond_all(fan));
         BOOST_TEST(failing_lines(signs).empty());
         for (std::size_t k = 0; k < fan.size(); ++k) BOOST_TEST(signs.side(0, k, 4) == 0);
-        // Where the mirror is off by a little, there is a gap as thin as that, or none.
+        // If the mirror is off by a little, there is a gap as thin as that, or none.
         bool opens = false;
         for (const double change : {1e-9, -1e-9}) {
             std::vector<Vec3> moved = ring;

@@ -133,7 +133,7 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
             const CallOptions watched{.progress = [&](double) { ++calls; }, .statistics = &of_slabs};
             BOOST_TEST(same_bytes(whole, compute_on(with_largest_allocation(bytes), grid, band, options, watched)));
             BOOST_TEST(calls > 4U);
-            // What is the mesh's is counted once, what is a slab's is added up.
+            // Counts of the mesh are taken once, counts of slabs are added up.
             BOOST_TEST(of_slabs.slabs > 1U);
             BOOST_TEST(count_of(of_slabs, "active_pieces") == count_of(of_whole, "active_pieces"));
             BOOST_TEST(count_of(of_slabs, "closed_gaps") == count_of(of_whole, "closed_gaps"));

@@ -31,7 +31,7 @@ inline std::size_t count_of(const TransformStatistics& statistics, const std::st
     return statistics.method_counts.at(name).value;
 }
 
-/// No slice is looked at where a piece does not cut it, and none is left out.
+/// A piece is looked at only in slices that it cuts, and none is left out.
 inline void check_intersections(const TransformStatistics& statistics, std::size_t passes = 1) {
     BOOST_TEST(count_of(statistics, "slice_intersections") == passes * count_of(statistics, "active_pieces"));
     BOOST_TEST(count_of(statistics, "empty_intersections") == 0U);

@@ -13,7 +13,7 @@ using namespace clsdf::test;
 
 namespace {
 
-/// What floats of some tens of voxels round to, and polygons that are larger by their slack.
+/// For the rounding of floats of some tens of voxels, and for polygons that are larger by their slack.
 constexpr double tolerance_voxels = 3e-4;
 
 struct Scanned {

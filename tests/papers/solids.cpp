@@ -92,7 +92,7 @@ BOOST_AUTO_TEST_CASE(the_solids_are_closed_and_convex) {
         }
 }
 
-// What makes them exact: also where the paper's do not hold the point.
+// This makes them exact, also at points that the paper's polyhedra do not hold.
 BOOST_AUTO_TEST_CASE(every_point_of_the_band_is_in_a_leaned_solid_of_a_nearest_triangle) {
     std::size_t points = 0;
     std::size_t missed_by_the_papers = 0;

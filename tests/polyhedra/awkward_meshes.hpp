@@ -17,7 +17,7 @@
 namespace clsdf::test {
 
 /// A polygon in x and z, counter-clockwise, drawn out along y; its ends are closed by fans from the first vertex, which
-/// is a triangulation only where the polygon is star-shaped from there, and a self-intersecting closed surface else.
+/// is a triangulation only if the polygon is star-shaped from there, and a self-intersecting closed surface else.
 inline Mesh extruded(std::string name, const std::vector<std::array<double, 2>>& profile, double width) {
     const auto count = static_cast<std::uint32_t>(profile.size());
     std::vector<Vec3> vertices;

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-/// Distances to the triangles of a mesh by the textbook: the plane where the point lies over the face, else the edges.
+/// Distances to the triangles of a mesh by the textbook: the plane if the point lies over the face, else the edges.
 namespace clsdf::test {
 
 class PlainTriangle {

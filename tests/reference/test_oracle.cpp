@@ -24,7 +24,7 @@ void expect_same(const Nearest& found, const Nearest& expected) {
 void expect_brute_force(const Mesh& mesh, Random& random, int queries, double reach) {
     const Oracle oracle(mesh);
     for (int i = 0; i < queries; ++i) {
-        // Around the mesh, and near its vertices, where many triangles tie.
+        // Around the mesh, and near its vertices: many triangles tie there.
         const Vec3& vertex = mesh.vertices()[random.index(mesh.vertices().size())];
         const Vec3 query = i % 2 == 0 ? along(vertex, std::pow(10, random.uniform(-16, 0)) * reach, random.direction())
                                       : random.point(-2 * reach, 2 * reach);

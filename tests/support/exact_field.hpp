@@ -55,7 +55,7 @@ inline constexpr Accuracy nearly_aimed{1.5e-6, 2};
 /// The contract of every field, also if distances of many voxels round more than twice.
 inline constexpr Accuracy guaranteed{1e-5, 2};
 
-/// What tests expect by default. The kernels for GPUs miss the aim in a few samples of a hundred thousand.
+/// The default of the tests. The kernels for GPUs miss the aim in a few samples of a hundred thousand.
 inline Accuracy expected_accuracy() {
     return is_processor() ? aimed : guaranteed;
 }
@@ -154,7 +154,7 @@ inline bool same_bytes(const Field& one, const Field& other) {
     return is_same;
 }
 
-/// What the field holds of a part of its grid.
+/// The field's values on a part of its grid.
 inline Field part_of(const Field& whole, const Grid& part) {
     Field result;
     static_cast<FieldDescription&>(result) = whole;

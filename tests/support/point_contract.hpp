@@ -27,7 +27,7 @@ public:
         voxel_ = side > 0 ? side / 256 : 1;
     }
 
-    /// What is wrong with point number i of a query; nothing if all is right.
+    /// Says how point number i of a query is wrong; empty if it is right.
     std::string fault(const Vec3& point, const Field& field, std::size_t i) const {
         const Truth truth = truth_at(point);
         const double limit = static_cast<double>(static_cast<float>(within_));

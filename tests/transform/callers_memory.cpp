@@ -301,7 +301,7 @@ BOOST_AUTO_TEST_CASE(no_points_need_no_memory) {
                                          {.distance = distance, .gradient = gradient}));
 }
 
-// Of grids, packed and with strides, of many boxes and of points; on the host and on the device.
+// On grids, packed and with strides, in many boxes and at points; on the host and on the device.
 BOOST_AUTO_TEST_CASE(distances_in_double_have_the_values_of_floats) {
     const Mesh mesh = tilted(make_shape("noisy"));
     const Grid grid = grid_around(mesh, 30, 4);

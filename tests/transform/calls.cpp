@@ -22,7 +22,7 @@ const Mesh& dense() {
     static const Mesh mesh = make_shape("sphere7");
     return mesh;
 }
-/// Some launches for one core of a processor, and one for a GPU.
+/// Takes several launches on one core of a processor, and one on a GPU.
 Grid around_dense() {
     return grid_around(dense(), 72, 3);
 }
@@ -76,7 +76,7 @@ void check_places(const Mesh& mesh, const Grid& grid, const Band& band, KernelBo
         }
 }
 
-/// Of this process, by the kernel's account; 0 if there is none.
+/// The memory of this process, by the system's account; 0 if there is none.
 std::size_t resident_bytes() {
     std::ifstream file("/proc/self/statm");
     std::size_t all = 0, resident = 0;
@@ -178,7 +178,7 @@ BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere) {
     }
 }
 
-// The same where whole rows of bricks are stored as runs.
+// The same if whole rows of bricks are stored as runs.
 BOOST_AUTO_TEST_CASE(the_callers_arrays_begin_anywhere_for_small_triangles) {
     const Mesh ball = tilted(make_shape("sphere5"));
     for (const Index3& first : {Index3{-40, -32, -31}, Index3{-32, -30, -32}})

@@ -31,7 +31,7 @@ using namespace clsdf::test;
 
 namespace {
 
-/// What the kernels read of a mesh: the sweep's triangles have their vertices in them.
+/// A mesh as the kernels read it; the sweep's triangles contain their vertices.
 struct Made {
     std::vector<Polyhedron> records;
     std::vector<std::array<SweepVertex, 3>> triangles;
@@ -165,7 +165,7 @@ BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
 }
 
 void check_slopes(const BothFrusta& both) {
-    // Of the roundings of a slope, far below the slack.
+    // For the roundings of a slope; far below the slack.
     const auto is_wide = [](float kernel, float host) {
         return kernel >= host - 1e-8F - 1e-6F * host || kernel >= CLSDF_OPEN_SLOPE;
     };

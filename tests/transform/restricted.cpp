@@ -171,7 +171,7 @@ BOOST_AUTO_TEST_CASE(a_part_outlives_the_whole_and_takes_a_part_of_its_memory) {
     const KeptMemory of_whole = whole->memory();
     whole.reset();
     check_same(expected, part(grid, Band::symmetric(3 * h)));
-    // Of the sphere's octant and what lies before it, a fourth of the sphere, and a seam.
+    // It keeps the octant and the octant before it, a fourth of the sphere, and a seam.
     BOOST_TEST(part.memory().host_bytes < of_whole.host_bytes * 4 / 10);
 }
 

@@ -93,7 +93,7 @@ scan::HostArrays arrays_of(Field& field) {
 
 constexpr Outputs every_output{.triangle = true, .site = true, .closest = true, .gradient = true, .barycentric = true};
 
-/// What test() throws; it must be a failure of the device.
+/// The message of the error that test() throws; it must be a failure of the device.
 template <typename Test>
 std::string message_of(const Test& test) {
     try {
@@ -182,7 +182,7 @@ BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
             BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 30U);
             const std::optional<std::string> difference = known.difference(arrays_of(field));
             BOOST_TEST(!difference.has_value(), difference.value_or(""));
-            // Of three: the first samples of a row lie outside, the last ones inside.
+            // One of three coarse bricks: the first samples of a row lie outside, the last ones inside.
             BOOST_TEST(statistics.coarse_bricks == 1U);
             BOOST_TEST(field.distance.front() == static_cast<float>(known.band().outside));
             BOOST_TEST(field.distance.back() == -static_cast<float>(known.band().inside));

@@ -64,7 +64,7 @@ struct TransformStatistics : WorkCounts {
     double lists_seconds = 0;  ///< the sign's sweep included
     double sign_seconds = 0;   ///< of these, the sweep
     double field_seconds = 0;
-    // Of these, the kernels' own times by the device's clock; 0 unless its queue was made with profiling enabled.
+    // The kernels' own share, by the device's clock; 0 unless its queue was made with profiling enabled.
     double bricks_seconds = 0;  ///< the scan
     double fill_seconds = 0;
 };

@@ -17,8 +17,8 @@ namespace clsdf {
 /// MiB on, lies on huge pages if the system provides them. `Value` is float, double, std::uint32_t or std::uint8_t.
 ///
 /// New elements are uninitialised, also those of `FieldArray<float>(n)` and of `resize(n)`: a computation sets all of
-/// them, and need not wait until one core has cleared them. `FieldArray<float>(n, 0.0F)` sets them. What allocates
-/// throws std::bad_alloc. An array that was moved from is empty.
+/// them, and need not wait until one core has cleared them. `FieldArray<float>(n, 0.0F)` sets them. A function that
+/// allocates throws std::bad_alloc. An array that was moved from is empty.
 template <typename Value>
 class CLSDF_EXPORT FieldArray {
 public:

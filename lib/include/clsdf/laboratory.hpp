@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-/// What those who measure or extend the method need, and nobody who computes fields.
+/// For those who measure or extend the method. A program that computes fields does not need this header.
 namespace clsdf {
 
 /// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.

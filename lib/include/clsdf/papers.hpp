@@ -193,7 +193,7 @@ struct BoundingSolid {
 };
 
 /// The triangles with a corner where the vertex is, in order: equal vertices count as one. Throws
-/// Error(invalid_argument) where there is no such vertex, or none of its triangles.
+/// Error(invalid_argument) if there is no such vertex, or none of its triangles.
 CLSDF_EXPORT std::vector<std::uint32_t> triangles_at(const Mesh& mesh, std::uint32_t vertex);
 
 /// The leaned frusta (docs/method.md) of selected triangles of a mesh, in the order given, front and back; then the
