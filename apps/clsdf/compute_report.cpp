@@ -155,8 +155,8 @@ std::string warning_of_empty_band(const ComputeLayout& layout, const Computation
 std::string warning_of_format(const ComputeLayout& layout, const std::string& output) {
     if (fs::path(output).extension() != ".sdf" || std::isinf(layout.band.widest())) return {};
     return fmt::format(
-        "{} cannot say that samples beyond the band carry its limit: whoever reads it takes that for "
-        "their distance; use --band full, or another format",
+        "{} does not state its band: programs that read it take the band's limit for the distance of samples beyond "
+        "it; use --band full, or another format",
         output);
 }
 

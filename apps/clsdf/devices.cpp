@@ -171,7 +171,7 @@ void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool
         } catch (const clsdf::Error& error) {
             // The compilers of some devices react to the same signals and fail; the reason is the user's wish.
             if (interruption.token().stop_requested())
-                throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; what was compiled before is kept");
+                throw clsdf::Error(clsdf::ErrorCode::cancelled, "cancelled; programs that are compiled are kept");
             if (failure) report.warn(failure->what());
             failure = error;
         }

@@ -184,8 +184,8 @@ Command add_render(CLI::App& program) {
     parser->add_flag("--bare", options->picture.bare, "no title and no colour bar beside a cut");
     add_device_option(*parser, options->device, "what traces the rays");
     parser->footer(
-        "A cut takes away what is on the viewer's side of a plane, several cuts what is on that side of all; the\n"
-        "opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"
+        "A cut removes the part on the viewer's side of a plane, several cuts the part on that side of all planes.\n"
+        "The opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"
         "Examples:\n"
         "  clsdf render part.nrrd -o part.png\n"
         "  clsdf render bunny.nrrd -o bunny.png --view front --size 1600x1200\n"
