@@ -1,4 +1,4 @@
-# What the library is built with. An absent package is named as Debian names it.
+# The packages that the library is built with. An absent one is named as Debian names it.
 #
 # clsdf_require(<package> <Debian package> [<argument of find_package>...])
 macro(clsdf_require package debian_package)

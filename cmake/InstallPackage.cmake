@@ -11,7 +11,7 @@ if(library_type STREQUAL "STATIC_LIBRARY")
 endif()
 # Relative to the file itself, so that the installed tree can be moved.
 file(RELATIVE_PATH CLSDF_PC_INCLUDEDIR ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_INCLUDEDIR})
-# What a C++ compiler links by itself and a C compiler, as the linker of a mixed program, does not.
+# Libraries that a C++ compiler links by itself. A C compiler, as the linker of a mixed program, does not.
 set(cxx_libraries "")
 if(is_static)
   set(libraries ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})

@@ -1,4 +1,4 @@
-# What the libraries have in common, and what they see of one another's insides.
+# The settings that all libraries share, and the private headers that one may see of another.
 
 # clsdf_library(<target>): a shared library shows what its public headers mark with CLSDF_EXPORT, and nothing else; a static
 # one shows nothing to the outside of the module that contains it.
@@ -14,7 +14,7 @@ function(clsdf_library target)
   if(type STREQUAL "STATIC_LIBRARY")
     target_compile_definitions(${target} PRIVATE CLSDF_STATIC_BUILD)
   else()
-    # What other libraries leave in ours (oneTBB's templates, the standard library's) is no business of those who link it.
+    # Symbols of other libraries in ours (oneTBB's templates, the standard library's) are not for programs that link it.
     target_link_options(${target} PRIVATE LINKER:--exclude-libs,ALL)
   endif()
 endfunction()

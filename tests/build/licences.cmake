@@ -16,7 +16,7 @@ foreach(index RANGE ${last})
   string(JSON command GET "${database}" ${index} command)
   if(command MATCHES "CMakeFiles/clsdf(_papers)?\\.dir/")
     string(JSON source GET "${database}" ${index} file)
-    # What remains of the command: the compiler, definitions, directories and options.
+    # The rest of the command: the compiler, definitions, directories and options.
     string(REGEX REPLACE " -o [^ ]+ -c .*$" "" command "${command}")
     separate_arguments(command UNIX_COMMAND "${command}")
     list(APPEND sources ${source})

@@ -1,6 +1,6 @@
 # SOURCE: the source tree.
 #
-# Of the kernel files, only simd.h names instruction sets and built-in functions of compilers.
+# Only one kernel file, simd.h, names instruction sets and built-in functions of compilers.
 cmake_minimum_required(VERSION 3.25)
 
 set(names "__builtin_|__has_builtin|__clang__|__AVX|__SSE|__x86|__aarch")

@@ -1,6 +1,6 @@
 # CLSDF: the sources; SCRATCH: a directory of this test's own.
 #
-# What a user gets who configures with the preset "release" and asks for nothing: no warning ends the build, the static
+# The build of a user who configures with the preset "release" and no option: no warning ends the build, the static
 # library can go into a shared one, and OpenVDB is not used, installed or not. Asked for and not there, it is an error
 # that says what to install.
 cmake_minimum_required(VERSION 3.25)

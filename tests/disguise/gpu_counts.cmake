@@ -61,7 +61,7 @@ foreach(name IN LISTS names)
   endif()
 endforeach()
 
-# What must be counted, and what can be no other number.
+# Counts that must be there, and counts that can be no other number.
 foreach(name bytes_up bytes_down blocking_waits list_passes launches allocations calls)
   of(value first_call ${name})
   if(NOT value GREATER 0)

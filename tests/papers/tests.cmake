@@ -22,6 +22,6 @@ endforeach()
 clsdf_papers_test(brute_force ${CMAKE_CURRENT_LIST_DIR}/brute_force.cpp)
 clsdf_papers_test(software_scan ${CMAKE_CURRENT_LIST_DIR}/software_scan.cpp)
 
-# What a command says that is built without clsdf::papers.
+# The messages of a command that is built without clsdf::papers.
 clsdf_test(papers_absent ${CMAKE_CURRENT_LIST_DIR}/absent.cpp)
 target_link_libraries(test_papers_absent PRIVATE clsdf_papers_absent)
