@@ -60,7 +60,11 @@ HostArrays arrays_of(const Outputs& outputs, bool is_later) {
     return arrays;
 }
 
-constexpr Outputs every_output{.triangle = true, .site = true, .closest = true, .gradient = true, .barycentric = true};
+Outputs every_output() {
+    Outputs outputs;
+    visit_extras([](const char*, bool& is_wanted) { is_wanted = true; }, outputs);
+    return outputs;
+}
 
 /// Computes a known field with the launches of a transform that has these stages.
 std::optional<std::string> run_field_test(const Device& device, const Programs& programs, const TestCase& test_case,
@@ -69,7 +73,7 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
     const Grid& grid = known.grid();
     const SignRule sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
     Outputs outputs;
-    if (test_case.variant.nearest) outputs = test_case.method ? Outputs{.triangle = true} : every_output;
+    if (test_case.variant.nearest) outputs = test_case.method ? Outputs{.triangle = true} : every_output();
     device::Context& context = device::context_of(device);
     // The plan, which waits for the device when it ends, is made after the memory that the device writes.
     OwnArrays own;
@@ -125,7 +129,7 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     const auto difference = [&](const KnownField& known, bool is_later) {
         const std::vector<Vec3> positions = positions_of(known.grid());
         OwnArrays own;
-        const HostArrays arrays = own.for_samples(arrays_of(every_output, is_later), positions.size());
+        const HostArrays arrays = own.for_samples(arrays_of(every_output(), is_later), positions.size());
         points::query_points(context, programs, pool, inputs, positions, known.band().outside, arrays, {});
         return known.difference(arrays);
     };

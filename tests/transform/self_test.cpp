@@ -91,8 +91,6 @@ scan::HostArrays arrays_of(Field& field) {
     return arrays;
 }
 
-constexpr Outputs every_output{.triangle = true, .site = true, .closest = true, .gradient = true, .barycentric = true};
-
 /// The message of the error that test() throws; it must be a failure of the device.
 template <typename Test>
 std::string message_of(const Test& test) {
@@ -148,7 +146,7 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
         const KnownField known(kind);
         DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
         TransformStatistics statistics;
-        Field field = transform(known.grid(), known.band(), every_output, {.statistics = &statistics});
+        Field field = transform(known.grid(), known.band(), all_outputs(), {.statistics = &statistics});
         BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 500U);
         const std::optional<std::string> difference = known.difference(arrays_of(field));
         BOOST_TEST(!difference.has_value(), difference.value_or(""));
@@ -178,7 +176,7 @@ BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
             const KnownField known({.long_bricks = long_bricks, .fine = true});
             DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero, .body = body});
             TransformStatistics statistics;
-            Field field = transform(known.grid(), known.band(), every_output, {.statistics = &statistics});
+            Field field = transform(known.grid(), known.band(), all_outputs(), {.statistics = &statistics});
             BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 30U);
             const std::optional<std::string> difference = known.difference(arrays_of(field));
             BOOST_TEST(!difference.has_value(), difference.value_or(""));
@@ -192,7 +190,7 @@ BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
 BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
     const KnownField known({});
     DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
-    const Field right = transform(known.grid(), known.band(), every_output);
+    const Field right = transform(known.grid(), known.band(), all_outputs());
     const auto differs = [&](auto&& change) {
         Field field = right;
         change(field);
