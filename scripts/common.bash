@@ -29,6 +29,15 @@ is_installed() {
     dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
 }
 
+# source_commit prints the commit of the sources in this folder, with -dirty if they differ from it; nothing without git.
+# The records of runs are no sources.
+source_commit() {
+    local commit
+    commit=$(git rev-parse --short HEAD 2>/dev/null) || return 0
+    [ -z "$(git status --porcelain -- . ':!benchmarks/*.md')" ] || commit+=-dirty
+    echo "$commit"
+}
+
 # clang_14 PROGRAM prints the name of version 14 of clang-format or clang-tidy: results of other versions differ.
 clang_14() {
     local version
