@@ -19,6 +19,31 @@ function(clsdf_library target)
   endif()
 endfunction()
 
+# clsdf_precompile(<target> [<header>...]): the headers that most files of the target include, compiled once. Headers of the
+# project are not among them, since these change.
+function(clsdf_precompile target)
+  target_precompile_headers(
+    ${target}
+    PRIVATE
+    <algorithm>
+    <array>
+    <atomic>
+    <cmath>
+    <cstdint>
+    <functional>
+    <map>
+    <memory>
+    <mutex>
+    <optional>
+    <ranges>
+    <span>
+    <string>
+    <thread>
+    <vector>
+    <fmt/format.h>
+    ${ARGN})
+endfunction()
+
 # clsdf_internals(<target> [FOLDERS <folder>...] [STATE_OF_PROCESS <source>...]): <target>_internals, for tests of what is
 # inside a library and for the libraries beside it. Targets that link it see the library's own headers, those in the folders
 # included. A static library has all the code. A shared one hides it; then its object files are also in a static library that

@@ -2,15 +2,7 @@
 
 #include <clsdf/error.hpp>
 
-// OpenCL's C++ binding, as the whole library sees it.
-#define CL_HPP_ENABLE_EXCEPTIONS
-#define CL_HPP_TARGET_OPENCL_VERSION 120
-#define CL_HPP_MINIMUM_OPENCL_VERSION 120
-#define CL_TARGET_OPENCL_VERSION 120
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wold-style-cast"
-#include <CL/opencl.hpp>
-#pragma GCC diagnostic pop
+#include "device/opencl_binding.hpp"
 
 #include <array>
 #include <string>

@@ -20,7 +20,7 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/solids.cpp)
 # Mauch's scan in software may round as the processor does it fastest.
 set_source_files_properties(${CMAKE_CURRENT_LIST_DIR}/site_solids.cpp ${CMAKE_CURRENT_LIST_DIR}/software_scan.cpp
-                            PROPERTIES COMPILE_OPTIONS -ffp-contract=fast)
+                            PROPERTIES COMPILE_OPTIONS -ffp-contract=fast SKIP_PRECOMPILE_HEADERS ON)
 set(papers_kernel_folder ${PROJECT_SOURCE_DIR}/kernels/papers)
 file(GLOB papers_kernels CONFIGURE_DEPENDS ${papers_kernel_folder}/*.h ${papers_kernel_folder}/*.cl)
 clsdf_embed_kernels(clsdf_papers ${papers_kernels})
