@@ -1,5 +1,5 @@
-# The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, io,
-# papers, picture, reference), and so is the command; headers, package files and what else a compiler needs are in
+# The installed package, for find_package(clsdf) and for pkg-config. Each library is a component of its own (core, meshes,
+# io, papers, picture, reference), and so is the command; headers, package files and what else a compiler needs are in
 # development.
 include(CMakePackageConfigHelpers)
 
@@ -21,8 +21,9 @@ if(is_static)
   list(JOIN libraries " " cxx_libraries)
 endif()
 
-# clsdf_install_library(<target> <component> <description> <pkg-config packages> <libraries>): the last two are what a
-# static library stands on, which it does not carry.
+# clsdf_install_library(<target> <component> <description> <pkg-config packages> <libraries> [<clsdf library>...]): packages
+# and libraries are what a static library stands on, which it does not carry; then the libraries of clsdf that it links
+# beside the core.
 function(clsdf_install_library target component description packages libraries)
   install(
     TARGETS ${target}
@@ -44,6 +45,9 @@ function(clsdf_install_library target component description packages libraries)
   if(NOT target STREQUAL "clsdf")
     set(PC_REQUIRES "clsdf = ${PROJECT_VERSION}")
   endif()
+  foreach(library IN LISTS ARGN)
+    set(PC_REQUIRES "${library} = ${PROJECT_VERSION} ${PC_REQUIRES}")
+  endforeach()
   if(is_static)
     string(APPEND PC_REQUIRES " ${packages}")
     string(APPEND PC_LIBRARIES " ${libraries}")
@@ -64,6 +68,10 @@ if(is_static)
 endif()
 set(CLSDF_COMPONENTS "")
 clsdf_install_library(clsdf core "${PROJECT_DESCRIPTION}" "OpenCL tbb fmt mpfr gmp" "")
+if(CLSDF_BUILD_MESHES)
+  list(APPEND CLSDF_COMPONENTS meshes)
+  clsdf_install_library(clsdf_meshes meshes "Files of meshes and points, for clsdf" "tbb fmt" "")
+endif()
 if(CLSDF_BUILD_IO)
   list(APPEND CLSDF_COMPONENTS io)
   # HDF5's own description has another name on every system.
@@ -71,7 +79,7 @@ if(CLSDF_BUILD_IO)
   if(CLSDF_WITH_OPENVDB)
     string(APPEND libraries " -lopenvdb -lImath")
   endif()
-  clsdf_install_library(clsdf_io io "Files of meshes and fields, for clsdf" "tbb fmt expat" "${libraries}")
+  clsdf_install_library(clsdf_io io "Files of fields, for clsdf" "tbb fmt expat" "${libraries}" clsdf-meshes)
 endif()
 if(CLSDF_BUILD_PAPERS)
   list(APPEND CLSDF_COMPONENTS papers)
@@ -103,7 +111,7 @@ install(
   COMPONENT development)
 
 # The licence goes with every component.
-foreach(component core io papers picture reference command development)
+foreach(component core meshes io papers picture reference command development)
   install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT ${component})
 endforeach()
 # The documents, and all that they link to.

@@ -367,12 +367,17 @@ static inline void write_samples(Layout layout, Brick brick, int3 relative_brick
         const float squared = minimum->squared[s];
 #endif
         bool in_band;
-        distance[offset] = signed_distance(layout, negative, squared, &in_band);
+        const float value = signed_distance(layout, negative, squared, &in_band);
 #ifdef NEAREST
-        if (in_band && minima->polyhedron[sample] != CLSDF_NO_POLYHEDRON)
+        if (!IS_DOUBLE(finishing, distance)) distance[offset] = value;
+        if (in_band && minima->polyhedron[sample] != CLSDF_NO_POLYHEDRON) {
             finish_sample(finishing, to + part_first, minima->polyhedron[sample], negative, offset);
-        else
+        } else {
+            if (IS_DOUBLE(finishing, distance)) finishing->of_distance[offset] = distance_beyond(finishing, negative);
             leave_sample(finishing, offset);
+        }
+#else
+        distance[offset] = value;
 #endif
 #ifdef COUNT
         counters[CLSDF_COUNT_BAND] += in_band;

@@ -13,13 +13,16 @@
 
 // Values before the first whole line and after the last are stored by fours and ones.
 
-// One value into [begin, end).
-INLINE void store_value(uint value, __global uint* begin, __global uint* end) {
-    for (; begin < end && MISALIGNMENT(begin, 4) != 0; ++begin) *begin = value;
-    for (; begin + 4 <= end && MISALIGNMENT(begin, LINE_NUMBERS) != 0; begin += 4) vstore4((uint4)value, 0, begin);
-    for (; begin + LINE_NUMBERS <= end; begin += LINE_NUMBERS) store_line((uint16)value, begin);
-    for (; begin + 4 <= end; begin += 4) vstore4((uint4)value, 0, begin);
-    for (; begin < end; ++begin) *begin = value;
+// One value into [begin, end): a double, or two floats of the same value.
+INLINE void store_value(ulong value, __global uint* begin, __global uint* end) {
+    const uint2 pair = as_uint2(value);
+    const uint4 four = (uint4)(pair, pair);
+    const uint16 line = (uint16)(four, four, four, four);
+    for (; begin < end && MISALIGNMENT(begin, 4) != 0; ++begin) *begin = MISALIGNMENT(begin, 2) == 0 ? pair.x : pair.y;
+    for (; begin + 4 <= end && MISALIGNMENT(begin, LINE_NUMBERS) != 0; begin += 4) vstore4(four, 0, begin);
+    for (; begin + LINE_NUMBERS <= end; begin += LINE_NUMBERS) store_line(line, begin);
+    for (; begin + 4 <= end; begin += 4) vstore4(four, 0, begin);
+    for (; begin < end; ++begin) *begin = MISALIGNMENT(begin, 2) == 0 ? pair.x : pair.y;
 }
 
 // Sets every bit of [begin, end). Elements that are wider than a byte begin at a multiple of four.
@@ -27,7 +30,7 @@ INLINE void store_ones(__global uchar* begin, __global uchar* end) {
     for (; begin < end && (size_t)begin % sizeof(uint) != 0; ++begin) *begin = 0xFF;
     __global uchar* last = end - (size_t)end % sizeof(uint);
     if (begin >= last) last = begin;
-    store_value(0xFFFFFFFFu, (__global uint*)begin, (__global uint*)last);
+    store_value(~(ulong)0, (__global uint*)begin, (__global uint*)last);
     for (; last < end; ++last) *last = 0xFF;
 }
 

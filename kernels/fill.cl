@@ -9,10 +9,10 @@
 typedef struct Run {
     __global uint* begin;
     __global uint* end;
-    uint value;
+    ulong value;  // of store_value()
 } Run;
 
-INLINE void add_run(__private Run* run, __global uint* begin, __global uint* end, uint value) {
+INLINE void add_run(__private Run* run, __global uint* begin, __global uint* end, ulong value) {
     if (begin == run->end && value == run->value) {
         run->end = end;
         return;
@@ -70,20 +70,23 @@ INLINE bool next_empty(Layout layout, BrickRow row, int end_brick, __private int
     return true;
 }
 
-// The distances of the empty bricks [brick, end_brick) of a row of bricks, in one slice of samples.
+// The distances of the empty bricks [brick, end_brick) of a row of bricks, in one slice of samples. words: of a
+// distance.
 INLINE void fill_bricks(Layout layout, int brick, int end_brick, int brick_y, int z, __global const uchar* computed,
-                        __global const uint* sign_bits, __global uint* distance) {
+                        __global const uint* sign_bits, int words, ulong inside_fill, ulong outside_fill,
+                        __global uint* distance) {
     const BrickRow row = brick_row(layout, brick_y, z, computed);
     prefetch_signs(layout, sign_bits, brick_y, row.from_z + 1);  // for the next work-item of the group
-    Run distances = {distance, distance, 0};
+    Run distances = {distance, distance, 0ul};
     for (int begin, end; next_empty(layout, row, end_brick, &brick, &begin, &end);)
         for (int y = row.begin_y; y < row.end_y; ++y) {
-            __global uint* to = distance + ((size_t)z * layout.size[1] + y) * layout.size[0];
+            __global uint* to = distance + ((size_t)z * layout.size[1] + y) * layout.size[0] * words;
             __global const uint* bits = sign_row(layout, sign_bits, y + row.shift_y, row.from_z);
             for (int x = begin, next; x < end; x = next) {
                 next = end_of_run(bits, x + row.shift_x, end + row.shift_x) - row.shift_x;
                 const bool inside = is_inside(bits, x + row.shift_x);
-                add_run(&distances, to + x, to + next, as_uint(inside ? layout.inside_fill : layout.outside_fill));
+                add_run(&distances, to + (size_t)x * words, to + (size_t)next * words,
+                        inside ? inside_fill : outside_fill);
             }
         }
     store_value(distances.value, distances.begin, distances.end);
@@ -113,11 +116,15 @@ INLINE void leave_bricks(Layout layout, int brick, int end_brick, int brick_y, i
     const int first_brick = (int)((long)layout.bricks[0] * piece / pieces);                              \
     const int end_brick = (int)((long)layout.bricks[0] * (piece + 1) / pieces);
 
+// words: of a distance, 1 or 2. inside_fill, outside_fill: the distances of samples that are inside and outside, of
+// store_value().
 __kernel void fill_empty_bricks(Layout layout, __global const uchar* computed, __global const uint* sign_bits,
-                                __global uint* distance, int first_slice) {
+                                __global uint* distance, int words, ulong inside_fill, ulong outside_fill,
+                                int first_slice) {
     PIECE_OF_ROW
     if (z < layout.size[2])
-        fill_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, sign_bits, distance);
+        fill_bricks(layout, first_brick, end_brick, get_global_id(1), z, computed, sign_bits, words, inside_fill,
+                    outside_fill, distance);
     // Once per group, because one thread runs its work-items one after the other, and each wait for stores costs time.
     if (get_local_id(2) + 1 == get_local_size(2)) finish_lines();
 }

@@ -1,4 +1,4 @@
-// Finishing: what a field holds beside the distance, from a sample's nearest polyhedron.
+// Finishing: what a field holds beside the distance in float, from a sample's nearest polyhedron.
 //
 // The sample's coordinates in the triangle's frame (polyhedron.h) are formed in double, and tell the nearest of the
 // seven sites, the closest point and the direction. The altitude divides the triangle in two right-angled halves; the
@@ -20,6 +20,8 @@
 #define SITE_TOLERANCE 1.0e-10
 // Relative to the coordinates that differences are taken of.
 #define SITE_ROUNDING 1.0e-13
+// The same of a distance: what is less is 0, so that samples on the surface have no sign.
+#define DISTANCE_ROUNDING 4.0e-16
 // In units, squared. A sample nearer than that to its closest point takes the site's pseudonormal: its own direction is
 // within the rounding of frames of a mesh a billion voxels large, and nothing is promised of it.
 #define SQUARE_OF_NO_DISTANCE 2.5e-13
@@ -41,6 +43,7 @@ typedef struct Finishing {
     __global const Polyhedron* polyhedra;
     __global const TriangleSites* sites;  // of the triangles, in the mesh's order; for CLSDF_OUTPUTS_BY_NAME
     __global const float* normals;        // pseudonormals, six sites a triangle; for the gradient
+    __global double* of_distance;         // if it is in double
 #define OUTPUT_POINTER(name, content, element, components) __global uchar* of_##name;
     CLSDF_OUTPUTS(OUTPUT_POINTER)
 #undef OUTPUT_POINTER
@@ -94,6 +97,9 @@ INLINE void load_halves(__global const Polyhedron* p, __private double* halves) 
         const Mask at_base = y <= tolerance, is_apex = o.past >= -tolerance;                                          \
         const Mask is_end = select(o.before, o.beyond, at_base) >= -tolerance;                                        \
         const Mask is_face = (y > tolerance) & (o.outward < -tolerance);                                              \
+        /* At the base the apex of a low triangle and the end of the other half may be as near as the own end. */     \
+        const Mask at_apex = (o.away <= tolerance) & (altitude <= tolerance);                                         \
+        const Mask is_other_end = o.away + select(left_base, right_base, o.left) <= tolerance;                        \
         const Real nothing = 0.0;                                                                                     \
         Real far_x = select(o.outward * o.along, o.away, is_apex),                                                    \
              far_y = select(o.outward * o.across, y - altitude, is_apex);                                             \
@@ -101,7 +107,9 @@ INLINE void load_halves(__global const Polyhedron* p, __private double* halves) 
             select(select((Real)FRAME_RIGHT_EDGE, (Real)FRAME_LEFT_EDGE, o.left), (Real)FRAME_APEX, is_apex);         \
         far_x = select(select(far_x, nothing, at_base), o.beyond, is_end);                                            \
         far_y = select(far_y, y, at_base | is_end);                                                                   \
-        number = select(number, (Real)FRAME_BASE, at_base);                                                           \
+        Real of_base = select((Real)FRAME_BASE, (Real)FRAME_APEX, at_apex);                                           \
+        of_base = select(of_base, select((Real)FRAME_LEFT, (Real)FRAME_RIGHT, o.left), is_other_end);                 \
+        number = select(number, of_base, at_base);                                                                    \
         number = select(number, select((Real)FRAME_RIGHT, (Real)FRAME_LEFT, o.left), is_end);                         \
         *from_x = select(select(far_x, -far_x, o.left), nothing, is_face);                                            \
         *from_y = select(far_y, nothing, is_face);                                                                    \
@@ -213,7 +221,34 @@ INLINE double3 pseudonormal_of(__private const Finishing* finishing, __private c
         vload3(6 * (size_t)p->triangle + site_of_triangle(p, nearest->frame_site), finishing->normals));
 }
 
-// Each output's value, by its name in the table. ----------------------------------------------------------------------
+// The distance of a sample beyond the band.
+INLINE double distance_beyond(__private const Finishing* finishing, bool negative) {
+    return negative ? finishing->how.inside_fill : finishing->how.outside_fill;
+}
+
+// The square of a distance in units, without what is rounding. (x, y, z), p: as in DEFINE_FROM_SITE.
+#define DEFINE_WITHOUT_ROUNDING(name, Real)                                                                 \
+    INLINE Real name(__private const Real* p, Real x, Real y, Real z, Real squared) {                       \
+        const Real rounding = DISTANCE_ROUNDING * ((fabs(x) + fabs(y)) + (fabs(z) + p[6]) + (p[0] + p[1])); \
+        return squared <= rounding * rounding ? (Real)0.0 : squared;                                        \
+    }
+DEFINE_WITHOUT_ROUNDING(without_rounding, double)
+
+// The distance of a sample of a grid; at most the half width.
+INLINE double finished_distance(__private const Finishing* finishing, __private const Nearest* nearest) {
+    const bool negative = nearest->sign < 0.0;
+    double halves[7];
+    load_halves(nearest->polyhedron, halves);
+    const double2 in_plane = nearest->foot + nearest->from.xy;
+    const double squared =
+        without_rounding(halves, in_plane.x, in_plane.y, nearest->from.z, dot(nearest->from, nearest->from));
+    const double root = sqrt(squared) * finishing->how.unit;
+    const double most = fabs(distance_beyond(finishing, negative));
+    const double length = LESSER(root, most);
+    return negative && length != 0.0 ? -length : length;
+}
+
+// Each other output's value, by its name in the table. ----------------------------------------------------------------
 
 INLINE uint finished_triangle(__private const Finishing* finishing, __private const Nearest* nearest) {
     return nearest->named.triangle;
@@ -255,6 +290,8 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
         vstore##components(value, at, (__global double*)(to)); \
     else                                                       \
         vstore##components(convert_float##components(value), at, (__global float*)(to))
+#define STORE_float32 STORE_real
+#define STORE_float64 STORE_real
 
 // Every bit set.
 #define LEAVE_uint32(components, at, to, is_double) ((__global uint*)(to))[at] = 0xFFFFFFFFu
@@ -264,6 +301,8 @@ INLINE double2 finished_barycentric(__private const Finishing* finishing, __priv
         vstore##components((ulong##components)(~(ulong)0), at, (__global ulong*)(to)); \
     else                                                                               \
         vstore##components((uint##components)(0xFFFFFFFFu), at, (__global uint*)(to))
+#define LEAVE_float32 LEAVE_real
+#define LEAVE_float64 LEAVE_real
 
 // Stores what a sample of the band holds beside the distance. at: its place among the results, in samples.
 static inline void store_outputs(__private const Finishing* finishing, __private const Nearest* nearest, size_t at) {
@@ -276,15 +315,16 @@ static inline void store_outputs(__private const Finishing* finishing, __private
 #undef FINISH
 }
 
-// The same from the sample's nearest polyhedron. at: its place in the part.
+// The same from the sample's nearest polyhedron, and its distance in double. at: its place in the part.
 static inline void finish_sample(__private const Finishing* finishing, int3 sample, uint polyhedron, bool negative,
                                  size_t at) {
     Nearest nearest;
     find_nearest_at(finishing, convert_double3(sample), polyhedron, negative, &nearest);
+    if (IS_DOUBLE(finishing, distance)) finishing->of_distance[at] = finished_distance(finishing, &nearest);
     store_outputs(finishing, &nearest, at);
 }
 
-// The same of a sample beyond the band.
+// Stores the same of a sample beyond the band.
 static inline void leave_sample(__private const Finishing* finishing, size_t at) {
 #define LEAVE(name, content, element, components)                                          \
     if (IS_WANTED(finishing, name)) {                                                      \
@@ -294,17 +334,18 @@ static inline void leave_sample(__private const Finishing* finishing, size_t at)
 #undef LEAVE
 }
 
-// Parameters of a kernel that finishes samples, and their use.
+// Parameters of a kernel that finishes samples, which follow that of the distance, and their use.
 #define FINISHING_POINTER(name, content, element, components) , __global uchar* to_##name
 #define FINISHING_PARAMETERS \
     Finish how, __global const TriangleSites *sites, __global const float *normals CLSDF_OUTPUTS(FINISHING_POINTER)
 #define SET_POINTER(name, content, element, components) finishing.of_##name = to_##name;
-#define SET_FINISHING(finishing)     \
-    Finishing finishing;             \
-    finishing.how = how;             \
-    finishing.polyhedra = polyhedra; \
-    finishing.sites = sites;         \
-    finishing.normals = normals;     \
+#define SET_FINISHING(finishing)                        \
+    Finishing finishing;                                \
+    finishing.how = how;                                \
+    finishing.polyhedra = polyhedra;                    \
+    finishing.sites = sites;                            \
+    finishing.normals = normals;                        \
+    finishing.of_distance = (__global double*)distance; \
     CLSDF_OUTPUTS(SET_POINTER)
 
 #endif

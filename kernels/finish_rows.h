@@ -14,6 +14,7 @@
 
 DEFINE_FROM_SITE(from_sites, LaneEdgeOffsets, lane_edge_offsets, doubleL, longL)
 DEFINE_FRAME_WEIGHTS(weights_of_rows, doubleL, longL)
+DEFINE_WITHOUT_ROUNDING(without_rounding_of_rows, doubleL)
 
 // A vector of samples of a slice of a brick, a lane each: one or two rows.
 typedef struct Rows {
@@ -76,7 +77,7 @@ INLINE void find_rows(__private const Finishing* finishing, __private Rows* rows
     rows->y = ALONG_AXIS(1);
     rows->z = ALONG_AXIS(2);
 #undef ALONG_AXIS
-    rows->squared = in_x * in_x + (in_y * in_y + z * z);
+    rows->squared = without_rounding_of_rows(exact + NUMBER_BASE, x, y, z, in_x * in_x + (in_y * in_y + z * z));
     if (IS_WANTED(finishing, barycentric))
         weights_of_rows(exact + NUMBER_BASE, x - in_x, y - in_y, rows->frame_site, rows->weights, rows->weights + 1);
 }
@@ -117,6 +118,19 @@ INLINE void store_vectors(doubleL x, doubleL y, doubleL z, uint found, __global 
             store_float_vectors(convert_float8(row_x), convert_float8(row_y), convert_float8(row_z), lanes,
                                 (__global float*)to + at);
     }
+}
+
+// Stores distances in double.
+INLINE void store_distance(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    const Finish how = finishing->how;
+    const longL inside = TO_LONGS(bits_to_lanes(rows->inside)), found = TO_LONGS(bits_to_lanes(rows->found));
+    const doubleL fill = select((doubleL)how.outside_fill, (doubleL)how.inside_fill, inside), most = fabs(fill);
+    const doubleL root = sqrt(rows->squared) * how.unit, length = LESSER(root, most);
+    const doubleL in_band = select(length, -length, inside & (length != (doubleL)0.0));
+    const doubleL distances = select(fill, in_band, found);
+#pragma unroll
+    for (int r = 0; r < ROWS_PER_VECTOR; ++r)
+        store_eight_doubles(ROW_OF_VECTOR(distances, r), 0, finishing->of_distance + at + r * CLSDF_COARSE);
 }
 
 INLINE void store_closest(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
@@ -177,14 +191,15 @@ INLINE void store_by_name(__private const Finishing* finishing, __private const 
     }
 }
 
-// Stores the outputs of samples other than the distance into a slice. at: the first one's index there.
+// Stores what finishing makes of samples into a slice. at: the first one's index there.
 static inline void finish_rows(__private const Finishing* finishing, __private const Rows* rows, size_t at) {
+    if (IS_DOUBLE(finishing, distance)) store_distance(finishing, rows, at);
     if ((finishing->how.wanted & CLSDF_OUTPUTS_BY_NAME) != 0) store_by_name(finishing, rows, at);
     if (IS_WANTED(finishing, closest)) store_closest(finishing, rows, at);
     if (IS_WANTED(finishing, gradient)) store_gradient(finishing, rows, at);
 }
 // A new output needs a line there.
-typedef char AllOutputsAreFinished[CLSDF_OUTPUT_COUNT == 5 ? 1 : -1];
+typedef char AllOutputsAreFinished[CLSDF_OUTPUT_COUNT == 6 ? 1 : -1];
 
 // A slice of rows of up to four bricks, in memory of its own: each row begins CLSDF_COARSE samples after the one before
 // it. All rows are found before any is finished: each is a chain of dependent steps, and several rows hide its latency.
@@ -199,11 +214,13 @@ typedef struct Slice {
 
 #define SLICE_SAMPLES (CLSDF_BRICK * CLSDF_COARSE)
 #define OUTPUT_COMPONENTS(name, content, element, components) +components
-#define SLICE_BYTES (SLICE_SAMPLES * sizeof(double) * (0 CLSDF_OUTPUTS(OUTPUT_COMPONENTS)))
+#define SLICE_BYTES (SLICE_SAMPLES * sizeof(double) * (1 CLSDF_OUTPUTS(OUTPUT_COMPONENTS)))
 
 INLINE void set_slice(__private const Finishing* finishing, __global uchar* room, __private Slice* slice) {
     slice->finishing = *finishing;
     slice->begin = slice->end = (int2)(0);
+    slice->finishing.of_distance = (__global double*)room;
+    room += SLICE_SAMPLES * sizeof(double);
 #define SET_OF_SLICE(name, content, element, components) \
     slice->finishing.of_##name = room;                   \
     room += SLICE_SAMPLES * sizeof(double) * components;
@@ -219,6 +236,12 @@ INLINE void store_slice_row(__private const Finishing* finishing, __private cons
 #define WIDTH_uint32(is_double) sizeof(uint)
 #define WIDTH_uint8(is_double) sizeof(uchar)
 #define WIDTH_real(is_double) ((is_double) ? sizeof(double) : sizeof(float))
+#define WIDTH_float32 WIDTH_real
+#define WIDTH_float64 WIDTH_real
+    if (IS_DOUBLE(finishing, distance))
+        store_values((__global const uint*)(slice->finishing.of_distance + y * CLSDF_COARSE + begin),
+                     (__global uint*)(finishing->of_distance + at),
+                     (__global uint*)(finishing->of_distance + at + (end - begin)));
 #define STORE_ROW(name, content, element, components)                                                       \
     if (IS_WANTED(finishing, name)) {                                                                       \
         const size_t bytes = WIDTH_##element(IS_DOUBLE(finishing, name)) * components;                      \

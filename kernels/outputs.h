@@ -1,18 +1,18 @@
-// One definition for the host and the kernels: what a field may hold beside the distance, and what finishing needs for
-// it.
+// One definition for the host and the kernels: what a field may hold, and what finishing needs for it.
 #ifndef CLSDF_OUTPUTS_H
 #define CLSDF_OUTPUTS_H
 
 #include "polyhedron.h"
 
-// ROW(name, what it is, type of an element, elements of a sample). An element of type `real` is a float or a double, as
-// the caller asks for. Beyond the band every bit is set: no triangle, no site, and not a number.
-#define CLSDF_OUTPUTS(ROW)                                \
-    ROW(triangle, "nearest triangle", uint32, 1)          \
-    ROW(site, "nearest site of the triangle", uint8, 1)   \
-    ROW(closest, "closest point of the surface", real, 3) \
-    ROW(gradient, "gradient of the distance", real, 3)    \
-    ROW(barycentric, "barycentric coordinates", real, 2)
+// The outputs beside the distance: ROW(name, what it is, type of an element, elements of a sample). An element of type
+// float32 or float64 is a float or a double, as the caller asks for; in fields and files it has this type. Beyond the
+// band every bit is set: no triangle, no site, and not a number.
+#define CLSDF_OUTPUTS(ROW)                                   \
+    ROW(triangle, "nearest triangle", uint32, 1)             \
+    ROW(site, "nearest site of the triangle", uint8, 1)      \
+    ROW(closest, "closest point of the surface", float64, 3) \
+    ROW(gradient, "gradient of the distance", float32, 3)    \
+    ROW(barycentric, "barycentric coordinates", float32, 2)
 
 // Sites of a triangle: its vertices 0, 1, 2; its edges 3, 4, 5, of which edge 3 + k runs from vertex k to the next;
 // its face.
@@ -22,9 +22,10 @@
 namespace clsdf {
 #endif
 
-// Numbers of the outputs, in sets of bits.
+// Numbers of the outputs, in sets of bits. Kernels write the distance as floats. Finishing makes the other outputs, and
+// the distance if it is in double; then there are no floats.
 #define CLSDF_OUTPUT_NUMBER(name, content, element, components) CLSDF_OUTPUT_##name,
-enum clsdf_output_number { CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
+enum clsdf_output_number { CLSDF_OUTPUT_distance, CLSDF_OUTPUTS(CLSDF_OUTPUT_NUMBER) CLSDF_OUTPUT_COUNT };
 #undef CLSDF_OUTPUT_NUMBER
 
 // The outputs that take the names of sites.
@@ -42,11 +43,13 @@ typedef struct TriangleSites {
 
 // The properties of the grid and of the outputs that finishing needs.
 typedef struct Finish {
-    double origin[3];         // position of the lattice's sample (0, 0, 0), in the mesh's units
-    double spacing[3];        // in the mesh's units
-    double per_spacing[3];    // the reciprocals, per unit of the layout
-    double unit;              // of the layout, in the mesh's units
-    clsdf_uint32 wanted;      // bit n: output n is stored
+    double origin[3];       // position of the lattice's sample (0, 0, 0), in the mesh's units
+    double spacing[3];      // in the mesh's units
+    double per_spacing[3];  // the reciprocals, per unit of the layout
+    double unit;            // of the layout, in the mesh's units
+    double inside_fill;     // -inside and outside, the distances in double beyond the band
+    double outside_fill;
+    clsdf_uint32 wanted;      // bit n: output n, beside the distance, is stored
     clsdf_uint32 in_double;   // bit n: its elements are doubles
     float outward;            // -1 if pseudonormals point inside: the mesh is inside out
     clsdf_uint32 renumbered;  // triangles of a part of a mesh, whose numbers in the whole follow their sites; else 0
@@ -54,7 +57,7 @@ typedef struct Finish {
 
 #ifndef __OPENCL_VERSION__
 static_assert(sizeof(TriangleSites) == 32);
-static_assert(sizeof(Finish) == 96 && offsetof(Finish, wanted) == 80);
+static_assert(sizeof(Finish) == 112 && offsetof(Finish, wanted) == 96);
 }  // namespace clsdf
 #endif
 

@@ -16,6 +16,11 @@
 DEFINE_EDGE_OFFSETS(PointEdgeOffsets, point_edge_offsets, REAL, TRUTH)
 DEFINE_SQUARED_BY_OFFSETS(point_squared_by_offsets, PointEdgeOffsets, REAL)
 
+// The face that stands for equal ones; CLSDF_NO_FACE for itself.
+INLINE uint lowest_face(__global const FaceFrame* frames, uint face) {
+    return face == CLSDF_NO_FACE ? face : frames[face].lowest;
+}
+
 // A face's frame (point_tree.h) and a point's place in it.
 typedef struct PlacedFrame {
     REAL x, y, z;  // of the point

@@ -396,7 +396,7 @@ __kernel void nearest_by_groups(uint begin, uint end, __global uint* next_block,
             scan_brick(mesh, bricks + block * CLSDF_GROUP_WIDTH + b, points, first, point_count, chosen, brick_list,
                        most, brick);
             for (uint i = 0; i < CLSDF_POINTS_OF_BRICK && first + i < point_count; ++i) {
-                faces[first + i] = brick->face[i];
+                faces[first + i] = lowest_face(frames, brick->face[i]);
                 squared[first + i] = brick->squared[i];
             }
         }

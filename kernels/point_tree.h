@@ -56,7 +56,9 @@ typedef struct FaceFrame {
     double normal_across[2];
     double altitude;
     clsdf_uint32 triangle;  // in the caller's order
-    clsdf_uint32 padding;
+    // The lowest face, in the caller's order, with the same three vertices. Rounding decides which of them a search
+    // finds, because frames depend on the order of corners; the outputs are those of the lowest one.
+    clsdf_uint32 lowest;
 } FaceFrame;
 
 // Frames of the faces of a node of level 1, from an origin near them. The last face fills a leaf that is not full.

@@ -181,7 +181,7 @@ __kernel void nearest_of_points(PointTree tree, __global const PointNode* nodes,
         NearestFace found = {most, 0xFFFFFFFFu, CLSDF_NO_FACE, (float)most};
         if (face != CLSDF_NO_FACE) take_face(frames, face, p, &found);
         search(tree, nodes, leaves, frames, p, &found);
-        faces[i] = found.face;
+        faces[i] = lowest_face(frames, found.face);
         squared[i] = found.squared;
         if (found.face != CLSDF_NO_FACE) face = found.face;
     }
@@ -245,6 +245,7 @@ __kernel void finish_points(__global const double* points, __global const uint* 
         prefetch_line_to_l1(&polyhedra[later].exact_gradient_z[2]);
         prefetch_line_to_l1(&polyhedra[later].exact_altitude);
     }
+    const bool is_double = IS_DOUBLE(&finishing, distance);
     bool is_within = false;
     if (face != CLSDF_NO_FACE) {
         Nearest nearest;
@@ -255,14 +256,23 @@ __kernel void finish_points(__global const double* points, __global const uint* 
         is_within = length <= within;
         if (is_within && sign != CLSDF_POINT_UNDECIDED) {
             // Zero is for points on the surface: beside it, rounding may leave nothing of the length.
-            const float rounded = is_on_surface ? 0.0f : (float)length > 0.0f ? (float)length : as_float(1u);
-            distance[place] = inside ? -rounded : rounded;
+            if (is_double) {
+                const double most = is_on_surface || length > 0.0 ? length : as_double((ulong)1);
+                finishing.of_distance[place] = inside ? -most : most;
+            } else {
+                const float rounded = is_on_surface ? 0.0f : (float)length > 0.0f ? (float)length : as_float(1u);
+                distance[place] = inside ? -rounded : rounded;
+            }
             nearest.sign = inside ? -1.0 : 1.0;
             if (how.wanted != 0) store_outputs(&finishing, &nearest, place);
         }
     }
     if (by_sides) signs[i] = sign == CLSDF_POINT_UNDECIDED ? CLSDF_POINT_UNDECIDED : CLSDF_POINT_FINISHED;
     if (is_within || sign == CLSDF_POINT_UNDECIDED) return;
-    distance[place] = (float)(sign == CLSDF_POINT_INSIDE ? -within : within);
+    const double limit = sign == CLSDF_POINT_INSIDE ? -within : within;
+    if (is_double)
+        finishing.of_distance[place] = limit;
+    else
+        distance[place] = (float)limit;
     leave_sample(&finishing, place);
 }

@@ -24,6 +24,15 @@ typedef struct Output {
     __global const uint* sign_bits;
 } Output;
 
+// Finishing stores the distances, in double.
+INLINE bool is_finished(Output output) {
+#ifdef NEAREST
+    return IS_DOUBLE(output.finishing, distance);
+#else
+    return false;
+#endif
+}
+
 // The mark of a brick that is computed.
 INLINE __global uchar* mark_of(Layout layout, int3 brick, Output output) {
     const int3 at = brick - vload3(0, layout.brick_first);
@@ -103,7 +112,7 @@ static inline void write_run(Layout layout, int3 brick, int count, __global Mini
         finish_slice(output.finishing, output.slice, count, begin, end, slice, size.x);
 #endif
         // A separate loop: a row that is read right after it is stored is waited for.
-        for (int y = begin.y; y < end.y; ++y) {
+        for (int y = begin.y; y < end.y && !is_finished(output); ++y) {
             const size_t row = ((size_t)(first.z + z) * size.y + (first.y + y)) * size.x;
             const size_t from = row + first.x + begin.x, to = row + first.x + end.x;
             store_values(output.rows + y * CLSDF_COARSE + begin.x, (__global uint*)output.distance + from,
@@ -153,12 +162,12 @@ static inline void write_lines(Layout layout, int3 brick, __global Minimum* mini
 }
 
 // Returns a mask of bricks: a bit is set if the rows of that brick and of the next one fill whole lines of memory in
-// the part. It is 0 unless every row of the field begins a line.
+// the part. It is 0 unless every row of the field begins a line, and for distances in double.
 INLINE ulong line_beginnings(Layout layout, int3 coarse, Output output) {
     const int3 first = coarse * CLSDF_COARSE - vload3(0, layout.first);
     const long from_first = ((long)first.z * layout.size[1] + first.y) * layout.size[0] + first.x;
     if (MISALIGNMENT((size_t)output.distance + (size_t)from_first * sizeof(float), LINE_NUMBERS) != 0) return 0;
-    if (layout.size[0] % LINE_NUMBERS != 0) return 0;
+    if (layout.size[0] % LINE_NUMBERS != 0 || is_finished(output)) return 0;
     ulong bricks = 0;
     for (int line = 0; line < CLSDF_COARSE / LINE_NUMBERS; ++line) {
         const int begin = first.x + line * LINE_NUMBERS;

@@ -47,6 +47,16 @@ void Band::validate() const {
                     fmt::format("band: the half widths are {} inside and {} outside; each must be 0 or more (infinite "
                                 "for a full field)",
                                 inside, outside));
+    const bool has_no_width = inside == 0 && outside == 0;
+    if (has_no_width && !has_signs_only)
+        throw Error(ErrorCode::invalid_argument,
+                    "band: both half widths are 0, so no sample has a distance; give one, e.g. "
+                    "Band::symmetric(3 * grid.voxel()), or Band::signs_only() for the signs alone");
+    if (has_signs_only && !has_no_width)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("band: it has signs only, and the half widths {} inside and {} outside; set both to 0, "
+                                "or has_signs_only to false",
+                                inside, outside));
 }
 
 namespace {

@@ -151,5 +151,6 @@ template class FieldArray<float>;
 template class FieldArray<double>;
 template class FieldArray<std::uint32_t>;
 template class FieldArray<std::uint8_t>;
+template class FieldArray<std::byte>;
 
 }  // namespace clsdf

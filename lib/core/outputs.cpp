@@ -2,82 +2,92 @@
 
 #include "layout.h"
 
-#include <array>
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
 
 namespace clsdf {
 namespace {
 
 static_assert(no_triangle == CLSDF_NO_TRIANGLE);
 
-template <typename Value>
-constexpr ValueType type_of() {
-    return std::is_same_v<Value, float>           ? ValueType::float32
-           : std::is_same_v<Value, double>        ? ValueType::float64
-           : std::is_same_v<Value, std::uint32_t> ? ValueType::uint32
-                                                  : ValueType::uint8;
-}
-
-// The row for a member of FieldSlab and the one of the same name of Field.
-template <auto slab_member, auto field_member>
-constexpr OutputKind kind(const char* name, const char* content, std::int64_t components,
-                          bool (*wanted)(const Outputs&)) {
-    using Span = std::remove_cvref_t<decltype(std::declval<FieldSlab>().*slab_member)>;
-    return {name,
-            content,
-            type_of<typename Span::value_type>(),
-            components,
-            wanted,
-            [](const FieldSlab& slab) { return std::as_bytes(slab.*slab_member); },
-            [](Field& field, std::size_t values) {
-                (field.*field_member).resize(values);
-                return std::as_writable_bytes(std::span(field.*field_member));
-            }};
-}
-
-constexpr OutputKind distance =
-    kind<&FieldSlab::distance, &Field::distance>("distance", "distance", 1, [](const Outputs&) { return true; });
-
-#define CLSDF_KIND(name, content, element, components)               \
-    kind<&FieldSlab::name, &Field::name>(#name, content, components, \
-                                         [](const Outputs& outputs) { return outputs.name; }),
-constexpr std::array extras{CLSDF_OUTPUTS(CLSDF_KIND)};
-#undef CLSDF_KIND
+// A row of the table of the kernels, which begins after the distance.
+#define CLSDF_ROW(name, description, element, components) \
+    OutputInfo{Output::name, #name, description, ElementType::element, components},
+constexpr std::array table{OutputInfo{Output::distance, "distance", "distance", ElementType::float32, 1},
+                           CLSDF_OUTPUTS(CLSDF_ROW)};
+#undef CLSDF_ROW
+#define CLSDF_NUMBER(name, description, element, components) \
+    static_assert(static_cast<int>(Output::name) == CLSDF_OUTPUT_##name);
+static_assert(static_cast<int>(Output::distance) == CLSDF_OUTPUT_distance);
+CLSDF_OUTPUTS(CLSDF_NUMBER)
+#undef CLSDF_NUMBER
+static_assert(table.size() <= detail::most_outputs);
 
 }  // namespace
 
-std::size_t width_of(ValueType type) {
-    return type == ValueType::float64 ? 8 : type == ValueType::uint8 ? 1 : 4;
+const char* name_of(ElementType type) {
+    constexpr std::array names{"automatic", "float", "double", "int32", "int64", "uint32", "uint64", "uint8"};
+    const auto number = static_cast<std::size_t>(type);
+    return number < names.size() ? names[number] : "unknown";
 }
 
-const OutputKind& distance_kind() {
-    return distance;
+std::span<const OutputInfo> output_table() {
+    return table;
 }
 
-std::span<const OutputKind> extra_kinds() {
-    return extras;
+const OutputInfo& info_of(Output output) {
+    const auto number = static_cast<std::size_t>(output);
+    if (number >= table.size())
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("there is no output number {}; the last one is {}, {}", static_cast<int>(output),
+                                table.size() - 1, table.back().name));
+    return table[number];
 }
 
-std::vector<OutputKind> kinds_of(const Outputs& outputs) {
-    std::vector<OutputKind> kinds{distance};
-    for (const OutputKind& extra : extras)
-        if (extra.wanted(outputs)) kinds.push_back(extra);
-    return kinds;
+std::vector<OutputInfo> infos_of(OutputSet outputs) {
+    std::vector<OutputInfo> infos;
+    for (const OutputInfo& info : table)
+        if (info.output == Output::distance || outputs.contains(info.output)) infos.push_back(info);
+    return infos;
 }
 
-std::span<std::byte> allocate_output(const OutputKind& kind, Field& field) {
-    return kind.allocate(field, field.grid.sample_count() * static_cast<std::size_t>(kind.components));
+Field::Field(const FieldDescription& description, OutputSet outputs) : FieldDescription(description) {
+    grid.validate();
+    const std::size_t samples = grid.sample_count();
+    try {
+        for (const OutputInfo& info : table)
+            if (outputs.contains(info.output)) resize(info.output, samples);
+    } catch (const std::exception&) {
+        throw Error(ErrorCode::out_of_memory,
+                    fmt::format("a field of {} x {} x {} samples does not fit the memory; compute parts of the grid",
+                                grid.size[0], grid.size[1], grid.size[2]));
+    }
 }
 
-FieldSlab slab_of(const Field& field) {
+std::span<std::byte> Field::resize(Output output, std::size_t samples) {
+    FieldArray<std::byte>& array = arrays_[detail::index_of(output)];
+    array.resize(samples * info_of(output).sample_bytes());
+    return array;
+}
+
+FieldSlab Field::slab() const {
     FieldSlab slab;
-    for_each_output([](const OutputRow&, auto& span, const auto& array) { span = array; }, slab, field);
+    for (const OutputInfo& info : table) slab.set(info.output, bytes(info.output));
     return slab;
 }
 
-Outputs outputs_of(const Field& field) {
-    Outputs outputs;
-    for_each_extra([](const OutputRow&, bool& wanted, const auto& array) { wanted = !array.empty(); }, outputs, field);
-    return outputs;
+OutputTargets Field::targets() {
+    OutputTargets targets;
+    for (const OutputInfo& info : table) {
+        const std::span<std::byte> memory = bytes(info.output);
+        if (memory.empty()) continue;
+        OutputArray& array = targets[info.output];
+        array.host = memory.data();
+        array.bytes = memory.size();
+        array.type = info.type;
+    }
+    return targets;
 }
 
 }  // namespace clsdf

@@ -5,6 +5,7 @@
 #include <clsdf/field.hpp>
 #include <clsdf/outputs.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -12,90 +13,73 @@
 
 namespace clsdf {
 
-/// A row of the table of outputs (kernels/outputs.h), or the distance.
-struct OutputRow {
-    enum Element : std::uint8_t { real, uint32, uint8 };
+/// A value for each output.
+template <typename Value>
+class PerOutput {
+public:
+    Value& operator[](Output output) { return values_[static_cast<std::size_t>(output)]; }
+    const Value& operator[](Output output) const { return values_[static_cast<std::size_t>(output)]; }
 
-    const char* name;     ///< that of the members, in files, and in the names of files
-    const char* content;  ///< in words
-    Element element;
-    std::size_t components;
-    std::uint32_t bit;  ///< in sets of outputs; 0 for the distance
-
-    std::size_t sample_bytes(bool in_double) const {
-        return components * (element == uint8 ? 1U : element == real && in_double ? 8U : 4U);
-    }
+private:
+    std::array<Value, CLSDF_OUTPUT_COUNT> values_{};
 };
 
 namespace detail {
-template <typename>
-using ByteOf = char;
-static_assert(sizeof(PerOutput<ByteOf>) == 1 + CLSDF_OUTPUT_COUNT, "the table and PerOutput have the same outputs");
+/// An output's part of a set of outputs, or of values by output.
+inline bool part(const OutputSet& set, Output output) {
+    return set.contains(output);
+}
+template <typename Values>
+decltype(auto) part(Values&& values, Output output) {
+    return std::forward<Values>(values)[output];
+}
 }  // namespace detail
 
-/// Calls visit(row, a.distance, b.distance, ...), then the same for every other output, of structs that have a member
-/// for each.
+/// The outputs beside the distance.
+inline std::span<const OutputInfo> extra_outputs() {
+    return output_table().subspan(1);
+}
+
+/// Calls visit(info, a[output], b[output], ...) for each output, the distance first. For an OutputSet, a[output] is
+/// whether it contains the output.
 template <typename Visit, typename... Sets>
 void for_each_output(const Visit& visit, Sets&&... sets) {
-    visit(OutputRow{"distance", "distance", OutputRow::real, 1, 0}, sets.distance...);
-#define CLSDF_VISIT(name, content, element, components) \
-    visit(OutputRow{#name, content, OutputRow::element, components, 1U << CLSDF_OUTPUT_##name}, sets.name...);
-    CLSDF_OUTPUTS(CLSDF_VISIT)
-#undef CLSDF_VISIT
+    for (const OutputInfo& info : output_table()) visit(info, detail::part(sets, info.output)...);
 }
 
 /// The same without the distance.
 template <typename Visit, typename... Sets>
 void for_each_extra(const Visit& visit, Sets&&... sets) {
-#define CLSDF_VISIT(name, content, element, components) \
-    visit(OutputRow{#name, content, OutputRow::element, components, 1U << CLSDF_OUTPUT_##name}, sets.name...);
-    CLSDF_OUTPUTS(CLSDF_VISIT)
-#undef CLSDF_VISIT
+    for (const OutputInfo& info : extra_outputs()) visit(info, detail::part(sets, info.output)...);
 }
 
-/// The bits of the requested outputs.
-inline std::uint32_t bits_of(const Outputs& outputs) {
-    std::uint32_t bits = 0;
-    for_each_extra([&](const OutputRow& row, bool wanted) { bits |= wanted ? row.bit : 0; }, outputs);
-    return bits;
+/// The output's bit in a set of outputs, also in kernels.
+inline std::uint32_t bit_of(const OutputInfo& info) {
+    return OutputSet(info.output).bits();
 }
 
-enum class ValueType { float32, float64, uint32, uint8 };
+/// The output has floats, or doubles if the caller asks for them.
+inline bool is_real(const OutputInfo& info) {
+    return info.type == ElementType::float32 || info.type == ElementType::float64;
+}
+
+/// Bytes of a sample whose real numbers are doubles or floats.
+inline std::size_t sample_bytes(const OutputInfo& info, bool in_double) {
+    const std::size_t element = is_real(info) ? (in_double ? 8 : 4) : bytes_of(info.type);
+    return element * info.components;
+}
 
 /// A value is an index or a number without a fraction.
-constexpr bool is_whole(ValueType type) {
-    return type == ValueType::uint32 || type == ValueType::uint8;
+constexpr bool is_whole(ElementType type) {
+    return type != ElementType::float32 && type != ElementType::float64;
 }
 
-/// Bytes of a value.
-std::size_t width_of(ValueType type);
+/// The distance first, then the others that are asked for.
+std::vector<OutputInfo> infos_of(OutputSet outputs);
 
-/// One array of a field with the properties that formats need: a row of the table in kernels/outputs.h with its
-/// members.
-struct OutputKind {
-    const char* name;         ///< in files, and in the names of files
-    const char* content;      ///< in words
-    ValueType type;           ///< of one value
-    std::int64_t components;  ///< values of one sample, which lie side by side
-    bool (*wanted)(const Outputs& outputs);
-    std::span<const std::byte> (*bytes)(const FieldSlab& slab);
-    /// Resizes the array to this number of values.
-    std::span<std::byte> (*allocate)(Field& field, std::size_t values);
-
-    std::size_t sample_bytes() const { return width_of(type) * static_cast<std::size_t>(components); }
-};
-
-const OutputKind& distance_kind();
-/// The outputs beside the distance.
-std::span<const OutputKind> extra_kinds();
-/// The distance first, then the others asked for.
-std::vector<OutputKind> kinds_of(const Outputs& outputs);
-
-/// Resizes the arrays to the samples of the field's grid.
-std::span<std::byte> allocate_output(const OutputKind& kind, Field& field);
-
-FieldSlab slab_of(const Field& field);
-/// The outputs that the field has.
-Outputs outputs_of(const Field& field);
+/// Makes room for the output of the field's grid.
+inline std::span<std::byte> allocate_output(const OutputInfo& info, Field& field) {
+    return field.resize(info.output, field.grid.sample_count());
+}
 
 }  // namespace clsdf

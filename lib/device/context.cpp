@@ -1,5 +1,6 @@
 #include "device/context.hpp"
 
+#include "core/tuning_variables.hpp"
 #include "device/requirements.hpp"
 #include "kernel_sources.hpp"
 
@@ -11,6 +12,7 @@
 #include <cstdlib>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #ifdef __x86_64__
 #include <cpuid.h>
@@ -61,7 +63,7 @@ namespace {
 /// A smaller device can be tried out on a larger one.
 template <typename Number>
 void limit_by_environment(const char* name, Number& number) {
-    if (const char* limit = std::getenv(name))
+    if (const char* limit = tuning_variable(name))
         if (const std::size_t most = std::strtoull(limit, nullptr, 10); most > 0)
             number = static_cast<Number>(std::min<std::size_t>(number, most));
 }
@@ -95,13 +97,13 @@ std::string compiler_environment() {
     return values;
 }
 
-/// All that a compiled program depends on beside its text and options.
+/// The lines of Context::identity() without the environment. Throws cl::Error.
 std::string identity_of(const cl::Device& device) {
     const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
-    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", platform.getInfo<CL_PLATFORM_NAME>(),
+    return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n", platform.getInfo<CL_PLATFORM_NAME>(),
                        platform.getInfo<CL_PLATFORM_VERSION>(), device.getInfo<CL_DEVICE_VENDOR>(),
                        device.getInfo<CL_DEVICE_NAME>(), device.getInfo<CL_DEVICE_VERSION>(),
-                       device.getInfo<CL_DRIVER_VERSION>(), compiler_environment());
+                       device.getInfo<CL_DRIVER_VERSION>());
 }
 
 /// PoCL keeps what it compiles, also what it specialises at a first launch. If asked for a binary, it compiles all
@@ -185,6 +187,7 @@ void Context::take_settings(const Context& other) {
     const std::scoped_lock lock(other.programs_mutex_);
     records_ = other.records_;
     cache_ = other.cache_;
+    identity_ = other.identity_;
 }
 
 Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
@@ -198,8 +201,6 @@ Context::Context(cl::Context context, cl::Device device, cl::CommandQueue queue)
             throw Error(ErrorCode::unsupported, fmt::format("the device \"{}\" cannot be used: {}; choose another one",
                                                             device_.getInfo<CL_DEVICE_NAME>(), reason));
         capabilities_ = capabilities_of(device_);
-        cache_ = ProgramCache(default_cache_folder(keeps_programs(device_)));
-        records_ = BuildRecords(default_cache_folder(false));
         identity_ = identity_of(device_);
         if (callers_queue_.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
             queue_ = cl::CommandQueue(context_, device_);
@@ -226,15 +227,30 @@ bool Context::drain() const noexcept {
     return !lost_;
 }
 
-void Context::set_cache_folder(std::filesystem::path folder) {
+void Context::keep_records(const std::filesystem::path& folder) {
+    guarded([&] {
+        // A relative path would be another one whenever the program goes to another folder.
+        std::error_code error;
+        std::filesystem::path absolute = folder.empty() ? folder : std::filesystem::absolute(folder, error);
+        if (error) absolute.clear();
+        std::string identity = identity_of(device_);
+        if (!absolute.empty()) identity += compiler_environment();
+        const bool keeps = keeps_programs(device_);
+        const std::scoped_lock lock(programs_mutex_);
+        identity_ = std::move(identity);
+        records_ = BuildRecords(absolute);
+        cache_ = ProgramCache(keeps ? std::filesystem::path() : std::move(absolute));
+    });
+}
+
+void Context::keep_programs(std::filesystem::path folder) {
     const std::scoped_lock lock(programs_mutex_);
-    records_ = BuildRecords(folder);
     cache_ = ProgramCache(std::move(folder));
 }
 
-std::filesystem::path Context::cache_folder() const {
+std::string Context::identity() const {
     const std::scoped_lock lock(programs_mutex_);
-    return cache_.folder();
+    return identity_;
 }
 
 BuildRecords Context::records() const {
@@ -280,12 +296,13 @@ Context::Built Context::build(std::string_view kernel_file, const std::string& o
     std::unique_lock lock(programs_mutex_);
     const BuildRecords records = records_;
     const ProgramCache cache = cache_;
+    const std::string identity = identity_;
     lock.unlock();
     std::string source = kernel_text(kernel_file, beside);
     if (text_edit_) text_edit_(kernel_file, source);
     const std::string key = fmt::format("{} {} {:016x}", kernel_file, options, hash_of(source));
     const std::string name = fmt::format("{} with the options \"{}\"", kernel_file, options);
-    const BuildSubject subject{fmt::format("{}built {}\n", identity_, key), name, identity_};
+    const BuildSubject subject{fmt::format("{}built {}\n", identity, key), name, identity};
     std::optional<cl::Program> program;
     const auto from_source = [&] {
         if (watch.begins) watch.begins();
@@ -297,7 +314,7 @@ Context::Built Context::build(std::string_view kernel_file, const std::string& o
         if (!program) program = compile(kernel_file, source, options);
         return {*program, key + " source"};
     }
-    const std::string cache_key = fmt::format("{}{}\n{}", identity_, options, source);
+    const std::string cache_key = fmt::format("{}{}\n{}", identity, options, source);
     std::optional<cl::Program> stored;
     const auto is_stored = [&] {
         stored = from_binary(context_, device_, cache.find(cache_key), options);

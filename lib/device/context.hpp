@@ -72,8 +72,9 @@ public:
     /// whether it was built from source or from a stored binary.
     std::string key_of(const cl::Program& program) const;
 
-    /// Platform, device and driver with their versions, a line each, the last one ended.
-    const std::string& identity() const { return identity_; }
+    /// Platform, device and driver with their versions, a line each, the last one ended. If records are kept, also the
+    /// environment variables that change what compilers make: all that code depends on beside its text and options.
+    std::string identity() const;
 
     /// Returns when `to` holds the first `bytes` bytes of `from`, which have been computed. Throws cl::Error.
     void read(const cl::CommandQueue& queue, const cl::Buffer& from, std::size_t bytes, std::byte* to) const;
@@ -99,10 +100,11 @@ public:
     /// Throws Error(device_failure) if so: a call would wait for ever.
     void require_usable() const;
 
-    /// The folder that keeps compiled programs and records between runs; empty: none.
-    void set_cache_folder(std::filesystem::path folder);
-    std::filesystem::path cache_folder() const;
+    /// See Device::keep_records().
+    void keep_records(const std::filesystem::path& folder);
     BuildRecords records() const;
+    /// Keeps compiled programs there, with any driver; empty: none.
+    void keep_programs(std::filesystem::path folder);
 
     /// Changes the kernels' text before it is compiled, for tests of what a wrong compiler makes.
     using TextEdit = std::function<void(std::string_view kernel_file, std::string& text)>;
@@ -147,9 +149,23 @@ private:
 
 /// For the library's stages. Throws Error(invalid_argument) if the device was moved from.
 Context& context_of(const Device& device);
-const std::shared_ptr<Context>& shared_context_of(const Device& device);
+std::shared_ptr<Context> shared_context_of(const Device& device);
 
 /// Throws cl::Error.
 Context::Capabilities capabilities_of(const cl::Device& device);
 
 }  // namespace clsdf::device
+
+namespace clsdf::detail {
+
+/// What a Device holds.
+class DeviceContext final : public device::Context {
+public:
+    using Context::Context;
+
+    static const std::shared_ptr<DeviceContext>& of(const Device& device);
+    /// With a context and a queue of its own. Throws cl::Error.
+    static Device open(const DeviceInfo& info);
+};
+
+}  // namespace clsdf::detail

@@ -14,11 +14,14 @@
 #include <charconv>
 #include <compare>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace clsdf {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -40,11 +43,28 @@ private:
 
 }  // namespace
 
-Device Device::open(const DeviceInfo& info) {
+namespace detail {
+
+const std::shared_ptr<DeviceContext>& DeviceContext::of(const Device& device) {
+    held_by(device.context_, "Device");
+    return device.context_;
+}
+
+Device DeviceContext::open(const DeviceInfo& info) {
     const DefaultEnvironment environment;
     const cl::Device device(info.id, true);
     const cl::Context context(device);
-    return Device(std::make_shared<device::Context>(context, device, cl::CommandQueue(context, device)));
+    return Device(std::make_shared<DeviceContext>(context, device, cl::CommandQueue(context, device)));
+}
+
+}  // namespace detail
+
+device::Context& device::context_of(const Device& device) {
+    return *detail::DeviceContext::of(device);
+}
+
+std::shared_ptr<device::Context> device::shared_context_of(const Device& device) {
+    return detail::DeviceContext::of(device);
 }
 
 Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queue queue) {
@@ -57,7 +77,8 @@ Device Device::from_handles(cl_context context, cl_device_id id, cl_command_queu
         if (callers.getInfo<CL_QUEUE_CONTEXT>()() != context || callers.getInfo<CL_QUEUE_DEVICE>()() != id)
             throw Error(ErrorCode::invalid_argument,
                         "Device::from_handles: the queue belongs to another context or device than those given");
-        return Device(std::make_shared<device::Context>(cl::Context(context, true), cl::Device(id, true), callers));
+        return Device(
+            std::make_shared<detail::DeviceContext>(cl::Context(context, true), cl::Device(id, true), callers));
     });
 }
 
@@ -96,20 +117,22 @@ Device Device::limited(const DeviceLimits& limits) const {
         const cl::Device part =
             limits.compute_units ? part_of(cl::Device(whole, true), *limits.compute_units) : cl::Device(whole, true);
         const cl::Context context(part);
-        auto state = std::make_shared<device::Context>(context, part, cl::CommandQueue(context, part));
+        auto state = std::make_shared<detail::DeviceContext>(context, part, cl::CommandQueue(context, part));
         state->take_settings(device::context_of(*this));
         if (limits.memory) state->limit_memory(*limits.memory);
         return Device(std::move(state));
     });
 }
 
-const std::shared_ptr<device::Context>& device::shared_context_of(const Device& device) {
-    held_by(device.context_, "Device");
-    return device.context_;
-}
-
-device::Context& device::context_of(const Device& device) {
-    return *shared_context_of(device);
+DeviceInfo Device::info() const {
+    const DefaultEnvironment environment;
+    return device::guarded([&] {
+        const device::Context& context = device::context_of(*this);
+        DeviceInfo info = device::info_of(context.device());
+        info.memory = context.capabilities().memory;
+        info.largest_allocation = context.capabilities().largest_allocation;
+        return info;
+    });
 }
 
 std::string Device::name() const {
@@ -123,19 +146,25 @@ std::string Device::platform() const {
     });
 }
 
-std::string Device::program_cache() const {
-    return device::context_of(*this).cache_folder().string();
+void Device::keep_records(const std::string& folder) const {
+    device::context_of(*this).keep_records(folder);
+}
+
+std::string Device::default_record_folder() {
+    if (const char* folder = std::getenv("CLSDF_CACHE_DIR")) return folder;
+    // A relative path is to be ignored (XDG Base Directory Specification).
+    if (const char* base = std::getenv("XDG_CACHE_HOME"); base != nullptr && fs::path(base).is_absolute())
+        return fs::path(base) / "clsdf";
+    if (const char* home = std::getenv("HOME"); home != nullptr && fs::path(home).is_absolute())
+        return fs::path(home) / ".cache" / "clsdf";
+    return {};
 }
 
 std::string Device::record_folder() const {
     return device::context_of(*this).records().folder().string();
 }
 
-void Device::set_program_cache(const std::string& folder) const {
-    device::context_of(*this).set_cache_folder(folder);
-}
-
-void Device::forget_tests() const {
+void Device::forget_records() const {
     device::Context& context = device::context_of(*this);
     context.records().forget(context.identity());
     context.forget_tests();
@@ -242,7 +271,7 @@ const DeviceInfo& with_name(const std::vector<DeviceInfo>& infos, const std::str
 
 }  // namespace
 
-Device Device::best() {
+Device Device::strongest() {
     const DefaultEnvironment environment;
     const std::vector<device::FoundDevice> found = device::guarded(device::find_devices);
     if (found.empty()) throw no_device_found();
@@ -257,7 +286,7 @@ Device Device::best() {
     }
     for (const DeviceInfo& info : device::guarded([&] { return candidates(infos); })) {
         try {
-            return open(info);
+            return detail::DeviceContext::open(info);
         } catch (const cl::Error& error) {
             failures += fmt::format("; \"{}\" failed at {}: {}", info.name, device::call_name(error),
                                     device::code_name(error.err()));
@@ -281,25 +310,20 @@ Device Device::select(const std::string& index_or_substring) {
     const DeviceInfo& info = is_number ? at_index(infos, index_or_substring) : with_name(infos, index_or_substring);
     if (!info.usable())
         throw not_selected(fmt::format("the device \"{}\" cannot be used: {}", info.name, info.why_not), infos);
-    return device::guarded([&] { return open(info); });
+    return device::guarded([&] { return detail::DeviceContext::open(info); });
 }
 
-Device Device::preferred() {
-    const std::string choice = environment_choice();
-    if (choice.empty()) return best();
+Device Device::automatic() {
+    const char* const choice = std::getenv("CLSDF_DEVICE");
+    if (choice == nullptr || *choice == 0) return strongest();
     try {
         return select(choice);
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("CLSDF_DEVICE={}: {}", choice, error.what()));
+        throw Error(error.code(), fmt::format("CLSDF_DEVICE={}: {}", choice, error.what()), error.opencl_code());
     }
 }
 
-std::string Device::environment_choice() {
-    const char* const choice = std::getenv("CLSDF_DEVICE");
-    return choice == nullptr ? "" : choice;
-}
-
-std::string name_of(DeviceKind kind) {
+const char* name_of(DeviceKind kind) noexcept {
     switch (kind) {
         case DeviceKind::gpu:
             return "gpu";

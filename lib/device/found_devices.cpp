@@ -1,6 +1,6 @@
 #include "device/found_devices.hpp"
 
-#include <clsdf/laboratory.hpp>
+#include <clsdf/tuning.hpp>
 
 #include "device/context.hpp"
 #include "device/opencl.hpp"
@@ -121,6 +121,13 @@ std::vector<FoundDevice> find_devices() {
     }
     for (std::size_t index = 0; index < all.size(); ++index) all[index].info.index = index;
     return all;
+}
+
+DeviceInfo info_of(const cl::Device& device) {
+    DeviceInfo info = found_device(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()), device).info;
+    for (const FoundDevice& found : find_devices())
+        if (found.info.id == info.id) info.index = found.info.index;
+    return info;
 }
 
 std::string empty_platforms() {

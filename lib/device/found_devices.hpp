@@ -1,5 +1,7 @@
 #pragma once
 
+#include "device/opencl_binding.hpp"
+
 #include <clsdf/device.hpp>
 
 #include <string>
@@ -23,6 +25,10 @@ struct FoundDevice {
 /// Every device of every platform, in the order of OpenCL's loader. A platform that does not list its devices has one
 /// entry without `id`. Throws cl::Error if the platforms cannot be listed.
 std::vector<FoundDevice> find_devices();
+
+/// The entry of one device; `index` is DeviceInfo::not_listed if find_devices() has no device of this id. Throws
+/// cl::Error.
+DeviceInfo info_of(const cl::Device& device);
 
 /// Platforms without devices, each with a remedy, as the end of a sentence; empty if there are none.
 std::string empty_platforms();

@@ -120,7 +120,7 @@ void MappedMemory::add(cl_mem memory, const ByteRange& range, Use use, const std
     });
 }
 
-void MappedMemory::add(const Triples& triples, const std::string& what) {
+void MappedMemory::add(const InputArray& triples, const std::string& what) {
     if (triples.device == nullptr) return;
     const std::size_t bytes = guarded([&] { return cl::Buffer(triples.device, true).getInfo<CL_MEM_SIZE>(); });
     add(triples.device, range_of(triples, bytes, what.c_str(), ErrorCode::invalid_argument), Use::read, what);
@@ -141,12 +141,12 @@ std::byte* MappedMemory::at(cl_mem memory, std::size_t byte) const {
     return found->mapped + (place.byte - found->range.begin);
 }
 
-Triples MappedMemory::on_host(const Triples& triples) const {
+InputArray MappedMemory::on_host(const InputArray& triples) const {
     if (triples.device == nullptr) return triples;
-    Triples result = triples;
+    InputArray result = triples;
     result.device = nullptr;
     if (triples.count == 0) return result;
-    const ByteRange range = range_of(triples, Triples::unknown_size, "", ErrorCode::invalid_argument);
+    const ByteRange range = range_of(triples, InputArray::unknown_size, "", ErrorCode::invalid_argument);
     result.host = at(triples.device, range.begin);
     result.offset = triples.offset - range.begin;
     result.bytes = range.end - range.begin;

@@ -1,6 +1,6 @@
 #include "device/opencl.hpp"
 
-#include <clsdf/laboratory.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 namespace clsdf {
-enum class KernelBody;  // clsdf/laboratory.hpp
+enum class KernelBody;  // clsdf/tuning.hpp
 }
 
 namespace clsdf::device {

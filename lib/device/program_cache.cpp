@@ -16,7 +16,6 @@
 #include <cerrno>
 #include <charconv>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -338,22 +337,6 @@ void ProgramCache::prune(const fs::path& newest) const {
         fs::remove(file.path, ignored);
         total -= file.size;
     }
-}
-
-fs::path default_cache_folder(bool driver_keeps_programs) {
-    if (const char* folder = std::getenv("CLSDF_CACHE_DIR")) {
-        // A relative one would be another whenever the program goes to another folder.
-        std::error_code error;
-        const fs::path path = *folder == 0 ? fs::path() : fs::absolute(folder, error);
-        return error ? fs::path() : path;
-    }
-    if (driver_keeps_programs) return {};
-    // A relative path is to be ignored (XDG Base Directory Specification).
-    if (const char* base = std::getenv("XDG_CACHE_HOME"); base != nullptr && fs::path(base).is_absolute())
-        return fs::path(base) / "clsdf";
-    if (const char* home = std::getenv("HOME"); home != nullptr && fs::path(home).is_absolute())
-        return fs::path(home) / ".cache" / "clsdf";
-    return {};
 }
 
 }  // namespace clsdf::device

@@ -126,9 +126,4 @@ private:
     std::uintmax_t limit_;
 };
 
-/// The environment variable CLSDF_CACHE_DIR if it is set; a relative path counts from the current folder. Otherwise it
-/// is empty if the driver keeps its programs itself, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. It is also
-/// empty if neither of these is an absolute path.
-std::filesystem::path default_cache_folder(bool driver_keeps_programs);
-
 }  // namespace clsdf::device

@@ -108,13 +108,13 @@ Description describe(const DescriptionReader& reader, const Grid& stated) {
                                   reader.triple<std::int64_t>(member("lattice/first")));
     field.band = Band::full();
     if (reader.has_object(member("band")))
-        field.band = {reader.width(member("band/inside")), reader.width(member("band/outside"))};
+        field.band = band_of(reader.width(member("band/inside")), reader.width(member("band/outside")));
     field.band.validate();
     field.mesh_name = reader.text(member("mesh"));
     field.sign = reader.has(member("sign")) ? sign_rule_of(reader.text(member("sign"))) : SignRule::automatic;
-    for (const OutputKind& kind : extra_kinds()) {
-        const std::string file = reader.text(member(kind.name));
-        if (!file.empty()) result.files.emplace(kind.name, file);
+    for (const OutputInfo& info : extra_outputs()) {
+        const std::string file = reader.text(member(info.name));
+        if (!file.empty()) result.files.emplace(info.name, file);
     }
     return result;
 }
@@ -146,6 +146,10 @@ void check_utf8(const std::string& path, std::string_view reader) {
         throw Error(ErrorCode::unsupported,
                     fmt::format("{}: the name is not UTF-8, as {} must be; choose another name", path, reader));
     }
+}
+
+Band band_of(double inside, double outside) {
+    return inside == 0 && outside == 0 ? Band::signs_only() : Band{inside, outside};
 }
 
 SignRule sign_rule_of(const std::string& text) {

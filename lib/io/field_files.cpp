@@ -50,14 +50,14 @@ const Format& format_of(const std::string& path, ErrorCode code) {
     throw Error(code, fmt::format("{}: no field format ends in \"{}\"; choose {}", path, ending, endings()));
 }
 
-void check_place_for(const Outputs& outputs, const std::string& path, const Format& format) {
+void check_place_for(OutputSet outputs, const std::string& path, const Format& format) {
     if (format.check != nullptr) format.check(path, outputs);
     if (format.has_extras) return;
-    for (const OutputKind& kind : extra_kinds())
-        if (kind.wanted(outputs))
+    for (const OutputInfo& info : extra_outputs())
+        if (outputs.contains(info.output))
             throw Error(ErrorCode::unsupported,
                         fmt::format("{}: {} cannot store the output {}; choose another format, or leave the output out",
-                                    path, format.ending, kind.name));
+                                    path, format.ending, info.name));
 }
 
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first) {
@@ -66,9 +66,9 @@ Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& 
     return part.position(0, 0, 0) == stated.position(0, 0, 0) ? part : stated;
 }
 
-std::string extra_path(const std::string& path, const OutputKind& kind) {
+std::string extra_path(const std::string& path, const OutputInfo& info) {
     const fs::path file(path);
-    return (file.parent_path() / (file.stem().string() + "_" + kind.name + file.extension().string())).string();
+    return (file.parent_path() / (file.stem().string() + "_" + info.name + file.extension().string())).string();
 }
 
 std::string file_name(const std::string& path) {
@@ -89,22 +89,22 @@ bool is_there(const std::string& path) noexcept {
 
 namespace fs = std::filesystem;
 
-void check_output(const std::string& path, const Outputs& outputs) {
+void check_field_path(const std::string& path, OutputSet outputs) {
     check_place_for(outputs, path, format_of(path, ErrorCode::unsupported));
     check_writable(path);
 }
 
-void write(const Field& field, const std::string& path) {
+void write_field(const Field& field, const std::string& path) {
     format_of(path, ErrorCode::unsupported);
     field.grid.validate();
     const std::size_t samples = field.grid.sample_count();
-    const Outputs outputs = outputs_of(field);
-    const FieldSlab slab = slab_of(field);
-    for (const OutputKind& kind : kinds_of(outputs)) {
-        const std::size_t values = kind.bytes(slab).size() / kind.sample_bytes();
-        if (kind.bytes(slab).size() != samples * kind.sample_bytes())
+    const OutputSet outputs = field.outputs();
+    const FieldSlab slab = field.slab();
+    for (const OutputInfo& info : infos_of(outputs)) {
+        const std::size_t values = slab.bytes(info.output).size() / info.sample_bytes();
+        if (slab.bytes(info.output).size() != samples * info.sample_bytes())
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("field: {} has {} values, but the grid {} samples", kind.name, values, samples));
+                        fmt::format("field: {} has {} values, but the grid {} samples", info.name, values, samples));
     }
     FieldWriter writer(path, field, outputs);
     writer.append(slab);
@@ -124,7 +124,7 @@ Field read_field(const std::string& path) {
     }
 }
 
-std::vector<std::string> missing_files(const std::string& path) {
+std::vector<std::string> missing_field_files(const std::string& path) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     std::vector<std::string> missing;
     if (format.files == nullptr) return missing;
@@ -140,16 +140,16 @@ Error misuse(const std::string& what) {
 }
 
 // The number of slices in a slab. Every announced output must have the same number, and no other output any.
-std::int64_t slices_in(const FieldSlab& slab, const Grid& grid, const Outputs& outputs) {
+std::int64_t slices_in(const FieldSlab& slab, const Grid& grid, OutputSet outputs) {
     const auto slice = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
-    const std::size_t samples = slab.distance.size();
+    const std::size_t samples = slab.distance().size();
     if (samples == 0 || samples % slice != 0)
         throw misuse(fmt::format("{} samples are no whole slices of {} x {}", samples, grid.size[0], grid.size[1]));
-    for (const OutputKind& kind : extra_kinds()) {
-        const std::size_t bytes = kind.bytes(slab).size();
-        const std::size_t expected = kind.wanted(outputs) ? samples * kind.sample_bytes() : 0;
+    for (const OutputInfo& info : extra_outputs()) {
+        const std::size_t bytes = slab.bytes(info.output).size();
+        const std::size_t expected = outputs.contains(info.output) ? samples * info.sample_bytes() : 0;
         if (bytes != expected)
-            throw misuse(fmt::format("{} has {} bytes in a slab of {} samples, and {} were announced", kind.name, bytes,
+            throw misuse(fmt::format("{} has {} bytes in a slab of {} samples, and {} were announced", info.name, bytes,
                                      samples, expected));
     }
     return static_cast<std::int64_t>(samples / slice);
@@ -157,7 +157,7 @@ std::int64_t slices_in(const FieldSlab& slab, const Grid& grid, const Outputs& o
 
 }  // namespace
 
-FieldWriter::FieldWriter(const std::string& path, const FieldDescription& field, const Outputs& outputs)
+FieldWriter::FieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
     : field_(field), outputs_(outputs) {
     const Format& format = format_of(path, ErrorCode::unsupported);
     field.grid.validate();

@@ -35,13 +35,13 @@ struct Format {
     const char* ending = nullptr;  ///< with its dot, in lower case
     /// Throws Error(unsupported) for a field that the format cannot store. The grid and the band are valid.
     std::unique_ptr<FormatWriter> (*writer)(const std::string& path, const FieldDescription& field,
-                                            const Outputs& outputs) = nullptr;
+                                            OutputSet outputs) = nullptr;
     /// Throws Error(unreadable_input), or Error(invalid_argument) if a value makes no sense.
     Field (*read)(const std::string& path) = nullptr;
     /// Whether the format stores other outputs than the distance.
     bool has_extras = true;
     /// Throws Error(unsupported) if this build lacks the format, or if the format cannot have such a name.
-    void (*check)(const std::string& path, const Outputs& outputs) = nullptr;
+    void (*check)(const std::string& path, OutputSet outputs) = nullptr;
     /// The names of the files of other outputs, by the names of the outputs, if the format has such files.
     std::map<std::string, std::string> (*files)(const std::string& path) = nullptr;
 };
@@ -51,35 +51,30 @@ const Format& format_of(const std::string& path, ErrorCode code);
 
 /// Throws Error(unsupported) if this build lacks the format, or if the format cannot have such a name or store one of
 /// the outputs.
-void check_place_for(const Outputs& outputs, const std::string& path, const Format& format);
+void check_place_for(OutputSet outputs, const std::string& path, const Format& format);
 
-std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
-                                          const Outputs& outputs);
+std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_nrrd(const std::string& path);
 std::map<std::string, std::string> files_of_nrrd(const std::string& path);
 
-std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field,
-                                         const Outputs& outputs);
+std::unique_ptr<FormatWriter> npy_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_npy(const std::string& path);
-void check_npy(const std::string& path, const Outputs& outputs);
+void check_npy(const std::string& path, OutputSet outputs);
 std::map<std::string, std::string> files_of_npy(const std::string& path);
 
-std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field,
-                                         const Outputs& outputs);
+std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_vti(const std::string& path);
 
-std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, const Outputs& outputs);
+std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_h5(const std::string& path);
-void check_h5(const std::string& path, const Outputs& outputs);
+void check_h5(const std::string& path, OutputSet outputs);
 
 /// Defined in vdb_write.cpp and vdb_read.cpp; in a build without OpenVDB in vdb_absent.cpp.
-std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
-                                         const Outputs& outputs);
+std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_vdb(const std::string& path);
-void check_vdb(const std::string& path, const Outputs& outputs);
+void check_vdb(const std::string& path, OutputSet outputs);
 
-std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field,
-                                         const Outputs& outputs);
+std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, OutputSet outputs);
 Field read_sdf(const std::string& path);
 
 /// The grid of a file, as a part of the lattice that the file states. A program that crops a field may move the first
@@ -88,7 +83,7 @@ Field read_sdf(const std::string& path);
 Grid with_lattice(const Grid& stated, const Vec3& lattice_origin, const Index3& lattice_first);
 
 /// The file of another output beside a field: "bunny.nrrd" has "bunny_triangle.nrrd".
-std::string extra_path(const std::string& path, const OutputKind& kind);
+std::string extra_path(const std::string& path, const OutputInfo& info);
 
 /// The last part of a path.
 std::string file_name(const std::string& path);
@@ -125,26 +120,13 @@ Description read_description(const std::string& path);
 /// the file and the part of it that holds the text.
 Description parse_description(const std::string& source, const std::string& text, const Grid& stated);
 
+/// The band of these half widths. If both are 0, the field has signs alone.
+Band band_of(double inside, double outside);
+
 /// The rule of that name. Throws Error(invalid_argument) that lists the names.
 SignRule sign_rule_of(const std::string& text);
 
 /// The same for a file that states no size; null if the text states none either.
 std::optional<Index3> described_size(const std::string& source, const std::string& text);
-
-/// The text before the values of an .npy file (numpy.org, "numpy.lib.format").
-struct NpyHeader {
-    RawValues values;
-    std::vector<std::int64_t> shape;  ///< slowest first: (nz, ny, nx)
-    bool fortran_order = false;       ///< the reverse: slowest last
-};
-
-/// Throws Error(unreadable_input).
-NpyHeader read_npy_header(InputFile& file);
-
-/// `type` is numpy's as it is written in Python, as "'<f4'" or a list of the members of a structure.
-std::string npy_header(std::string_view type, const std::vector<std::int64_t>& shape);
-
-/// Numpy's name of a type, as "<f4".
-const char* npy_name_of(ValueType type);
 
 }  // namespace clsdf

@@ -78,11 +78,11 @@ public:
     Source& operator=(const Source&) = delete;
     virtual ~Source() = default;
 
-    virtual bool has(const OutputKind& kind) const = 0;
-    /// The array must have the kind's number of dimensions and type of values.
-    virtual StoredArray array(const OutputKind& kind) const = 0;
+    virtual bool has(const OutputInfo& info) const = 0;
+    /// The array must have the output's number of dimensions and type of values.
+    virtual StoredArray array(const OutputInfo& info) const = 0;
     /// Three numbers along x, y, z: an attribute of an array.
-    virtual Vec3 triple(const OutputKind& kind, const std::string& name) const = 0;
+    virtual Vec3 triple(const OutputInfo& info, const std::string& name) const = 0;
     /// A text of fixed length: an attribute of the file.
     virtual std::optional<std::string> text(const std::string& name) const = 0;
 };

@@ -188,36 +188,36 @@ public:
         list_members();
     }
 
-    bool has(const OutputKind& kind) const override { return members_.contains(kind.name); }
+    bool has(const OutputInfo& info) const override { return members_.contains(info.name); }
 
-    StoredArray array(const OutputKind& kind) const override {
-        const std::vector<Message> messages = messages_of(kind);
+    StoredArray array(const OutputInfo& info) const override {
+        const std::vector<Message> messages = messages_of(info);
         StoredArray array;
-        array.shape = shape_of(messages, kind);
-        set_type(array, messages, kind);
-        if (find(messages, external_files) != nullptr) fail(kind, "its values are in another file; save them in this");
-        if (find(messages, filters) != nullptr) fail(kind, "its values are compressed; save them without filters");
-        Bytes message(file_, require(messages, layout, kind).content, "layout");
+        array.shape = shape_of(messages, info);
+        set_type(array, messages, info);
+        if (find(messages, external_files) != nullptr) fail(info, "its values are in another file; save them in this");
+        if (find(messages, filters) != nullptr) fail(info, "its values are compressed; save them without filters");
+        Bytes message(file_, require(messages, layout, info).content, "layout");
         message.expect(3, 1, "version");
         const std::uint64_t layout_class = message.number(1);
         if (layout_class == 1) {
             array.values.offset = message.number(8);
             array.values.bytes = message.number(8);
-            if (array.values.offset == nowhere) fail(kind, "it has no values");
+            if (array.values.offset == nowhere) fail(info, "it has no values");
         } else if (layout_class == 2) {
-            set_chunks(array, message, kind);
+            set_chunks(array, message, info);
         } else {
-            fail(kind, "its values are neither contiguous nor in chunks; save it contiguous");
+            fail(info, "its values are neither contiguous nor in chunks; save it contiguous");
         }
         return array;
     }
 
-    Vec3 triple(const OutputKind& kind, const std::string& name) const override {
-        const std::optional<Attribute> found = find_attribute(messages_of(kind), name);
-        if (!found) fail(kind, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+    Vec3 triple(const OutputInfo& info, const std::string& name) const override {
+        const std::optional<Attribute> found = find_attribute(messages_of(info), name);
+        if (!found) fail(info, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
         const auto type = number_type({file_, found->type, "type of an attribute"});
         if (!type || count_of(*found) != 3 || found->value.size() < 3 * type->width)
-            fail(kind, fmt::format("attribute '{}' is not three numbers", name));
+            fail(info, fmt::format("attribute '{}' is not three numbers", name));
         Vec3 result{};
         for (std::size_t i = 0; i < 3; ++i)
             result[i] = number_of(std::string_view(found->value).substr(i * type->width, type->width), *type);
@@ -276,9 +276,9 @@ private:
         return messages;
     }
 
-    std::vector<Message> messages_of(const OutputKind& kind) const {
-        const auto member = members_.find(kind.name);
-        if (member == members_.end()) file_.fail(fmt::format("there is no dataset '/{}'", kind.name));
+    std::vector<Message> messages_of(const OutputInfo& info) const {
+        const auto member = members_.find(info.name);
+        if (member == members_.end()) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
         return messages_of(member->second);
     }
 
@@ -287,10 +287,10 @@ private:
         return found == messages.end() ? nullptr : &*found;
     }
 
-    const Message& require(const std::vector<Message>& messages, MessageType type, const OutputKind& kind) const {
+    const Message& require(const std::vector<Message>& messages, MessageType type, const OutputInfo& info) const {
         const Message* message = find(messages, type);
-        if (message == nullptr) fail(kind, "it is no array, or the file is damaged");
-        if (message->is_elsewhere) fail(kind, "its type is a named one; save it with a type of its own");
+        if (message == nullptr) fail(info, "it is no array, or the file is damaged");
+        if (message->is_elsewhere) fail(info, "its type is a named one; save it with a type of its own");
         return *message;
     }
 
@@ -356,36 +356,36 @@ private:
         return children;
     }
 
-    std::vector<std::int64_t> shape_of(const std::vector<Message>& messages, const OutputKind& kind) const {
-        const std::size_t dimensions = kind.components > 1 ? 4 : 3;
-        const auto shape = dataspace_shape({file_, require(messages, dataspace, kind).content, "shape"});
+    std::vector<std::int64_t> shape_of(const std::vector<Message>& messages, const OutputInfo& info) const {
+        const std::size_t dimensions = info.components > 1 ? 4 : 3;
+        const auto shape = dataspace_shape({file_, require(messages, dataspace, info).content, "shape"});
         if (shape.size() != dimensions)
-            fail(kind,
+            fail(info,
                  fmt::format("it has not {} dimensions: z, y, x{}", dimensions, dimensions > 3 ? ", component" : ""));
         return {shape.begin(), shape.end()};
     }
 
-    void set_type(StoredArray& array, const std::vector<Message>& messages, const OutputKind& kind) const {
-        const auto type = number_type({file_, require(messages, datatype, kind).content, "type"});
+    void set_type(StoredArray& array, const std::vector<Message>& messages, const OutputInfo& info) const {
+        const auto type = number_type({file_, require(messages, datatype, info).content, "type"});
         if (type && type->is_real)
-            array.values.type = type->width == 8 ? ValueType::float64 : ValueType::float32;
+            array.values.type = type->width == 8 ? ElementType::float64 : ElementType::float32;
         else if (type && !type->is_signed && type->width == 4)
-            array.values.type = ValueType::uint32;
+            array.values.type = ElementType::uint32;
         else if (type && !type->is_real && !type->is_signed && type->width == 1)
-            array.values.type = ValueType::uint8;
+            array.values.type = ElementType::uint8;
         else
-            fail(kind, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
+            fail(info, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
         array.values.order = type->order;
-        if (!reads_as(array.values.type, kind.type)) fail(kind, fmt::format("{} is of another type", kind.content));
+        if (!reads_as(array.values.type, info.type)) fail(info, fmt::format("{} is of another type", info.description));
     }
 
     /// A B-tree of version 1. Its keys are the chunks' sizes and first values.
-    void set_chunks(StoredArray& array, Bytes& message, const OutputKind& kind) const {
+    void set_chunks(StoredArray& array, Bytes& message, const OutputInfo& info) const {
         const std::size_t dimensions = array.shape.size();
         message.expect(dimensions + 1, 1, "number of dimensions");
         std::vector<std::uint64_t> nodes{message.number(8)};
         array.chunk_shape.fill(1);
-        std::uint64_t chunk_bytes = width_of(array.values.type);
+        std::uint64_t chunk_bytes = bytes_of(array.values.type);
         std::uint64_t expected = 1;
         for (std::size_t i = 0; i < dimensions; ++i) {
             const std::uint64_t edge = array.chunk_shape[i] = message.number(4);
@@ -393,13 +393,13 @@ private:
             // Later allocations are no larger than the file.
             if (edge == 0 || array.shape[i] < 1 || chunk_bytes > file_.size() / edge ||
                 expected > file_.size() / ((size - 1) / edge + 1))
-                fail(kind, "its chunks do not fit the file, which is truncated or damaged");
+                fail(info, "its chunks do not fit the file, which is truncated or damaged");
             chunk_bytes *= edge;
             expected *= (size - 1) / edge + 1;
         }
         if (expected > file_.size() / chunk_bytes || nodes[0] == nowhere)
-            fail(kind, "chunks are missing; write every value");
-        message.expect(width_of(array.values.type), 4, "size of a value");
+            fail(info, "chunks are missing; write every value");
+        message.expect(bytes_of(array.values.type), 4, "size of a value");
         for (std::size_t i = 0; i < nodes.size() && array.chunks.size() <= expected; ++i) {
             take_chunks(array, nodes[i], chunk_bytes, nodes);
             if (nodes.size() > 2 * expected + most_nodes) message.fail("it has too many nodes; the file is damaged");
@@ -407,7 +407,7 @@ private:
         std::ranges::sort(array.chunks, {}, &StoredArray::Chunk::first);
         const auto twice = std::ranges::adjacent_find(array.chunks, {}, &StoredArray::Chunk::first);
         if (array.chunks.size() != expected || twice != array.chunks.end())
-            fail(kind, "chunks are missing, or are there twice; write every value");
+            fail(info, "chunks are missing, or are there twice; write every value");
     }
 
     void take_chunks(StoredArray& array, std::uint64_t address, std::uint64_t chunk_bytes,
@@ -472,8 +472,8 @@ private:
         return count;
     }
 
-    [[noreturn]] void fail(const OutputKind& kind, const std::string& what) const {
-        file_.fail(fmt::format("dataset '/{}': {}", kind.name, what));
+    [[noreturn]] void fail(const OutputInfo& info, const std::string& what) const {
+        file_.fail(fmt::format("dataset '/{}': {}", info.name, what));
     }
 
     InputFile& file_;

@@ -75,28 +75,28 @@ class WithChecksums : public hdf5::Source {
 public:
     explicit WithChecksums(InputFile& file) : file_(file), root_(open(file)) {}
 
-    bool has(const OutputKind& kind) const override { return H5Lexists(root_.get(), kind.name, H5P_DEFAULT) > 0; }
+    bool has(const OutputInfo& info) const override { return H5Lexists(root_.get(), info.name, H5P_DEFAULT) > 0; }
 
-    StoredArray array(const OutputKind& kind) const override {
-        if (!has(kind)) file_.fail(fmt::format("there is no dataset '/{}'", kind.name));
-        const Handle array = opened(kind);
+    StoredArray array(const OutputInfo& info) const override {
+        if (!has(info)) file_.fail(fmt::format("there is no dataset '/{}'", info.name));
+        const Handle array = opened(info);
         const Handle creation(H5Dget_create_plist(array.get()), H5Pclose);
         if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS || H5Pget_external_count(creation.get()) != 0)
-            fail(kind, "its values are in chunks, compressed or in another file; save it contiguous");
+            fail(info, "its values are in chunks, compressed or in another file; save it contiguous");
         StoredArray stored;
-        stored.shape = shape_of(array, kind);
-        stored.values = type_of(array, kind);
+        stored.shape = shape_of(array, info);
+        stored.values = type_of(array, info);
         const haddr_t offset = H5Dget_offset(array.get());
-        if (offset == HADDR_UNDEF) fail(kind, "it has no values");
+        if (offset == HADDR_UNDEF) fail(info, "it has no values");
         stored.values.offset = offset;
         stored.values.bytes = H5Dget_storage_size(array.get());
         return stored;
     }
 
-    Vec3 triple(const OutputKind& kind, const std::string& name) const override {
-        const Handle array = opened(kind);
+    Vec3 triple(const OutputInfo& info, const std::string& name) const override {
+        const Handle array = opened(info);
         if (H5Aexists(array.get(), name.c_str()) <= 0)
-            fail(kind, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
+            fail(info, fmt::format("attribute '{}' is missing; state three numbers along x, y, z", name));
         const Handle attribute(H5Aopen(array.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
         const Handle space(H5Aget_space(attribute.get()), H5Sclose);
         const Handle type(H5Aget_type(attribute.get()), H5Tclose);
@@ -105,7 +105,7 @@ public:
         if (H5Sget_simple_extent_npoints(space.get()) != 3 ||
             (kind_of_type != H5T_FLOAT && kind_of_type != H5T_INTEGER) ||
             H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, result.data()) < 0)
-            fail(kind, fmt::format("attribute '{}' is not three numbers", name));
+            fail(info, fmt::format("attribute '{}' is not three numbers", name));
         return result;
     }
 
@@ -131,44 +131,44 @@ private:
         return root;
     }
 
-    Handle opened(const OutputKind& kind) const {
-        Handle array(H5Dopen2(root_.get(), kind.name, H5P_DEFAULT), H5Dclose);
-        if (!array.is_valid()) fail(kind, "HDF5: " + hdf5::Session::reason());
+    Handle opened(const OutputInfo& info) const {
+        Handle array(H5Dopen2(root_.get(), info.name, H5P_DEFAULT), H5Dclose);
+        if (!array.is_valid()) fail(info, "HDF5: " + hdf5::Session::reason());
         return array;
     }
 
-    std::vector<std::int64_t> shape_of(const Handle& array, const OutputKind& kind) const {
+    std::vector<std::int64_t> shape_of(const Handle& array, const OutputInfo& info) const {
         const Handle space(H5Dget_space(array.get()), H5Sclose);
-        const std::size_t dimensions = kind.components > 1 ? 4 : 3;
+        const std::size_t dimensions = info.components > 1 ? 4 : 3;
         std::vector<hsize_t> shape(dimensions);
         if (H5Sget_simple_extent_ndims(space.get()) != static_cast<int>(dimensions) ||
             H5Sget_simple_extent_dims(space.get(), shape.data(), nullptr) < 0)
-            fail(kind,
+            fail(info,
                  fmt::format("it has not {} dimensions: z, y, x{}", dimensions, dimensions > 3 ? ", component" : ""));
         return {shape.begin(), shape.end()};
     }
 
-    RawValues type_of(const Handle& array, const OutputKind& kind) const {
+    RawValues type_of(const Handle& array, const OutputInfo& info) const {
         const Handle type(H5Dget_type(array.get()), H5Tclose);
         const auto is = [&](hid_t other) { return H5Tequal(type.get(), other) > 0; };
         RawValues values;
         if (is(H5T_IEEE_F32LE) || is(H5T_IEEE_F32BE))
-            values.type = ValueType::float32;
+            values.type = ElementType::float32;
         else if (is(H5T_IEEE_F64LE) || is(H5T_IEEE_F64BE))
-            values.type = ValueType::float64;
+            values.type = ElementType::float64;
         else if (is(H5T_STD_U32LE) || is(H5T_STD_U32BE))
-            values.type = ValueType::uint32;
+            values.type = ElementType::uint32;
         else if (is(H5T_STD_U8LE) || is(H5T_STD_U8BE))
-            values.type = ValueType::uint8;
+            values.type = ElementType::uint8;
         else
-            fail(kind, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
-        if (!reads_as(values.type, kind.type)) fail(kind, fmt::format("{} is of another type", kind.content));
+            fail(info, "its values are neither floats nor doubles nor indices of 8 or 32 bits");
+        if (!reads_as(values.type, info.type)) fail(info, fmt::format("{} is of another type", info.description));
         values.order = H5Tget_order(type.get()) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
         return values;
     }
 
-    [[noreturn]] void fail(const OutputKind& kind, const std::string& what) const {
-        file_.fail(fmt::format("dataset '/{}': {}", kind.name, what));
+    [[noreturn]] void fail(const OutputInfo& info, const std::string& what) const {
+        file_.fail(fmt::format("dataset '/{}': {}", info.name, what));
     }
 
     InputFile& file_;
@@ -194,13 +194,13 @@ Place padded(const Numbers& numbers, std::size_t dimensions, std::size_t padding
     return place;
 }
 
-void read_chunks(InputFile& file, const StoredArray& array, ValueType wanted, std::span<std::byte> room) {
-    const std::size_t width = width_of(wanted);
+void read_chunks(InputFile& file, const StoredArray& array, ElementType wanted, std::span<std::byte> room) {
+    const std::size_t width = bytes_of(wanted);
     const std::size_t dimensions = array.shape.size();
     const Place shape = padded(array.shape, dimensions, 1);
     const Place edges = padded(array.chunk_shape, dimensions, 1);
     const std::size_t count = edges[0] * edges[1] * edges[2] * edges[3];
-    std::vector<std::byte> stored(count * width_of(array.values.type));
+    std::vector<std::byte> stored(count * bytes_of(array.values.type));
     std::vector<std::byte> converted(count * width);
     for (const StoredArray::Chunk& chunk : array.chunks) {
         file.read(chunk.offset, stored);
@@ -220,18 +220,18 @@ void read_chunks(InputFile& file, const StoredArray& array, ValueType wanted, st
     }
 }
 
-void read_array(InputFile& file, const hdf5::Source& source, const OutputKind& kind, Field& field) {
-    const StoredArray array = source.array(kind);
+void read_array(InputFile& file, const hdf5::Source& source, const OutputInfo& info, Field& field) {
+    const StoredArray array = source.array(info);
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (array.shape[2 - axis] != field.grid.size[axis] ||
-            (array.shape.size() > 3 && array.shape[3] != kind.components))
-            file.fail(fmt::format("dataset '/{}': the shape ({}) is not the distance's", kind.name,
+            (array.shape.size() > 3 && array.shape[3] != static_cast<std::int64_t>(info.components)))
+            file.fail(fmt::format("dataset '/{}': the shape ({}) is not the distance's", info.name,
                                   fmt::join(array.shape, ", ")));
     if (array.chunks.empty()) {
         checked_count(file, array.values, array.shape);
-        read_output(file, array.values, kind, field);
+        read_output(file, array.values, info, field);
     } else {
-        read_chunks(file, array, kind.type, allocate_output(kind, field));
+        read_chunks(file, array, info.type, allocate_output(info, field));
     }
 }
 
@@ -239,16 +239,16 @@ Field read_source(InputFile& file, const hdf5::Source& source) {
     Field field;
     field.band = Band::full();
     field.sign = SignRule::automatic;
-    const std::vector<std::int64_t> shape = source.array(distance_kind()).shape;
+    const std::vector<std::int64_t> shape = source.array(info_of(Output::distance)).shape;
     field.grid.size = {shape[2], shape[1], shape[0]};
-    field.grid.origin = source.triple(distance_kind(), "origin");
-    field.grid.spacing = source.triple(distance_kind(), "spacing");
+    field.grid.origin = source.triple(info_of(Output::distance), "origin");
+    field.grid.spacing = source.triple(info_of(Output::distance), "spacing");
     field.grid.validate();
     if (const std::optional<std::string> text = source.text("clsdf"))
         field = parse_description(file.path() + ": attribute 'clsdf'", *text, field.grid).field;
-    read_array(file, source, distance_kind(), field);
-    for (const OutputKind& kind : extra_kinds())
-        if (source.has(kind)) read_array(file, source, kind, field);
+    read_array(file, source, info_of(Output::distance), field);
+    for (const OutputInfo& info : extra_outputs())
+        if (source.has(info)) read_array(file, source, info, field);
     return field;
 }
 

@@ -181,13 +181,13 @@ namespace {
 
 using hdf5::Handle;
 
-hid_t type_of(ValueType type) {
+hid_t type_of(ElementType type) {
     switch (type) {
-        case ValueType::float64:
+        case ElementType::float64:
             return H5T_IEEE_F64LE;
-        case ValueType::uint32:
+        case ElementType::uint32:
             return H5T_STD_U32LE;
-        case ValueType::uint8:
+        case ElementType::uint8:
             return H5T_STD_U8LE;
         default:
             return H5T_IEEE_F32LE;
@@ -195,9 +195,9 @@ hid_t type_of(ValueType type) {
 }
 
 // z, y, x and the components of a sample.
-std::vector<hsize_t> shape_of(const Grid& grid, const OutputKind& kind) {
+std::vector<hsize_t> shape_of(const Grid& grid, const OutputInfo& info) {
     std::vector<hsize_t> shape(grid.size.rbegin(), grid.size.rend());
-    if (kind.components > 1) shape.push_back(static_cast<hsize_t>(kind.components));
+    if (info.components > 1) shape.push_back(static_cast<hsize_t>(info.components));
     return shape;
 }
 
@@ -209,18 +209,18 @@ public:
 
     /// Writes all but the values and returns the offset of each output's values.
     std::vector<std::uint64_t> write(AtomicFile& target, const FieldDescription& field,
-                                     const std::vector<OutputKind>& kinds) const {
+                                     const std::vector<OutputInfo>& infos) const {
         const hdf5::Session session;
         hdf5::Layout layout;
         if (!layout.is_valid()) fail();
-        std::vector<std::uint64_t> offsets = lay_out(layout, field, kinds);
+        std::vector<std::uint64_t> offsets = lay_out(layout, field, infos);
         layout.write_to(target);
         return offsets;
     }
 
 private:
     std::vector<std::uint64_t> lay_out(hdf5::Layout& layout, const FieldDescription& field,
-                                       const std::vector<OutputKind>& kinds) const {
+                                       const std::vector<OutputInfo>& infos) const {
         const Handle access = checked(hdf5::access());
         layout.use(access);
         check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_LATEST));
@@ -229,14 +229,14 @@ private:
         Handle file = checked({H5Fcreate("layout", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose});
         write_text(file.get(), "clsdf", description_text(field));
         std::vector<std::uint64_t> offsets;
-        offsets.reserve(kinds.size());
-        for (const OutputKind& kind : kinds) offsets.push_back(write_array(file.get(), kind, field.grid));
+        offsets.reserve(infos.size());
+        for (const OutputInfo& info : infos) offsets.push_back(write_array(file.get(), info, field.grid));
         if (!file.close()) fail();
         return offsets;
     }
 
-    std::uint64_t write_array(hid_t file, const OutputKind& kind, const Grid& grid) const {
-        const std::vector<hsize_t> shape = shape_of(grid, kind);
+    std::uint64_t write_array(hid_t file, const OutputInfo& info, const Grid& grid) const {
+        const std::vector<hsize_t> shape = shape_of(grid, info);
         const Handle space =
             checked({H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose});
         const Handle creation = checked({H5Pcreate(H5P_DATASET_CREATE), H5Pclose});
@@ -245,7 +245,7 @@ private:
         check(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER));
         check(H5Pset_obj_track_times(creation.get(), false));
         const Handle array = checked(
-            {H5Dcreate2(file, kind.name, type_of(kind.type), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+            {H5Dcreate2(file, info.name, type_of(info.type), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
              H5Dclose});
         write_triple(array.get(), "origin", grid.position(0, 0, 0));
         write_triple(array.get(), "spacing", grid.spacing);
@@ -308,22 +308,22 @@ std::string escaped_for_xml(std::string_view text) {
 }
 
 // The XDMF text, which gives ParaView and VisIt the positions of the samples. XDMF has the order of HDF5: z, y, x.
-std::string xdmf_text(const std::string& path, const Grid& grid, const std::vector<OutputKind>& kinds) {
+std::string xdmf_text(const std::string& path, const Grid& grid, const std::vector<OutputInfo>& infos) {
     const Vec3 origin = grid.position(0, 0, 0);
     const auto triple = [](const auto& values) { return fmt::format("{} {} {}", values[2], values[1], values[0]); };
     std::string attributes;
-    for (const OutputKind& kind : kinds)
+    for (const OutputInfo& info : infos)
         attributes += fmt::format(
             "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n"
             "        <DataItem Dimensions=\"{}\" NumberType=\"{}\" Precision=\"{}\" Format=\"HDF\">{}:/{}</DataItem>\n"
             "      </Attribute>\n",
-            kind.name,
-            kind.components == 1   ? "Scalar"
-            : kind.components == 3 ? "Vector"
+            info.name,
+            info.components == 1   ? "Scalar"
+            : info.components == 3 ? "Vector"
                                    : "Matrix",
-            fmt::join(shape_of(grid, kind), " "),
-            is_whole(kind.type) ? (kind.type == ValueType::uint8 ? "UChar" : "UInt") : "Float", width_of(kind.type),
-            escaped_for_xml(file_name(path)), kind.name);
+            fmt::join(shape_of(grid, info), " "),
+            is_whole(info.type) ? (info.type == ElementType::uint8 ? "UChar" : "UInt") : "Float", bytes_of(info.type),
+            escaped_for_xml(file_name(path)), info.name);
     return fmt::format(
         "<?xml version=\"1.0\"?>\n"
         "<Xdmf Version=\"3.0\">\n"
@@ -347,20 +347,20 @@ std::string xdmf_path(const std::string& path) {
 
 class H5Writer : public FormatWriter {
 public:
-    H5Writer(const std::string& path, const FieldDescription& field, const Outputs& outputs)
-        : kinds_(kinds_of(outputs)),
+    H5Writer(const std::string& path, const FieldDescription& field, OutputSet outputs)
+        : infos_(infos_of(outputs)),
           slice_(static_cast<std::uint64_t>(field.grid.size[0]) * static_cast<std::uint64_t>(field.grid.size[1])),
           xdmf_(xdmf_path(path)),
           file_(path) {
-        xdmf_.write(xdmf_text(path, field.grid, kinds_));
-        offsets_ = H5Layout(path).write(file_, field, kinds_);
+        xdmf_.write(xdmf_text(path, field.grid, infos_));
+        offsets_ = H5Layout(path).write(file_, field, infos_);
     }
 
     void append(const FieldSlab& slab, std::int64_t first_slice) override {
-        for (std::size_t i = 0; i < kinds_.size(); ++i) {
-            const OutputKind& kind = kinds_[i];
-            file_.seek(offsets_[i] + static_cast<std::uint64_t>(first_slice) * slice_ * kind.sample_bytes());
-            write_little_endian(file_, kind.bytes(slab), width_of(kind.type));
+        for (std::size_t i = 0; i < infos_.size(); ++i) {
+            const OutputInfo& info = infos_[i];
+            file_.seek(offsets_[i] + static_cast<std::uint64_t>(first_slice) * slice_ * info.sample_bytes());
+            write_little_endian(file_, slab.bytes(info.output), bytes_of(info.type));
         }
     }
 
@@ -370,7 +370,7 @@ public:
     }
 
 private:
-    std::vector<OutputKind> kinds_;
+    std::vector<OutputInfo> infos_;
     std::uint64_t slice_;
     std::vector<std::uint64_t> offsets_;
     AtomicFile xdmf_;
@@ -379,12 +379,11 @@ private:
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field,
-                                        const Outputs& outputs) {
+std::unique_ptr<FormatWriter> h5_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
     return std::make_unique<H5Writer>(path, field, outputs);
 }
 
-void check_h5(const std::string& path, const Outputs&) {
+void check_h5(const std::string& path, OutputSet) {
     check_utf8(path, "the .xdmf file, which names the .h5 file,");
 }
 

@@ -5,7 +5,7 @@
 #include "core/text.hpp"
 
 #include <clsdf/error.hpp>
-#include <clsdf/io.hpp>
+#include <clsdf/mesh_files.hpp>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -159,6 +159,10 @@ std::int64_t TextScanner::integer(const char* what) {
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (error != std::errc() || end != digits.data() + digits.size()) fail_word(what, text);
     return value;
+}
+
+void TextScanner::first_line() {
+    if (!next_line()) throw Error(ErrorCode::unreadable_input, fmt::format("{}: the file has no text", *path_));
 }
 
 void TextScanner::fail(const std::string& reason) const {

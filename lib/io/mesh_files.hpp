@@ -34,6 +34,9 @@ public:
     /// stands before the first line.
     bool next_line();
 
+    /// next_line() before the first line. Throws Error(unreadable_input) if no line has text.
+    void first_line();
+
     /// The next word of this line; empty at its end.
     std::string_view word();
 

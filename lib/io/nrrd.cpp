@@ -74,12 +74,12 @@ std::string normalised(std::string_view name) {
     return result == "centerings" ? "centers" : result;
 }
 
-std::optional<ValueType> parse_type(const std::string& text) {
-    static const std::map<std::string, ValueType> types{
-        {"float", ValueType::float32},       {"double", ValueType::float64},      {"uint", ValueType::uint32},
-        {"unsigned int", ValueType::uint32}, {"uint32", ValueType::uint32},       {"uint32_t", ValueType::uint32},
-        {"uchar", ValueType::uint8},         {"unsigned char", ValueType::uint8}, {"uint8", ValueType::uint8},
-        {"uint8_t", ValueType::uint8}};
+std::optional<ElementType> parse_type(const std::string& text) {
+    static const std::map<std::string, ElementType> types{
+        {"float", ElementType::float32},       {"double", ElementType::float64},      {"uint", ElementType::uint32},
+        {"unsigned int", ElementType::uint32}, {"uint32", ElementType::uint32},       {"uint32_t", ElementType::uint32},
+        {"uchar", ElementType::uint8},         {"unsigned char", ElementType::uint8}, {"uint8", ElementType::uint8},
+        {"uint8_t", ElementType::uint8}};
     const auto found = types.find(text);
     return found == types.end() ? std::nullopt : std::optional(found->second);
 }
@@ -179,7 +179,7 @@ RawValues NrrdHeader::values() const {
         fail("encoding", encoding, "only raw is read; save it uncompressed (unu save -f nrrd -e raw)");
 
     const std::string& type_text = require("type", "a distance field is of float or double");
-    const std::optional<ValueType> type = parse_type(lower_case(type_text));
+    const std::optional<ElementType> type = parse_type(lower_case(type_text));
     if (!type) fail("type", type_text, "a distance field is of float or double");
     const std::string endian = lower_case(require("endian", "state little or big"));
     if (endian != "little" && endian != "big") fail("endian", endian, "expected little or big");
@@ -279,18 +279,18 @@ double read_half_width(const NrrdHeader& header, const std::string& key) {
     return width;
 }
 
-void read_extra(const std::string& path, const OutputKind& kind, Field& field) {
+void read_extra(const std::string& path, const OutputInfo& info, Field& field) {
     InputFile file(path);
     const NrrdHeader header(file);
     const RawValues values = header.values();
-    if (!reads_as(values.type, kind.type))
-        header.fail("type", *header.find("type"), fmt::format("{} is of another type", kind.content));
+    if (!reads_as(values.type, info.type))
+        header.fail("type", *header.find("type"), fmt::format("{} is of another type", info.description));
     std::vector<std::int64_t> expected(field.grid.size.begin(), field.grid.size.end());
-    if (kind.components > 1) expected.insert(expected.begin(), kind.components);
+    if (info.components > 1) expected.insert(expected.begin(), static_cast<std::int64_t>(info.components));
     if (header.sizes(expected.size()) != expected)
         header.fail("sizes", *header.find("sizes"), "the field has other sizes; compute both again");
     checked_count(file, values, expected);
-    read_output(file, values, kind, field);
+    read_output(file, values, info, field);
 }
 
 }  // namespace
@@ -299,9 +299,9 @@ namespace {
 
 std::map<std::string, std::string> files_of(const NrrdHeader& header) {
     std::map<std::string, std::string> files;
-    for (const OutputKind& kind : extra_kinds())
-        if (const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", kind.name)))
-            files.emplace(kind.name, *name);
+    for (const OutputInfo& info : extra_outputs())
+        if (const std::string* name = header.find_pair(fmt::format("clsdf_{}_file", info.name)))
+            files.emplace(info.name, *name);
     return files;
 }
 
@@ -322,31 +322,31 @@ Field read_nrrd(const std::string& path) {
 
     Field field;
     field.grid = read_grid(header, {size[0], size[1], size[2]});
-    field.band = {read_half_width(header, "clsdf_band_inside"), read_half_width(header, "clsdf_band_outside")};
+    field.band = band_of(read_half_width(header, "clsdf_band_inside"), read_half_width(header, "clsdf_band_outside"));
     field.band.validate();
     if (const std::string* mesh = header.find_pair("clsdf_mesh")) field.mesh_name = *mesh;
     const std::string* sign = header.find_pair("clsdf_sign");
     field.sign = sign == nullptr ? SignRule::automatic : sign_rule_of(*sign);
-    read_output(file, values, distance_kind(), field);
+    read_output(file, values, info_of(Output::distance), field);
     const std::map<std::string, std::string> files = files_of(header);
-    for (const OutputKind& kind : extra_kinds()) {
-        const auto name = files.find(kind.name);
+    for (const OutputInfo& info : extra_outputs()) {
+        const auto name = files.find(info.name);
         if (name == files.end()) continue;
         const std::string beside = path_beside(path, name->second);
-        if (is_there(beside)) read_extra(beside, kind, field);
+        if (is_there(beside)) read_extra(beside, info, field);
     }
     return field;
 }
 
 namespace {
 
-const char* name_of(ValueType type) {
+const char* nrrd_name_of(ElementType type) {
     switch (type) {
-        case ValueType::float64:
+        case ElementType::float64:
             return "double";
-        case ValueType::uint32:
+        case ElementType::uint32:
             return "unsigned int";
-        case ValueType::uint8:
+        case ElementType::uint8:
             return "unsigned char";
         default:
             return "float";
@@ -355,9 +355,9 @@ const char* name_of(ValueType type) {
 
 // The header fields that every reader of NRRD needs. fmt writes the shortest text that reads back as the same double.
 // The components of a sample are the first, fastest axis.
-std::string basic_header(const Grid& grid, const OutputKind& kind) {
+std::string basic_header(const Grid& grid, const OutputInfo& info) {
     const Vec3 origin = grid.position(0, 0, 0);
-    const bool is_vector = kind.components > 1;
+    const bool is_vector = info.components > 1;
     return fmt::format(
         "NRRD0005\n"
         "# Complete NRRD file format specification at:\n"
@@ -372,9 +372,10 @@ std::string basic_header(const Grid& grid, const OutputKind& kind) {
         "endian: little\n"
         "encoding: raw\n"
         "space origin: ({},{},{})\n",
-        kind.content, name_of(kind.type), is_vector ? 4 : 3, is_vector ? fmt::format("{} ", kind.components) : "",
-        grid.size[0], grid.size[1], grid.size[2], is_vector ? "none " : "", grid.spacing[0], grid.spacing[1],
-        grid.spacing[2], is_vector ? "vector " : "", origin[0], origin[1], origin[2]);
+        info.description, nrrd_name_of(info.type), is_vector ? 4 : 3,
+        is_vector ? fmt::format("{} ", info.components) : "", grid.size[0], grid.size[1], grid.size[2],
+        is_vector ? "none " : "", grid.spacing[0], grid.spacing[1], grid.spacing[2], is_vector ? "vector " : "",
+        origin[0], origin[1], origin[2]);
 }
 
 std::string pairs(const FieldDescription& field) {
@@ -392,22 +393,21 @@ std::string pairs(const FieldDescription& field) {
 
 class NrrdWriter : public FormatWriter {
 public:
-    NrrdWriter(const std::string& path, const FieldDescription& field, const Outputs& outputs)
-        : kinds_(kinds_of(outputs)) {
-        std::string header = basic_header(field.grid, kinds_.front()) + pairs(field);
+    NrrdWriter(const std::string& path, const FieldDescription& field, OutputSet outputs) : infos_(infos_of(outputs)) {
+        std::string header = basic_header(field.grid, infos_.front()) + pairs(field);
         files_.emplace_back(path);
-        for (std::size_t i = 1; i < kinds_.size(); ++i) {
-            const std::string beside = extra_path(path, kinds_[i]);
-            header += fmt::format("clsdf_{}_file:={}\n", kinds_[i].name, escaped(file_name(beside)));
+        for (std::size_t i = 1; i < infos_.size(); ++i) {
+            const std::string beside = extra_path(path, infos_[i]);
+            header += fmt::format("clsdf_{}_file:={}\n", infos_[i].name, escaped(file_name(beside)));
             files_.emplace_back(beside);
-            files_.back().write(basic_header(field.grid, kinds_[i]) + '\n');
+            files_.back().write(basic_header(field.grid, infos_[i]) + '\n');
         }
         files_.front().write(header + '\n');
     }
 
     void append(const FieldSlab& slab, std::int64_t) override {
-        for (std::size_t i = 0; i < kinds_.size(); ++i)
-            write_little_endian(files_[i], kinds_[i].bytes(slab), width_of(kinds_[i].type));
+        for (std::size_t i = 0; i < infos_.size(); ++i)
+            write_little_endian(files_[i], slab.bytes(infos_[i].output), bytes_of(infos_[i].type));
     }
 
     void finish() override {
@@ -417,14 +417,13 @@ public:
     }
 
 private:
-    std::vector<OutputKind> kinds_;
+    std::vector<OutputInfo> infos_;
     std::deque<AtomicFile> files_;  // the distances' first
 };
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field,
-                                          const Outputs& outputs) {
+std::unique_ptr<FormatWriter> nrrd_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
     return std::make_unique<NrrdWriter>(path, field, outputs);
 }
 

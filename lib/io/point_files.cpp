@@ -1,10 +1,11 @@
 #include "core/files.hpp"
+#include "core/outputs.hpp"
 #include "core/text.hpp"
-#include "io/field_files.hpp"
 #include "io/mesh_files.hpp"
+#include "io/npy_header.hpp"
 
 #include <clsdf/error.hpp>
-#include <clsdf/io.hpp>
+#include <clsdf/mesh_files.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,6 +18,7 @@
 #include <limits>
 #include <new>
 #include <string_view>
+#include <type_traits>
 
 namespace clsdf {
 
@@ -39,15 +41,15 @@ std::vector<Vec3> read_npy_points(const std::string& path) {
     if (is_whole(header.values.type))
         file.fail(fmt::format("header field 'descr': '{}' is not a coordinate; save the points as float64 ('<f8')",
                               npy_name_of(header.values.type)));
-    if (header.shape.size() != 2 || header.shape[1] != 3)
-        file.fail(fmt::format("header field 'shape': ({}); points have the shape (n, 3), x, y and z a row",
+    if (header.shape.size() != 2 || header.shape[0] < 0 || header.shape[1] != 3)
+        file.fail(fmt::format("header field 'shape': ({}); points have the shape (n, 3), n >= 0, x, y and z a row",
                               fmt::join(header.shape, ", ")));
     if (header.shape[0] == 0) return {};
     const std::size_t count = checked_count(file, header.values, header.shape);
     std::vector<Vec3> points(count / 3);
-    const bool is_double = header.values.type == ValueType::float64;
+    const bool is_double = header.values.type == ElementType::float64;
     if (is_double && !header.fortran_order) {
-        read_values(file, header.values, ValueType::float64, std::as_writable_bytes(std::span(points)));
+        read_values(file, header.values, ElementType::float64, std::as_writable_bytes(std::span(points)));
         return points;
     }
     const auto read = [&]<typename Number>(std::vector<Number> numbers) {
@@ -140,20 +142,28 @@ bool is_axis(std::string_view name, std::size_t axis) {
 std::vector<Vec3> read_csv_points(const FileContent& file) {
     CsvRows rows(file);
     std::vector<std::string_view> fields;
-    if (!rows.next(fields)) rows.fail("the file is empty; it begins with a row of names, x,y,z among them");
+    if (!rows.next(fields))
+        throw Error(
+            ErrorCode::unreadable_input,
+            fmt::format("{}: the file has no text; it begins with a row of names, x,y,z among them", file.path()));
+    const std::string first_row = fmt::format("{}", fmt::join(fields, ","));
     // NumPy writes the names as a comment.
     if (fields.front().starts_with('#'))
         fields.front().remove_prefix(std::min(fields.front().find_first_not_of("# \t"), fields.front().size()));
     std::array<std::size_t, 3> columns{};
     constexpr std::array<const char*, 3> names{"x", "y", "z"};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto found =
-            std::find_if(fields.begin(), fields.end(), [&](std::string_view name) { return is_axis(name, axis); });
+        const auto has_name = [&](std::string_view name) { return is_axis(name, axis); };
+        const auto found = std::find_if(fields.begin(), fields.end(), has_name);
         if (found == fields.end())
             rows.fail(
                 fmt::format("there is no column '{}' in the first row, {}; it names the columns, with commas "
                             "between them",
-                            names[axis], quoted(fmt::format("{}", fmt::join(fields, ",")), 80)));
+                            names[axis], quoted(first_row, 80)));
+        if (const auto second = std::find_if(found + 1, fields.end(), has_name); second != fields.end())
+            rows.fail(fmt::format("columns {} and {} both have the coordinate '{}' ({} and {}); leave one of them",
+                                  found - fields.begin() + 1, second - fields.begin() + 1, names[axis], quoted(*found),
+                                  quoted(*second)));
         columns[axis] = static_cast<std::size_t>(found - fields.begin());
     }
     const std::size_t width = fields.size();
@@ -170,40 +180,69 @@ std::vector<Vec3> read_csv_points(const FileContent& file) {
 
 /// The outputs that there are, and their values by point.
 struct Columns {
-    std::vector<OutputKind> kinds;
+    std::vector<OutputInfo> infos;
     std::vector<std::span<const std::byte>> values;
 
-    Columns(std::size_t points, const FieldSlab& results, const Outputs& wanted) {
-        kinds.push_back(distance_kind());
-        for (const OutputKind& kind : extra_kinds())
-            if (kind.wanted(wanted) || !kind.bytes(results).empty()) kinds.push_back(kind);
-        for (const OutputKind& kind : kinds) {
-            values.push_back(kind.bytes(results));
-            if (values.back().size() != points * kind.sample_bytes())
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("there are {} points, and the array of the output {} holds {} values of {}",
-                                        points, kind.name, values.back().size() / width_of(kind.type),
-                                        points * static_cast<std::size_t>(kind.components)));
+    Columns(std::size_t points, const FieldSlab& results, OutputSet wanted) {
+        infos.push_back(info_of(Output::distance));
+        for (const OutputInfo& info : extra_outputs())
+            if (wanted.contains(info.output) || !results.bytes(info.output).empty()) infos.push_back(info);
+        for (const OutputInfo& info : infos) {
+            values.push_back(results.bytes(info.output));
+            if (values.back().size() != points * info.sample_bytes())
+                throw Error(
+                    ErrorCode::invalid_argument,
+                    fmt::format("there are {} points, and the array of the output {} holds {} values of {}", points,
+                                info.name, values.back().size() / bytes_of(info.type), points * info.components));
         }
     }
 
     /// "closest_x" for a component, "distance" for a single value.
-    static std::string name(const OutputKind& kind, std::int64_t component) {
-        if (kind.components == 1) return kind.name;
-        return fmt::format("{}_{}", kind.name,
-                           kind.components == 3 ? std::string(1, "xyz"[component]) : fmt::format("{}", component + 1));
+    static std::string name(const OutputInfo& info, std::size_t component) {
+        if (info.components == 1) return info.name;
+        return fmt::format("{}_{}", info.name,
+                           info.components == 3 ? std::string(1, "xyz"[component]) : fmt::format("{}", component + 1));
     }
 
-    /// visit(kind, component, address of the value) for each value of a point.
+    /// visit(info, component, address of the value) for each value of a point.
     template <typename Visit>
     void for_each_value(std::size_t point, const Visit& visit) const {
-        for (std::size_t k = 0; k < kinds.size(); ++k) {
-            const std::byte* at = values[k].data() + point * kinds[k].sample_bytes();
-            for (std::int64_t c = 0; c < kinds[k].components; ++c, at += width_of(kinds[k].type))
-                visit(kinds[k], c, at);
+        for (std::size_t k = 0; k < infos.size(); ++k) {
+            const std::byte* at = values[k].data() + point * infos[k].sample_bytes();
+            for (std::size_t c = 0; c < infos[k].components; ++c, at += bytes_of(infos[k].type)) visit(infos[k], c, at);
         }
     }
 };
+
+/// Calls take(number) with the number at an address. Outputs have these types.
+template <typename Take>
+void with_number(ElementType type, const std::byte* address, const Take& take) {
+    constexpr std::endian order = std::endian::native;
+    switch (type) {
+        case ElementType::float64:
+            return take(load<double>(address, order));
+        case ElementType::uint32:
+            return take(load<std::uint32_t>(address, order));
+        case ElementType::uint8:
+            return take(load<std::uint8_t>(address, order));
+        default:
+            return take(load<float>(address, order));
+    }
+}
+
+/// The name of a type in .ply files.
+const char* ply_name_of(ElementType type) {
+    switch (type) {
+        case ElementType::float64:
+            return "double";
+        case ElementType::uint32:
+            return "uint";
+        case ElementType::uint8:
+            return "uchar";
+        default:
+            return "float";
+    }
+}
 
 /// Rows of bytes, written in large pieces.
 class RowWriter {
@@ -217,17 +256,8 @@ public:
         buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
         if (buffer_.size() > piece_bytes) flush();
     }
-    void add(ValueType type, const std::byte* value) {
-        switch (type) {
-            case ValueType::float32:
-                return add(load<float>(value, std::endian::native));
-            case ValueType::float64:
-                return add(load<double>(value, std::endian::native));
-            case ValueType::uint32:
-                return add(load<std::uint32_t>(value, std::endian::native));
-            case ValueType::uint8:
-                return add(load<std::uint8_t>(value, std::endian::native));
-        }
+    void add(ElementType type, const std::byte* value) {
+        with_number(type, value, [&](auto number) { add(number); });
     }
     void flush() {
         file_.write(buffer_);
@@ -242,35 +272,33 @@ private:
 
 void write_npy_points(std::size_t points, const Columns& columns, AtomicFile& file) {
     std::string members;
-    for (const OutputKind& kind : columns.kinds)
-        members += kind.components == 1
-                       ? fmt::format("('{}', '{}'), ", kind.name, npy_name_of(kind.type))
-                       : fmt::format("('{}', '{}', ({},)), ", kind.name, npy_name_of(kind.type), kind.components);
+    for (const OutputInfo& info : columns.infos)
+        members += info.components == 1
+                       ? fmt::format("('{}', '{}'), ", info.name, npy_name_of(info.type))
+                       : fmt::format("('{}', '{}', ({},)), ", info.name, npy_name_of(info.type), info.components);
     members.resize(members.size() - 2);
     file.write(npy_header(fmt::format("[{}]", members), {static_cast<std::int64_t>(points)}));
     RowWriter rows(file);
     for (std::size_t i = 0; i < points; ++i)
         columns.for_each_value(
-            i, [&](const OutputKind& kind, std::int64_t, const std::byte* value) { rows.add(kind.type, value); });
+            i, [&](const OutputInfo& info, std::size_t, const std::byte* value) { rows.add(info.type, value); });
     rows.flush();
 }
 
 void write_ply_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
-    constexpr std::array<const char*, 4> names{"float", "double", "uint", "uchar"};  // by ValueType
     std::string header = fmt::format(
         "ply\nformat binary_little_endian 1.0\ncomment written by clsdf\nelement vertex {}\n"
         "property double x\nproperty double y\nproperty double z\n",
         points.size());
-    for (const OutputKind& kind : columns.kinds)
-        for (std::int64_t c = 0; c < kind.components; ++c)
-            header +=
-                fmt::format("property {} {}\n", names[static_cast<std::size_t>(kind.type)], Columns::name(kind, c));
+    for (const OutputInfo& info : columns.infos)
+        for (std::size_t c = 0; c < info.components; ++c)
+            header += fmt::format("property {} {}\n", ply_name_of(info.type), Columns::name(info, c));
     file.write(header + "end_header\n");
     RowWriter rows(file);
     for (std::size_t i = 0; i < points.size(); ++i) {
         for (const double x : points[i]) rows.add(x);
         columns.for_each_value(
-            i, [&](const OutputKind& kind, std::int64_t, const std::byte* value) { rows.add(kind.type, value); });
+            i, [&](const OutputInfo& info, std::size_t, const std::byte* value) { rows.add(info.type, value); });
     }
     rows.flush();
 }
@@ -280,28 +308,23 @@ void write_ply_points(std::span<const Vec3> points, const Columns& columns, Atom
 void write_csv_points(std::span<const Vec3> points, const Columns& columns, AtomicFile& file) {
     fmt::memory_buffer text;
     const auto add = [&](auto value) { fmt::format_to(std::back_inserter(text), "{}", value); };
-    const auto add_real = [&](auto value) { add(std::isnan(value) ? std::abs(value) : value); };
     add("x,y,z");
-    for (const OutputKind& kind : columns.kinds)
-        for (std::int64_t c = 0; c < kind.components; ++c) add(fmt::format(",{}", Columns::name(kind, c)));
+    for (const OutputInfo& info : columns.infos)
+        for (std::size_t c = 0; c < info.components; ++c) add(fmt::format(",{}", Columns::name(info, c)));
     for (std::size_t i = 0; i < points.size(); ++i) {
         add('\n');
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (axis > 0) add(',');
             add(points[i][axis]);
         }
-        columns.for_each_value(i, [&](const OutputKind& kind, std::int64_t, const std::byte* value) {
+        columns.for_each_value(i, [&](const OutputInfo& info, std::size_t, const std::byte* value) {
             add(',');
-            switch (kind.type) {
-                case ValueType::float32:
-                    return add_real(load<float>(value, std::endian::native));
-                case ValueType::float64:
-                    return add_real(load<double>(value, std::endian::native));
-                case ValueType::uint32:
-                    return add(load<std::uint32_t>(value, std::endian::native));
-                case ValueType::uint8:
-                    return add(static_cast<unsigned>(load<std::uint8_t>(value, std::endian::native)));
-            }
+            with_number(info.type, value, [&](auto number) {
+                if constexpr (std::is_floating_point_v<decltype(number)>)
+                    add(std::isnan(number) ? std::abs(number) : number);
+                else
+                    add(std::uint32_t{number});  // not as a letter
+            });
         });
         if (text.size() < (std::size_t{1} << 16U)) continue;
         file.write(std::string_view(text.data(), text.size()));
@@ -327,8 +350,7 @@ std::vector<Vec3> read_points(const std::string& path) try {
     throw Error(ErrorCode::out_of_memory, fmt::format("there is not enough memory to read '{}'", path));
 }
 
-void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
-                  const Outputs& wanted) {
+void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path, OutputSet wanted) {
     const PointFormat format = format_of_points(path);
     const Columns columns(points.size(), results, wanted);
     AtomicFile file(path);
@@ -346,7 +368,7 @@ void write_points(std::span<const Vec3> points, const FieldSlab& results, const 
     file.commit();
 }
 
-void check_points_output(const std::string& path) {
+void check_points_path(const std::string& path) {
     format_of_points(path);
     check_writable(path);
 }

@@ -61,12 +61,12 @@ void InputFile::fail(const std::string& what) const {
     throw Error(ErrorCode::unreadable_input, fmt::format("{}: {}", path_, what));
 }
 
-RawValues values_to_the_end(const InputFile& file, ValueType type, std::endian order, std::uint64_t offset) {
+RawValues values_to_the_end(const InputFile& file, ElementType type, std::endian order, std::uint64_t offset) {
     return {type, order, offset, file.size() - std::min(file.size(), offset)};
 }
 
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes) {
-    const std::uint64_t width = width_of(values.type);
+    const std::uint64_t width = bytes_of(values.type);
     if (values.offset > file.size() || values.bytes > file.size() - values.offset)
         file.fail(
             fmt::format("{} bytes of values from byte {} on do not lie in the {} bytes of the file, which is "
@@ -93,12 +93,13 @@ std::size_t checked_count(const InputFile& file, const RawValues& values, std::s
     return static_cast<std::size_t>(count);
 }
 
-bool reads_as(ValueType stored, ValueType wanted) {
-    return stored == wanted || (stored == ValueType::float64 && wanted == ValueType::float32);
+bool reads_as(ElementType stored, ElementType wanted) {
+    return stored == wanted || (stored == ElementType::float64 && wanted == ElementType::float32);
 }
 
-void convert_values(std::span<std::byte> bytes, const RawValues& values, ValueType wanted, std::span<std::byte> room) {
-    if (values.order != std::endian::native) swap_bytes(bytes, width_of(values.type));
+void convert_values(std::span<std::byte> bytes, const RawValues& values, ElementType wanted,
+                    std::span<std::byte> room) {
+    if (values.order != std::endian::native) swap_bytes(bytes, bytes_of(values.type));
     if (values.type == wanted) {
         std::ranges::copy(bytes, room.begin());
         return;
@@ -111,13 +112,13 @@ void convert_values(std::span<std::byte> bytes, const RawValues& values, ValueTy
     }
 }
 
-void read_values(InputFile& file, const RawValues& values, ValueType wanted, std::span<std::byte> room) {
+void read_values(InputFile& file, const RawValues& values, ElementType wanted, std::span<std::byte> room) {
     if (values.type == wanted) {
         file.read(values.offset, room);
-        if (values.order != std::endian::native) swap_bytes(room, width_of(wanted));
+        if (values.order != std::endian::native) swap_bytes(room, bytes_of(wanted));
         return;
     }
-    const std::size_t width = width_of(values.type), wanted_width = width_of(wanted);
+    const std::size_t width = bytes_of(values.type), wanted_width = bytes_of(wanted);
     const std::size_t count = room.size() / wanted_width;
     std::vector<std::byte> buffer(std::min(chunk, count) * width);
     for (std::size_t begin = 0; begin < count; begin += chunk) {
@@ -128,8 +129,8 @@ void read_values(InputFile& file, const RawValues& values, ValueType wanted, std
     }
 }
 
-void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field) {
-    read_values(file, values, kind.type, allocate_output(kind, field));
+void read_output(InputFile& file, const RawValues& values, const OutputInfo& info, Field& field) {
+    read_values(file, values, info.type, allocate_output(info, field));
 }
 
 void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width) {

@@ -38,29 +38,29 @@ private:
 
 /// The offset, number and type of an array's values in a file.
 struct RawValues {
-    ValueType type = ValueType::float32;
+    ElementType type = ElementType::float32;
     std::endian order = std::endian::little;
     std::uint64_t offset = 0;
     std::uint64_t bytes = 0;
 };
 
 /// From `offset` to the end of the file.
-RawValues values_to_the_end(const InputFile& file, ValueType type, std::endian order, std::uint64_t offset);
+RawValues values_to_the_end(const InputFile& file, ElementType type, std::endian order, std::uint64_t offset);
 
 /// The number of values of an array of these sizes. Throws if `values` has another number, or if they exceed the file.
 /// Allocates nothing.
 std::size_t checked_count(const InputFile& file, const RawValues& values, std::span<const std::int64_t> sizes);
 
 /// Whether values of one type are read as values of another: doubles are rounded to float, everything else stays.
-bool reads_as(ValueType stored, ValueType wanted);
+bool reads_as(ElementType stored, ElementType wanted);
 
 /// Reads values of type `wanted` until `room` is full, in this machine's byte order.
-void read_values(InputFile& file, const RawValues& values, ValueType wanted, std::span<std::byte> room);
+void read_values(InputFile& file, const RawValues& values, ElementType wanted, std::span<std::byte> room);
 /// The same from values in memory, which are overwritten.
-void convert_values(std::span<std::byte> bytes, const RawValues& values, ValueType wanted, std::span<std::byte> room);
+void convert_values(std::span<std::byte> bytes, const RawValues& values, ElementType wanted, std::span<std::byte> room);
 
 /// Reads one output of the field, whose grid is known; the values have been counted, and their type fits.
-void read_output(InputFile& file, const RawValues& values, const OutputKind& kind, Field& field);
+void read_output(InputFile& file, const RawValues& values, const OutputInfo& info, Field& field);
 
 /// Values of `width` bytes each.
 void write_little_endian(AtomicFile& file, std::span<const std::byte> bytes, std::size_t width);

@@ -45,7 +45,7 @@ void skip_edge_count(TextScanner& scanner, bool counts_on_own_lines) {
 }
 
 Counts read_header(TextScanner& scanner) {
-    if (!scanner.next_line()) scanner.fail("the file is empty");
+    scanner.first_line();
     TextScanner start = scanner;
     const std::string_view keyword = scanner.word();
     if (keyword.ends_with("OFF")) {

@@ -170,7 +170,7 @@ const PlyElement* PlyHeader::find(const std::string& element) const {
 /// Throws Error(unreadable_input) with the line, also if the elements could not fit into the file.
 PlyHeader read_ply_header(const FileContent& file) {
     TextScanner scanner(file.text(), file.path(), {});
-    if (!scanner.next_line()) scanner.fail("the file is empty");
+    scanner.first_line();
     if (const std::string_view word = scanner.word(); word != "ply") scanner.fail_word("the keyword ply", word);
     PlyHeader header;
     bool has_format = false;

@@ -199,8 +199,8 @@ Field read_sdf(const std::string& path) {
     if (room == 0)
         file.fail(fmt::format("sizes: {} values do not fit the {} bytes of the file; it is truncated",
                               fmt::join(field.grid.size, " x "), file.size()));
-    field.distance.resize(field.grid.sample_count());
-    read_values(file, pieces, field.distance);
+    field.resize(Output::distance, field.grid.sample_count());
+    read_values(file, pieces, field.distance());
     return field;
 }
 
@@ -251,12 +251,12 @@ public:
     void append(const FieldSlab& slab, std::int64_t) override {
         std::size_t begin = 0, turn = 0;
         const auto next = [&](tbb::flow_control& flow) {
-            if (begin == slab.distance.size()) {
+            if (begin == slab.distance().size()) {
                 flow.stop();
                 return Chunk{};
             }
-            const std::size_t count = std::min(write_chunk, slab.distance.size() - begin);
-            const Chunk next_chunk{slab.distance.subspan(begin, count), &texts_[turn++ % texts_.size()]};
+            const std::size_t count = std::min(write_chunk, slab.distance().size() - begin);
+            const Chunk next_chunk{slab.distance().subspan(begin, count), &texts_[turn++ % texts_.size()]};
             begin += count;
             return next_chunk;
         };
@@ -286,7 +286,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, const Outputs&) {
+std::unique_ptr<FormatWriter> sdf_writer(const std::string& path, const FieldDescription& field, OutputSet) {
     const Vec3& spacing = field.grid.spacing;
     if (spacing[1] != spacing[0] || spacing[2] != spacing[0])
         throw Error(ErrorCode::unsupported,

@@ -1,5 +1,5 @@
-# Files of meshes and fields. HDF5, expat and OpenVDB stay out of the library proper: a program with a parallel HDF5 of its
-# own links clsdf::clsdf alone.
+# Files of fields. HDF5, expat and OpenVDB stay out of the other libraries: a program with a parallel HDF5 of its own links
+# clsdf::clsdf and clsdf::meshes.
 add_library(clsdf_io)
 add_library(clsdf::io ALIAS clsdf_io)
 set_target_properties(clsdf_io PROPERTIES EXPORT_NAME io)
@@ -10,14 +10,8 @@ target_sources(
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_read.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_write.cpp
           ${CMAKE_CURRENT_LIST_DIR}/hdf5_old_format.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
           ${CMAKE_CURRENT_LIST_DIR}/npy.cpp
           ${CMAKE_CURRENT_LIST_DIR}/nrrd.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_off_obj.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp
-          ${CMAKE_CURRENT_LIST_DIR}/read_stl.cpp
           ${CMAKE_CURRENT_LIST_DIR}/sdf.cpp
           ${CMAKE_CURRENT_LIST_DIR}/$<IF:$<BOOL:${CLSDF_WITH_OPENVDB}>,vdb_write,vdb_absent>.cpp
           $<$<BOOL:${CLSDF_WITH_OPENVDB}>:${CMAKE_CURRENT_LIST_DIR}/vdb_read.cpp>
@@ -27,8 +21,8 @@ target_include_directories(clsdf_io PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_options(clsdf_io PRIVATE -ffp-contract=off -fno-math-errno -fno-semantic-interposition)
 target_link_libraries(
   clsdf_io
-  PUBLIC clsdf::clsdf
-  PRIVATE $<BUILD_INTERFACE:clsdf_internals> TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> $<BUILD_INTERFACE:clsdf_warnings>
+  PUBLIC clsdf::meshes clsdf::clsdf
+  PRIVATE $<BUILD_INTERFACE:clsdf_meshes_internals> $<BUILD_INTERFACE:clsdf_internals> TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:nlohmann_json::nlohmann_json> $<BUILD_INTERFACE:clsdf_warnings>
           $<BUILD_INTERFACE:EXPAT::EXPAT> $<BUILD_INTERFACE:clsdf_hdf5> $<INSTALL_INTERFACE:expat>
           $<INSTALL_INTERFACE:${CLSDF_HDF5_NAME}>)
 if(CLSDF_WITH_OPENVDB)

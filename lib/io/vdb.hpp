@@ -34,16 +34,16 @@ inline openvdb::Coord coordinates(const Index3& index) {
 /// Outputs of whole numbers are in an Int32Grid, those of up to three doubles in a Vec3DGrid, of floats in a Vec3SGrid.
 /// Bytes are widened, and vectors of two components get a third one, which is 0. Beyond the band all bits are set, as
 /// in the field.
-inline std::size_t sample_bytes_in_grid(const OutputKind& kind) {
-    return is_whole(kind.type) ? sizeof(std::int32_t) : 3 * width_of(kind.type);
+inline std::size_t sample_bytes_in_grid(const OutputInfo& info) {
+    return is_whole(info.type) ? sizeof(std::int32_t) : 3 * bytes_of(info.type);
 }
-inline bool fits_grid(const OutputKind& kind) {
-    return is_whole(kind.type) ? kind.components == 1 : kind.components == 2 || kind.components == 3;
+inline bool fits_grid(const OutputInfo& info) {
+    return is_whole(info.type) ? info.components == 1 : info.components == 2 || info.components == 3;
 }
 
 /// The samples of an output as its grid has them, into `room`.
-inline void widen(const OutputKind& kind, std::span<const std::byte> values, std::span<std::byte> room) {
-    const std::size_t from = kind.sample_bytes(), to = sample_bytes_in_grid(kind);
+inline void widen(const OutputInfo& info, std::span<const std::byte> values, std::span<std::byte> room) {
+    const std::size_t from = info.sample_bytes(), to = sample_bytes_in_grid(info);
     for (std::size_t sample = 0; sample < values.size() / from; ++sample) {
         const auto one = values.subspan(sample * from, from);
         const bool is_left = std::all_of(one.begin(), one.end(), [](std::byte b) { return b == std::byte{0xFF}; });
@@ -52,8 +52,8 @@ inline void widen(const OutputKind& kind, std::span<const std::byte> values, std
         std::copy(one.begin(), one.end(), wide.begin());  // the low bytes come first, as in all that OpenVDB writes
     }
 }
-inline void narrow(const OutputKind& kind, std::span<const std::byte> wide, std::span<std::byte> room) {
-    const std::size_t from = sample_bytes_in_grid(kind), to = kind.sample_bytes();
+inline void narrow(const OutputInfo& info, std::span<const std::byte> wide, std::span<std::byte> room) {
+    const std::size_t from = sample_bytes_in_grid(info), to = info.sample_bytes();
     for (std::size_t sample = 0; sample < room.size() / to; ++sample)
         std::copy_n(wide.begin() + static_cast<std::ptrdiff_t>(sample * from), to,
                     room.begin() + static_cast<std::ptrdiff_t>(sample * to));

@@ -20,7 +20,7 @@ namespace {
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription&, const Outputs&) {
+std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription&, OutputSet) {
     refuse(path);
 }
 
@@ -28,7 +28,7 @@ Field read_vdb(const std::string& path) {
     refuse(path);
 }
 
-void check_vdb(const std::string& path, const Outputs&) {
+void check_vdb(const std::string& path, OutputSet) {
     refuse(path);
 }
 

@@ -109,7 +109,7 @@ public:
 
     openvdb::FloatGrid::Ptr distance() {
         for (auto name = file_.beginName(); name != file_.endName(); ++name)
-            if (*name == distance_kind().name) return read<openvdb::FloatGrid>(*name);
+            if (*name == info_of(Output::distance).name) return read<openvdb::FloatGrid>(*name);
         for (auto name = file_.beginName(); name != file_.endName(); ++name)
             if (file_.readGridMetadata(*name)->isType<openvdb::FloatGrid>()) return read<openvdb::FloatGrid>(*name);
         input_.fail("it has no grid of floats");
@@ -202,18 +202,18 @@ Field read_checked(InputFile& file, bool is_ours) {
         field.sign = SignRule::automatic;
     }
     const std::size_t samples = field.grid.sample_count();
-    reader.copy(*distance, in_file, distance_kind().allocate(field, samples));
-    for (const OutputKind& kind : extra_kinds()) {
-        if (!reader.has(kind.name)) continue;
-        if (!fits_grid(kind)) continue;
-        std::vector<std::byte> wide(samples * sample_bytes_in_grid(kind));
-        if (is_whole(kind.type))
-            reader.copy(*reader.read<openvdb::Int32Grid>(kind.name), in_file, wide);
-        else if (kind.type == ValueType::float64)
-            reader.copy(*reader.read<openvdb::Vec3DGrid>(kind.name), in_file, wide);
+    reader.copy(*distance, in_file, field.resize(Output::distance, samples));
+    for (const OutputInfo& info : extra_outputs()) {
+        if (!reader.has(info.name)) continue;
+        if (!fits_grid(info)) continue;
+        std::vector<std::byte> wide(samples * sample_bytes_in_grid(info));
+        if (is_whole(info.type))
+            reader.copy(*reader.read<openvdb::Int32Grid>(info.name), in_file, wide);
+        else if (info.type == ElementType::float64)
+            reader.copy(*reader.read<openvdb::Vec3DGrid>(info.name), in_file, wide);
         else
-            reader.copy(*reader.read<openvdb::Vec3SGrid>(kind.name), in_file, wide);
-        narrow(kind, wide, allocate_output(kind, field));
+            reader.copy(*reader.read<openvdb::Vec3SGrid>(info.name), in_file, wide);
+        narrow(info, wide, allocate_output(info, field));
     }
     return field;
 }

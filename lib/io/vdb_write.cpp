@@ -250,15 +250,15 @@ private:
 };
 
 /// Throws Error(unsupported), with the file's path, for an output that .vdb cannot store.
-std::unique_ptr<OutputTree> tree_for(const OutputKind& kind, const Fill& fill, const std::string& path) {
-    if (std::string_view(kind.name) == distance_kind().name) return std::make_unique<DistanceTree>(fill);
-    if (!fits_grid(kind))
-        throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb cannot store the output {}", path, kind.name));
+std::unique_ptr<OutputTree> tree_for(const OutputInfo& info, const Fill& fill, const std::string& path) {
+    if (info.output == Output::distance) return std::make_unique<DistanceTree>(fill);
+    if (!fits_grid(info))
+        throw Error(ErrorCode::unsupported, fmt::format("{}: .vdb cannot store the output {}", path, info.name));
     // Beyond the band every bit is set.
     const auto single = std::bit_cast<float>(~std::uint32_t{0});
     const auto twice = std::bit_cast<double>(~std::uint64_t{0});
-    if (is_whole(kind.type)) return std::make_unique<ExtraTree<openvdb::Int32Grid>>(fill, -1);
-    if (kind.type == ValueType::float64)
+    if (is_whole(info.type)) return std::make_unique<ExtraTree<openvdb::Int32Grid>>(fill, -1);
+    if (info.type == ElementType::float64)
         return std::make_unique<ExtraTree<openvdb::Vec3DGrid>>(fill, openvdb::Vec3d(twice));
     return std::make_unique<ExtraTree<openvdb::Vec3SGrid>>(fill, openvdb::Vec3s(single));
 }
@@ -312,33 +312,34 @@ public:
 
 class VdbWriter : public FormatWriter {
 public:
-    VdbWriter(const std::string& path, const FieldDescription& field, const Outputs& outputs)
+    VdbWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
         : path_(path),
           field_(field),
-          kinds_(kinds_of(outputs)),
+          infos_(infos_of(outputs)),
           transform_(transform_of(field.grid, path)),
           file_(path) {
         file_.temporary();  // throws if it has none
         const Fill fill{static_cast<float>(field.band.outside), -static_cast<float>(field.band.inside)};
-        for (const OutputKind& kind : kinds_) trees_.push_back(tree_for(kind, fill, path));
-        pending_.resize(kinds_.size());
+        for (const OutputInfo& info : infos_) trees_.push_back(tree_for(info, fill, path));
+        pending_.resize(infos_.size());
     }
 
     // Layers of eight slices, the height of a leaf.
     void append(const FieldSlab& slab, std::int64_t first_slice) override {
         const Index3& size = field_.grid.size;
         const auto slice = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
-        const auto slices = static_cast<std::int64_t>(slab.distance.size() / slice);
+        const auto slices = static_cast<std::int64_t>(slab.distance().size() / slice);
         for (std::int64_t k = 0; k < slices;) {
             const std::int64_t z = first_slice + k;
             const std::int64_t layer_begin = z / leaf_side * leaf_side;
             const std::int64_t layer_end = std::min(size[2], layer_begin + leaf_side);
             const std::int64_t count = std::min(slices - k, layer_end - z);
             std::vector<std::span<const std::byte>> parts;
-            for (const OutputKind& kind : kinds_) {
-                const std::size_t bytes = slice * kind.sample_bytes();
-                parts.push_back(kind.bytes(slab).subspan(static_cast<std::size_t>(k) * bytes,
-                                                         static_cast<std::size_t>(count) * bytes));
+            for (const OutputInfo& info : infos_) {
+                const std::size_t bytes = slice * info.sample_bytes();
+                parts.push_back(
+                    slab.bytes(info.output)
+                        .subspan(static_cast<std::size_t>(k) * bytes, static_cast<std::size_t>(count) * bytes));
             }
             if (count < layer_end - layer_begin) {
                 for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -355,9 +356,9 @@ public:
 
     void finish() override {
         openvdb::GridCPtrVec grids;
-        for (std::size_t i = 0; i < kinds_.size(); ++i) {
+        for (std::size_t i = 0; i < infos_.size(); ++i) {
             const openvdb::GridBase::Ptr grid = trees_[i]->finish();
-            grid->setName(kinds_[i].name);
+            grid->setName(infos_[i].name);
             grid->setTransform(transform_);
             grid->setCreator("clsdf " + version());
             if (i == 0) {
@@ -385,12 +386,12 @@ private:
     void add_layer(const Layer& layer, std::span<const std::span<const std::byte>> values) {
         const std::span distance(reinterpret_cast<const float*>(values[0].data()), values[0].size() / sizeof(float));
         std::vector<std::byte> wide;
-        for (std::size_t i = 0; i < kinds_.size(); ++i) {
-            const std::size_t bytes = i == 0 ? sizeof(float) : sample_bytes_in_grid(kinds_[i]);
+        for (std::size_t i = 0; i < infos_.size(); ++i) {
+            const std::size_t bytes = i == 0 ? sizeof(float) : sample_bytes_in_grid(infos_[i]);
             std::span<const std::byte> in_grid = values[i];
-            if (bytes != kinds_[i].sample_bytes()) {
+            if (bytes != infos_[i].sample_bytes()) {
                 wide.resize(distance.size() * bytes);
-                widen(kinds_[i], values[i], wide);
+                widen(infos_[i], values[i], wide);
                 in_grid = wide;
             }
             trees_[i]->add(layer, distance, in_grid);
@@ -414,7 +415,7 @@ private:
 
     std::string path_;
     FieldDescription field_;
-    std::vector<OutputKind> kinds_;
+    std::vector<OutputInfo> infos_;
     openvdb::math::Transform::Ptr transform_;
     std::vector<std::unique_ptr<OutputTree>> trees_;
     std::vector<std::vector<std::byte>> pending_;  // slices of the layer that is not yet whole
@@ -423,8 +424,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field,
-                                         const Outputs& outputs) {
+std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
     initialise();
     for (const std::int64_t size : field.grid.size)
         if (size > std::numeric_limits<std::int32_t>::max() - leaf_side)
@@ -435,6 +435,6 @@ std::unique_ptr<FormatWriter> vdb_writer(const std::string& path, const FieldDes
     return std::make_unique<VdbWriter>(path, field, outputs);
 }
 
-void check_vdb(const std::string&, const Outputs&) {}
+void check_vdb(const std::string&, OutputSet) {}
 
 }  // namespace clsdf

@@ -283,11 +283,11 @@ VtiDocument parse_vti(InputFile& file) {
 
 constexpr std::uint64_t largest_description = std::uint64_t{1} << 20;
 
-std::optional<ValueType> parse_type(const std::string& type) {
-    if (type == "Float32") return ValueType::float32;
-    if (type == "Float64") return ValueType::float64;
-    if (type == "UInt32") return ValueType::uint32;
-    if (type == "UInt8") return ValueType::uint8;
+std::optional<ElementType> parse_type(const std::string& type) {
+    if (type == "Float32") return ElementType::float32;
+    if (type == "Float64") return ElementType::float64;
+    if (type == "UInt32") return ElementType::uint32;
+    if (type == "UInt8") return ElementType::uint8;
     return std::nullopt;
 }
 
@@ -300,24 +300,24 @@ public:
         file_.fail(fmt::format("array '{}': {}", array.name.substr(0, 80), what));
     }
 
-    void read(const VtiArray& array, const OutputKind& kind, Field& field) {
-        const std::optional<ValueType> type = parse_type(array.type);
-        if (!type || !reads_as(*type, kind.type))
-            fail(array, fmt::format("type=\"{}\" is not that of {}", array.type.substr(0, 80), kind.content));
-        if (array.components != fmt::format("{}", kind.components))
+    void read(const VtiArray& array, const OutputInfo& info, Field& field) {
+        const std::optional<ElementType> type = parse_type(array.type);
+        if (!type || !reads_as(*type, info.type))
+            fail(array, fmt::format("type=\"{}\" is not that of {}", array.type.substr(0, 80), info.description));
+        if (array.components != fmt::format("{}", info.components))
             fail(array, fmt::format("NumberOfComponents=\"{}\": {} has {}", array.components.substr(0, 80),
-                                    kind.content, kind.components));
+                                    info.description, info.components));
         std::vector<std::int64_t> sizes(field.grid.size.begin(), field.grid.size.end());
-        sizes.push_back(kind.components);
+        sizes.push_back(static_cast<std::int64_t>(info.components));
         if (array.format == "binary") {
             std::vector<std::byte> bytes = decoded(array);
             const RawValues values{*type, document_.order, 0, bytes.size()};
             checked_count(file_, values, sizes);  // base64 is longer than the values, and lies in the file
-            convert_values(bytes, values, kind.type, allocate_output(kind, field));
+            convert_values(bytes, values, info.type, allocate_output(info, field));
         } else {
             const RawValues values = appended(array, *type);
             checked_count(file_, values, sizes);
-            read_output(file_, values, kind, field);
+            read_output(file_, values, info, field);
         }
     }
 
@@ -329,7 +329,7 @@ public:
         } else if (array.format == "binary") {
             for (const std::byte letter : decoded(array)) letters += static_cast<char>(letter);
         } else {
-            const RawValues values = appended(array, ValueType::uint32);
+            const RawValues values = appended(array, ElementType::uint32);
             if (values.bytes > largest_description) fail(array, "it is too long for the description of a field");
             letters.resize(static_cast<std::size_t>(values.bytes));
             file_.read(values.offset, std::as_writable_bytes(std::span(letters)));
@@ -338,7 +338,7 @@ public:
     }
 
 private:
-    RawValues appended(const VtiArray& array, ValueType type) {
+    RawValues appended(const VtiArray& array, ElementType type) {
         if (array.format != "appended")
             fail(array,
                  fmt::format("format=\"{}\" is not read; save it as raw appended data", array.format.substr(0, 80)));
@@ -417,7 +417,7 @@ const VtiArray* find(const std::vector<VtiArray>& arrays, const std::string& nam
 
 const VtiArray& find_distance(const InputFile& file, const VtiDocument& document) {
     const auto& arrays = document.point_arrays;
-    for (const std::string& name : {std::string(distance_kind().name), document.scalars})
+    for (const std::string& name : {std::string(info_of(Output::distance).name), document.scalars})
         if (const VtiArray* array = find(arrays, name)) return *array;
     if (arrays.size() == 1) return arrays.front();
     file.fail(
@@ -437,9 +437,9 @@ Field read_vti(const std::string& path) {
     field.sign = SignRule::automatic;
     if (const VtiArray* description = find(document.field_arrays, "clsdf"))
         field = parse_description(path + ": array 'clsdf'", values.text(*description), field.grid).field;
-    values.read(find_distance(file, document), distance_kind(), field);
-    for (const OutputKind& kind : extra_kinds())
-        if (const VtiArray* array = find(document.point_arrays, kind.name)) values.read(*array, kind, field);
+    values.read(find_distance(file, document), info_of(Output::distance), field);
+    for (const OutputInfo& info : extra_outputs())
+        if (const VtiArray* array = find(document.point_arrays, info.name)) values.read(*array, info, field);
     return field;
 }
 

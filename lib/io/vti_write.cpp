@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t header_width = sizeof(std::uint64_t);
 
-const char* name_of(ValueType type) {
+const char* vti_name_of(ElementType type) {
     switch (type) {
-        case ValueType::float64:
+        case ElementType::float64:
             return "Float64";
-        case ValueType::uint32:
+        case ElementType::uint32:
             return "UInt32";
-        case ValueType::uint8:
+        case ElementType::uint8:
             return "UInt8";
         default:
             return "Float32";
@@ -46,8 +46,8 @@ std::string numbers_of_letters(const std::string& text) {
 /// behind the underscore, each led by its number of bytes. The grid's own first sample is the extent's 0.
 class VtiWriter : public FormatWriter {
 public:
-    VtiWriter(const std::string& path, const FieldDescription& field, const Outputs& outputs)
-        : kinds_(kinds_of(outputs)),
+    VtiWriter(const std::string& path, const FieldDescription& field, OutputSet outputs)
+        : infos_(infos_of(outputs)),
           slice_(static_cast<std::uint64_t>(field.grid.size[0]) * static_cast<std::uint64_t>(field.grid.size[1])),
           samples_(field.grid.sample_count()),
           file_(path) {
@@ -58,14 +58,14 @@ public:
 
     void append(const FieldSlab& slab, std::int64_t first_slice) override {
         std::uint64_t array = begin_;
-        for (const OutputKind& kind : kinds_) {
-            const std::uint64_t bytes = samples_ * kind.sample_bytes();
+        for (const OutputInfo& info : infos_) {
+            const std::uint64_t bytes = samples_ * info.sample_bytes();
             if (first_slice == 0) {
                 file_.seek(array);
                 write_number(bytes);
             }
-            file_.seek(array + header_width + static_cast<std::uint64_t>(first_slice) * slice_ * kind.sample_bytes());
-            write_little_endian(file_, kind.bytes(slab), width_of(kind.type));
+            file_.seek(array + header_width + static_cast<std::uint64_t>(first_slice) * slice_ * info.sample_bytes());
+            write_little_endian(file_, slab.bytes(info.output), bytes_of(info.type));
             array += header_width + bytes;
         }
         end_ = array;
@@ -83,12 +83,12 @@ private:
         const std::string extent = fmt::format("0 {} 0 {} 0 {}", grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
         std::string arrays;
         std::uint64_t offset = 0;
-        for (const OutputKind& kind : kinds_) {
+        for (const OutputInfo& info : infos_) {
             arrays += fmt::format(
                 "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
                 "offset=\"{}\"/>\n",
-                name_of(kind.type), kind.name, kind.components, offset);
-            offset += header_width + samples_ * kind.sample_bytes();
+                vti_name_of(info.type), info.name, info.components, offset);
+            offset += header_width + samples_ * info.sample_bytes();
         }
         return fmt::format(
             "<?xml version=\"1.0\"?>\n"
@@ -109,14 +109,14 @@ private:
             "  <AppendedData encoding=\"raw\">\n"
             "   _",
             extent, fmt::join(grid.position(0, 0, 0), " "), fmt::join(grid.spacing, " "),
-            numbers_of_letters(description_text(field)), extent, distance_kind().name, arrays);
+            numbers_of_letters(description_text(field)), extent, info_of(Output::distance).name, arrays);
     }
 
     void write_number(std::uint64_t number) {
         write_little_endian(file_, std::as_bytes(std::span(&number, 1)), sizeof(number));
     }
 
-    std::vector<OutputKind> kinds_;
+    std::vector<OutputInfo> infos_;
     std::uint64_t slice_;
     std::uint64_t samples_;
     std::uint64_t begin_ = 0;  // of the values
@@ -126,8 +126,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field,
-                                         const Outputs& outputs) {
+std::unique_ptr<FormatWriter> vti_writer(const std::string& path, const FieldDescription& field, OutputSet outputs) {
     check_extent(path, field.grid);
     return std::make_unique<VtiWriter>(path, field, outputs);
 }

@@ -1,8 +1,7 @@
 #include <clsdf/topology.hpp>
 
+#include "mesh/predicates.hpp"
 #include "mesh/topology.hpp"
-
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
 #include <numeric>
@@ -30,12 +29,8 @@ private:
 };
 
 bool has_no_area(const Mesh& mesh, const Triangle& triangle) {
-    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-    const auto point = [&](std::uint32_t index) {
-        const Vec3& v = mesh.vertices()[index];
-        return Kernel::Point_3(v[0], v[1], v[2]);
-    };
-    return CGAL::collinear(point(triangle[0]), point(triangle[1]), point(triangle[2]));
+    const std::vector<Vec3>& at = mesh.vertices();
+    return are_collinear(at[triangle[0]], at[triangle[1]], at[triangle[2]]);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/parallel.hpp"
+#include "mesh/input_arrays.hpp"
+#include "mesh/mesh_arrays.hpp"
 #include "mesh/topology.hpp"
-#include "mesh/triples.hpp"
 
 #include <clsdf/error.hpp>
 #include <clsdf/mesh.hpp>
@@ -100,14 +101,15 @@ Box check(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triang
             return a;
         });
     if (all.first_bad < triangles.size()) throw_if_bad(all.first_bad, vertices, triangles, name);
-    return all.box;
+    return without_negative_zeros(all.box);
 }
 
 }  // namespace
 
-MeshView::MeshView(const Triples& vertices, const Triples& triangles) : vertices_(vertices), triangles_(triangles) {
-    check_triples(vertices_, TripleKind::positions, "vertices", ErrorCode::invalid_mesh);
-    check_triples(triangles_, TripleKind::indices, "triangles", ErrorCode::invalid_mesh);
+MeshView::MeshView(const InputArray& vertices, const InputArray& triangles)
+    : vertices_(vertices), triangles_(triangles) {
+    check_array(vertices_, ArrayKind::positions, "vertices", ErrorCode::invalid_mesh);
+    check_array(triangles_, ArrayKind::indices, "triangles", ErrorCode::invalid_mesh);
 }
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::string name)
@@ -119,13 +121,13 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::str
 Mesh::Mesh(const MeshView& view, std::string name)
     : Mesh(read_positions(view.vertices()), read_triangles(view.triangles(), name), std::string(name)) {}
 
-void Mesh::move(std::vector<Vec3> vertices) {
-    if (vertices.size() != vertices_.size())
+void Mesh::set_positions(std::vector<Vec3> positions) {
+    if (positions.size() != vertices_.size())
         throw Error(ErrorCode::invalid_argument, fmt::format("{} has {} vertices, and {} positions are given; give one "
                                                              "for each",
-                                                             name_, vertices_.size(), vertices.size()));
-    box_ = check(vertices, triangles_, name_);
-    vertices_ = std::move(vertices);
+                                                             name_, vertices_.size(), positions.size()));
+    box_ = check(positions, triangles_, name_);
+    vertices_ = std::move(positions);
 }
 
 Mesh weld(const Mesh& mesh) {

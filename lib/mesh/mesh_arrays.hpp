@@ -2,6 +2,7 @@
 
 #include <clsdf/mesh.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -19,5 +20,14 @@ struct MeshArrays {
         for (std::size_t k = 2; k < corners.size(); ++k) triangles.push_back({corners[0], corners[k - 1], corners[k]});
     }
 };
+
+/// Which of the zeros of both signs a box has depends on the order of vertices.
+inline Box without_negative_zeros(Box box) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] += 0.0;
+        box.upper[axis] += 0.0;
+    }
+    return box;
+}
 
 }  // namespace clsdf

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 // Replaces the library for a command that is built without the published methods. Leaned polyhedra by bricks are the
 // core's, and need none of them.
 
@@ -18,13 +20,15 @@ namespace {
 
 }  // namespace
 
-std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
-    if (resolve_scan(options.polyhedra, options.scan) == Scan::bricks) return nullptr;
-    if (options.scan == Scan::brute_force) refuse("scan by brute force");
-    refuse(fmt::format("{} polyhedra scanned by slices", name_of(options.polyhedra)).c_str());
+DistanceTransform make_transform(Device device, const Mesh& mesh, const PapersOptions& method,
+                                 const TransformOptions& options, const CallOptions& call) {
+    const Scan scan = resolve_scan(method.polyhedra, method.scan);
+    if (scan == Scan::bricks) return {std::move(device), mesh, options, call};
+    if (scan == Scan::brute_force) refuse("scan by brute force");
+    refuse(fmt::format("{} polyhedra scanned by slices", name_of(method.polyhedra)).c_str());
 }
 
-Classification classify(const Mesh&) {
+Classification classify_convexity(const Mesh&) {
     refuse("classification of edges and vertices");
 }
 

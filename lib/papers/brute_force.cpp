@@ -71,8 +71,8 @@ public:
 
     void enqueue_begin(CommandChain& chain, const scan::OutputBuffers& outputs) override {
         cl_uint argument = finish_outputs;
-        finish_kernel_.setArg(argument++, outputs.distance);
-        if (variant_.nearest) finish_kernel_.setArg(argument++, outputs.triangle);
+        finish_kernel_.setArg(argument++, outputs[Output::distance]);
+        if (variant_.nearest) finish_kernel_.setArg(argument++, outputs[Output::triangle]);
         if (variant_.count) finish_kernel_.setArg(argument++, *band_samples_);
         chain.then_fill(*band_samples_, band_samples_.bytes());
     }
@@ -107,12 +107,12 @@ public:
 
     void enqueue_end(CommandChain&) override {}
 
-    void describe(TransformStatistics& statistics) const override {
+    void describe(CallStatistics& statistics) const override {
         for (const device::BufferPool::Lease* lease : {&squares_, &triangles_, &band_samples_})
             statistics.device_bytes += lease->bytes();
     }
 
-    void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {
+    void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const override {
         if (!variant_.count) return;
         statistics.lanes_evaluated = statistics.samples_covered =
             bricks_of_layer() * static_cast<std::size_t>(layout_.bricks[2]) * brick_samples * record_count_;
@@ -202,9 +202,7 @@ private:
 
 class BruteForce final : public FieldMethod {
 public:
-    void check_outputs(const Outputs& outputs) const override {
-        check_distance_and_triangle(outputs, "by brute force");
-    }
+    void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by brute force"); }
 
     std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
                                                       const Layout&) const override {

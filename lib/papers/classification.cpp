@@ -237,7 +237,7 @@ const char* name_of(VertexKind kind) {
     return vertex_names[static_cast<std::size_t>(kind)];
 }
 
-Classification classify(const Mesh& mesh) {
+Classification classify_convexity(const Mesh& mesh) {
     using namespace polyhedra;
     const Surface surface(mesh);
     const std::vector<std::uint32_t>& representatives = surface.representatives();

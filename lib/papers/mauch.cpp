@@ -236,6 +236,11 @@ public:
             return;
         }
         for (std::size_t edge = 0; edge < 3; ++edge) bounds.add(record.outward(edge));
+        // The slack of two walls that meet at a small angle is long, and the plane of the face goes on there.
+        if (!record.is_compact()) {
+            bounds.add(record.past(CLSDF_EDGE_BASE));
+            bounds.add(record.before(CLSDF_EDGE_BASE));
+        }
         ++counts.towers;
         collector.add(record.origin(), static_cast<std::uint32_t>(face), bounds.span(), CLSDF_SITE_FACE);
     }

@@ -1,16 +1,18 @@
 #include <clsdf/error.hpp>
 #include <clsdf/papers.hpp>
 
+#include "core/outputs.hpp"
 #include "core/parallel.hpp"
 #include "papers/pieces.hpp"
 #include "papers/scans.hpp"
 #include "scan/layout_of.hpp"
+#include "transform/transform_access.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
+#include <utility>
 
 namespace clsdf {
 
@@ -43,7 +45,7 @@ class SliceMethod final : public FieldMethod {
 public:
     explicit SliceMethod(const PapersOptions& options) : options_(options) {}
 
-    void check_outputs(const Outputs& outputs) const override { check_distance_and_triangle(outputs, "by slices"); }
+    void check_outputs(OutputSet outputs) const override { check_distance_and_triangle(outputs, "by slices"); }
 
     std::shared_ptr<const PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,
                                                 const Layout& layout) const override {
@@ -78,7 +80,7 @@ public:
             prepared->point_sites = frusta.sites.size();
             prepared->boxes = frusta.boxes;
         }
-        prepared->method_counts["closed_gaps"] = {closed_gaps, true};
+        prepared->method_counts.push_back({"closed_gaps", closed_gaps, true});
         return prepared;
     }
 
@@ -145,19 +147,15 @@ UninitializedVector<Polyhedron> papers::face_records(transform::Stages& stages, 
     return records;
 }
 
-void papers::check_distance_and_triangle(const Outputs& outputs, const char* scan) {
-    visit_extras(
-        [scan](const char* name, bool wanted) {
-            if (wanted && std::string_view(name) != "triangle")
-                throw Error(ErrorCode::unsupported,
-                            fmt::format("the scan {} does not know the output {}; use the scan by bricks, or do "
-                                        "without",
-                                        scan, name));
-        },
-        outputs);
+void papers::check_distance_and_triangle(OutputSet outputs, const char* scan) {
+    for (const OutputInfo& info : extra_outputs())
+        if (outputs.contains(info.output) && info.output != Output::triangle)
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("the scan {} does not know the output {}; use the scan by bricks, or do without",
+                                    scan, info.name));
 }
 
-std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
+std::shared_ptr<const FieldMethod> papers::method_of(const PapersOptions& options) {
     switch (resolve_scan(options.polyhedra, options.scan)) {
         case Scan::bricks:
             return nullptr;
@@ -166,6 +164,11 @@ std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options) {
         default:
             return std::make_shared<SliceMethod>(options);
     }
+}
+
+DistanceTransform make_transform(Device device, const Mesh& mesh, const PapersOptions& method,
+                                 const TransformOptions& options, const CallOptions& call) {
+    return detail::TransformAccess::make(std::move(device), mesh, papers::method_of(method), options, call);
 }
 
 }  // namespace clsdf

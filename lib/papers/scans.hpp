@@ -30,7 +30,7 @@ device::BufferPool::Lease upload(const transform::Stages& stages, const void* va
 UninitializedVector<Polyhedron> face_records(transform::Stages& stages, const polyhedra::LatticeView& lattice);
 
 /// Throws Error(unsupported) that names the scan for any other output.
-void check_distance_and_triangle(const Outputs& outputs, const char* scan);
+void check_distance_and_triangle(OutputSet outputs, const char* scan);
 
 /// The slices of a piece, and its cost, as the host keeps them.
 struct PieceSlices {
@@ -120,6 +120,9 @@ std::unique_ptr<scan::FieldScan> make_slice_scan(const scan::ScanInputs& inputs,
 /// The distance at every sample to every triangle, on the device: exact, and a time that grows with their product. It
 /// gives the distance and the triangle.
 std::shared_ptr<const FieldMethod> make_brute_force();
+
+/// Null for leaned polyhedra by bricks, which are the core's own. Throws what resolve_scan() throws.
+std::shared_ptr<const FieldMethod> method_of(const PapersOptions& options);
 
 /// The program of the distances; slices_finish makes the outputs of them.
 scan::ProgramSource brute_force_source(const scan::ProgramSources& programs, const scan::BrickVariant& variant);

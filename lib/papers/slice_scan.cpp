@@ -53,8 +53,8 @@ public:
 
     void enqueue_begin(CommandChain& chain, const OutputBuffers& outputs) override {
         cl_uint argument = finish_outputs_;
-        finish_kernel_.setArg(argument++, outputs.distance);
-        if (variant_.brick.nearest) finish_kernel_.setArg(argument++, outputs.triangle);
+        finish_kernel_.setArg(argument++, outputs[Output::distance]);
+        if (variant_.brick.nearest) finish_kernel_.setArg(argument++, outputs[Output::triangle]);
         if (variant_.brick.count) finish_kernel_.setArg(argument++, *band_samples_);
         chain.then_fill(*counters_, counters_.bytes());
         chain.then_fill(*band_samples_, band_samples_.bytes());
@@ -74,21 +74,21 @@ public:
 
     void enqueue_end(CommandChain&) override {}
 
-    void describe(TransformStatistics& statistics) const override {
-        statistics.method_counts["active_pieces"].value =
+    void describe(CallStatistics& statistics) const override {
+        count_named(statistics.method_counts, "active_pieces").value =
             schedule_.chunks.empty() ? 0 : schedule_.chunks.back().active_end;
         for (const device::BufferPool::Lease* lease : {&starts_, &cursors_, &active_, &keys_, &triangles_, &counters_})
             statistics.device_bytes += lease->bytes();
     }
 
-    void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {
+    void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const override {
         if (!variant_.brick.count) return;
         std::vector<cl_ulong> sets(counters_.bytes() / sizeof(cl_ulong));
         queue.enqueueReadBuffer(*counters_, CL_TRUE, 0, sets.size() * sizeof(cl_ulong), sets.data());
         std::array<std::size_t, CLSDF_SLICES_COUNTERS> sums{};
         for (std::size_t i = 0; i < sets.size(); ++i) sums[i % CLSDF_SLICES_COUNTERS] += sets[i];
-        statistics.method_counts["slice_intersections"].value = sums[CLSDF_SLICES_INTERSECTIONS];
-        statistics.method_counts["empty_intersections"].value = sums[CLSDF_SLICES_EMPTY];
+        count_named(statistics.method_counts, "slice_intersections").value = sums[CLSDF_SLICES_INTERSECTIONS];
+        count_named(statistics.method_counts, "empty_intersections").value = sums[CLSDF_SLICES_EMPTY];
         statistics.lanes_evaluated = sums[CLSDF_SLICES_EVALUATED];
         statistics.samples_covered = sums[CLSDF_SLICES_COVERED];
         statistics.band_samples = sum_of(queue, band_samples_, static_cast<std::size_t>(layout_.size[2]));

@@ -39,9 +39,9 @@ void check_field(const Field& field) {
     field.grid.validate();
     field.band.validate();
     const Grid& grid = field.grid;
-    if (field.distance.size() != grid.sample_count())
+    if (field.distance().size() != grid.sample_count())
         throw Error(ErrorCode::invalid_argument, fmt::format("field: distance has {} values, but the grid {} samples",
-                                                             field.distance.size(), grid.sample_count()));
+                                                             field.distance().size(), grid.sample_count()));
     const Index3& size = grid.size;
     const Vec3 first = grid.position(0, 0, 0), second = grid.position(1, 1, 1);
     const Vec3 last = grid.position(size[0] - 1, size[1] - 1, size[2] - 1);
@@ -166,7 +166,7 @@ Plane plane_of(const Field& field, const Slice& slice, const std::array<Axis, 2>
     plane.values.reserve(static_cast<std::size_t>(plane.size[0] * plane.size[1]));
     for (at[up] = 0; at[up] < plane.size[1]; ++at[up])
         for (at[right] = 0; at[right] < plane.size[0]; ++at[right])
-            plane.values.push_back(static_cast<double>(field.distance[grid.offset(at[0], at[1], at[2])]));
+            plane.values.push_back(static_cast<double>(field.distance()[grid.offset(at[0], at[1], at[2])]));
     at[right] = plane.size[0] - 1;
     at[up] = plane.size[1] - 1;
     const Vec3 upper = grid.position(at[0], at[1], at[2]);

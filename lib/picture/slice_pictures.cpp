@@ -146,7 +146,7 @@ private:
     }
 
     std::string band_text() const {
-        const auto& [inside, outside] = field_.band;
+        const double inside = field_.band.inside, outside = field_.band.outside;
         if (std::isinf(inside) && bar_.lower < 0) return fmt::format("everything inside … {}", number(outside, 4));
         return fmt::format("{} … {}", bar_.lower < 0 ? number(-inside, 4) : "0",
                            std::isinf(outside) ? "everything outside" : number(outside, 4));
@@ -191,7 +191,7 @@ SlicePictures::SlicePictures(const Field& field, const Options& options) : field
     float lower = 0;
     float upper = 0;
     bool negative = false;
-    for (const float distance : field.distance) {
+    for (const float distance : field.distance()) {
         if (!std::isfinite(distance)) continue;
         lower = std::min(lower, distance);
         upper = std::max(upper, distance);

@@ -67,8 +67,8 @@ TracedSamples::TracedSamples(const Field& field)
                         fmt::format("field: its number of samples along {} is {}; a surface needs 2 or more on every "
                                     "axis, and less than 2^31; draw a flat field with \"clsdf slice\"",
                                     "xyz"[axis], size[axis]));
-    const Range range = range_of(field.distance);
-    if (range.first_not_a_number < field.distance.size()) {
+    const Range range = range_of(field.distance());
+    if (range.first_not_a_number < field.distance().size()) {
         const auto index = static_cast<std::int64_t>(range.first_not_a_number);
         throw Error(ErrorCode::invalid_argument,
                     fmt::format("field: sample ({}, {}, {}) is not a number, so there is no surface to "
@@ -92,7 +92,7 @@ bool TracedSamples::has_surface(double level) const {
 }
 
 float TracedSamples::value(std::int64_t i, std::int64_t j, std::int64_t k) const {
-    const float value = field_.distance[field_.grid.offset(i, j, k)];
+    const float value = field_.distance()[field_.grid.offset(i, j, k)];
     return std::clamp(value, static_cast<float>(lower_), static_cast<float>(upper_));
 }
 
@@ -184,8 +184,7 @@ std::vector<TracedSamples::RowEnds> TracedSamples::rows_below(double level) cons
     std::vector<RowEnds> ends;
     for (std::int64_t k = 0; k < nz; ++k)
         for (std::int64_t j = 0; j < ny; ++j) {
-            const auto row =
-                std::span(field_.distance).subspan(field_.grid.offset(0, j, k), static_cast<std::size_t>(nx));
+            const auto row = field_.distance().subspan(field_.grid.offset(0, j, k), static_cast<std::size_t>(nx));
             const auto first = std::find_if(row.begin(), row.end(), is_below);
             if (first == row.end()) continue;
             const auto last = std::find_if(row.rbegin(), row.rend(), is_below);

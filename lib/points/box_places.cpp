@@ -149,7 +149,7 @@ void check_boxes(std::span<const Box> boxes) {
 void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxes, double half_width,
                  std::span<BoxPlace> places) {
     if (std::isinf(half_width)) {
-        std::ranges::fill(places, BoxPlace::near);
+        std::ranges::fill(places, BoxPlace::within);
         return;
     }
     const Reach reach(half_width, mesh.lattice.unit);
@@ -157,7 +157,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
     UninitializedVector<double> bounds(boxes.size());
     for_each_index(boxes.size(), [&](std::size_t i) {
         Search search(mesh, boxes[i], reach);
-        places[i] = search.finds_face() ? BoxPlace::near : has_sign ? BoxPlace::outside : BoxPlace::far;
+        places[i] = search.finds_face() ? BoxPlace::within : has_sign ? BoxPlace::outside : BoxPlace::beyond;
         bounds[i] = search.lower_bound();
     });
     if (!has_sign) return;
@@ -166,7 +166,7 @@ void find_places(const PointMesh& mesh, SignRule rule, std::span<const Box> boxe
     std::vector<std::uint32_t> open;
     std::vector<Vec3> centres;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (places[i] == BoxPlace::near) continue;
+        if (places[i] == BoxPlace::within) continue;
         const Vec3 centre = centre_of(boxes[i]);
         if (!contains(mesh.box, centre)) continue;
         open.push_back(static_cast<std::uint32_t>(i));

@@ -122,6 +122,30 @@ PointLeaf leaf_of(const PointNode& node, std::span<const FaceFrame> frames) {
     return leaf;
 }
 
+/// The lowest face, in the caller's order, among those with the same three vertices as `face`.
+std::uint32_t lowest_equal(const polyhedra::MeshTopology& topology, std::uint32_t face) {
+    const std::span<const Triangle> triangles(topology.faces.triangles);
+    const Triangle& own = triangles[face];
+    const polyhedra::FaceEdges& edges = topology.edges.faces[face];
+    std::uint32_t lowest = face;
+    const auto take = [&](std::uint32_t other, bool is_equal) {
+        if (is_equal && topology.order[other] < topology.order[lowest]) lowest = other;
+    };
+    if ((edges.marks[0] & polyhedra::edge_non_manifold) != 0) {
+        const polyhedra::OneRings& rings = topology.rings;
+        const std::uint32_t vertex =
+            *std::ranges::min_element(own, {}, [&](std::uint32_t corner) { return rings.size(corner); });
+        for (std::size_t i = 0; i < rings.size(vertex); ++i) {
+            const std::uint32_t other = rings.corner(vertex, i).face;
+            take(other, std::ranges::is_permutation(own, triangles[other]));
+        }
+    } else if ((edges.marks[0] & (polyhedra::edge_open | polyhedra::edge_at_box)) == 0) {
+        const polyhedra::Corner across = polyhedra::Corner::unpack(edges.across[0]);
+        take(across.face, triangles[across.face][polyhedra::previous_of_three(across.vertex)] == own[2]);
+    }
+    return lowest;
+}
+
 /// Writes nodes of the first level, and their faces' frames and records.
 class FaceWriter {
 public:
@@ -138,6 +162,7 @@ public:
             records_[face] = polyhedra::pack(faces.frame(face), {}, topology.order[face], mesh_.positions,
                                              triangles[face], mesh_.lattice);
             frames_[face] = frame_of(records_[face]);
+            frames_[face].lowest = lowest_equal(topology, static_cast<std::uint32_t>(face));
             for (const Vec3& corner : mesh_.corners(face)) add_corner(mesh_.nodes[node], i, corner);
         }
         leaves_[node] = leaf_of(mesh_.nodes[node], frames_.subspan(begin, count));

@@ -103,10 +103,11 @@ public:
         const scan::Finishing finishing(inputs_.mesh->lattice, inputs_.sites, inputs_.is_inside_out);
         cl::Kernel kernel(program_, "finish_points");
         const auto launch = [&](cl_uint by_sides) {
-            const cl_uint last = scan::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
-                                                     inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
-                                                     by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()),
-                                                     cl_double{within_}, *inputs_.mesh->polyhedra, outputs.distance);
+            const cl_uint last =
+                scan::set_arguments(kernel, 0, *device_points_, *places, *device_faces_,
+                                    inputs_.sides ? *inputs_.sides->sides : *places,  // or unused
+                                    by_sides, *signs, cl_uint{0}, static_cast<cl_uint>(count()), cl_double{within_},
+                                    *inputs_.mesh->polyhedra, outputs[Output::distance]);
             finishing.set_arguments(kernel, last, outputs);
             scan::launch(queue_, kernel, {count()});
         };

@@ -1,8 +1,7 @@
 #include "points/point_signs.hpp"
 
 #include "core/parallel.hpp"
-
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "mesh/predicates.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,15 +9,10 @@
 #include <limits>
 #include <optional>
 
-#ifdef __FAST_MATH__
-#error "exact predicates need the arithmetic of IEEE 754: compile without -ffast-math"
-#endif
-
 namespace clsdf::points {
 
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Corners = std::array<Vec3, 3>;
 
 // A point nearer, in units, may lie on the surface.
@@ -26,15 +20,9 @@ constexpr double nearly_zero = 1e-9;
 // Above all roundings of points in units, relative to their coordinates, and of distances.
 constexpr double rounding = 1e-9;
 
-Kernel::Point_3 point(const Vec3& p) {
-    return {p[0], p[1], p[2]};
-}
-
 /// On which side of the line a -> b the point lies, seen along the axis before `first`: -1, 0 or 1.
 int side_of_line(const Vec3& a, const Vec3& b, const Vec3& p, std::size_t first, std::size_t second) {
-    return static_cast<int>(CGAL::orientation(Kernel::Point_2(a[first], a[second]),
-                                              Kernel::Point_2(b[first], b[second]),
-                                              Kernel::Point_2(p[first], p[second])));
+    return orientation({a[first], a[second]}, {b[first], b[second]}, {p[first], p[second]});
 }
 
 /// The same in (y, z) for the point displaced by (e, e^2), e positive and arbitrarily small; 0 only if a and b
@@ -48,19 +36,19 @@ int displaced_side(const Vec3& a, const Vec3& b, const Vec3& p) {
 /// 1: the point is in front of the face; -1: behind it; 0: in its plane.
 int side_of_face(const Corners& corners, const Vec3& p) {
     const auto& [a, b, c] = corners;
-    return static_cast<int>(CGAL::orientation(point(a), point(b), point(c), point(p)));
+    return orientation(a, b, c, p);
 }
 
 /// The sense in which the line p -> q turns around a -> b; 0 if they meet.
 int turn_of(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
-    return static_cast<int>(CGAL::orientation(point(p), point(q), point(a), point(b)));
+    return orientation(p, q, a, b);
 }
 
 /// Between a and b on their line.
 bool is_on_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (p[axis] < std::min(a[axis], b[axis]) || p[axis] > std::max(a[axis], b[axis])) return false;
-    return CGAL::collinear(point(a), point(b), point(p));
+    return are_collinear(a, b, p);
 }
 
 bool is_on_triangle(const Corners& corners, const Vec3& p) {
@@ -124,7 +112,7 @@ std::optional<Crossings> crossings_along(const PointMesh& mesh, const Vec3& from
             if (is_apart(corners, from, to, axis)) return false;
         const auto& [a, b, c] = corners;
         const int before = side_of_face(corners, from), behind = side_of_face(corners, to);
-        if (before == behind) return before == 0 && !CGAL::collinear(point(a), point(b), point(c));
+        if (before == behind) return before == 0 && !are_collinear(a, b, c);
         if (before == 0 || behind == 0) return false;  // only an end is in the plane, and not on the face
         const std::array<int, 3> turns{turn_of(from, to, a, b), turn_of(from, to, b, c), turn_of(from, to, c, a)};
         const auto [least, most] = std::minmax({turns[0], turns[1], turns[2]});

@@ -1,11 +1,22 @@
 #include "polyhedra/cluster_index.hpp"
 
 #include "core/parallel.hpp"
+#include "mesh/mesh_arrays.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
+
+namespace clsdf::detail {
+
+/// Sets what need not be found from a mesh's triangles.
+struct MeshAccess {
+    static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
+    static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
+};
+
+}  // namespace clsdf::detail
 
 namespace clsdf::polyhedra {
 
@@ -104,16 +115,18 @@ ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
     for (Box& box : sites_) widen(box);
 }
 
-NearRecords ClusterIndex::near(const Box& box) const {
+NearRecords ClusterIndex::near(std::span<const Box> boxes) const {
+    const auto is_near = [&](const Box& box) {
+        return std::any_of(boxes.begin(), boxes.end(), [&](const Box& other) { return overlap(box, other); });
+    };
     NearRecords found;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        if (!overlap(blocks_[b], box)) continue;
+        if (!is_near(blocks_[b])) continue;
         for (std::size_t c = b * block; c < std::min((b + 1) * block, clusters_.size()); ++c)
-            if (overlap(clusters_[c], box)) append(found.faces, c * cluster, std::min((c + 1) * cluster, face_count_));
+            if (is_near(clusters_[c])) append(found.faces, c * cluster, std::min((c + 1) * cluster, face_count_));
     }
     for (std::size_t s = 0; s < sites_.size(); ++s)
-        if (overlap(sites_[s], box))
-            append(found.sites, s * record_group, std::min((s + 1) * record_group, site_count_));
+        if (is_near(sites_[s])) append(found.sites, s * record_group, std::min((s + 1) * record_group, site_count_));
     for (const RecordRange& range : found.faces) found.face_count += range.end - range.begin;
     for (const RecordRange& range : found.sites) found.site_count += range.end - range.begin;
     return found;
@@ -148,13 +161,22 @@ UninitializedVector<std::uint32_t> places_in(const std::vector<std::uint32_t>& l
     return places;
 }
 
-}  // namespace
+/// The part may lack faces of an edge. The edge stays non-manifold: records need the mark.
+void keep_non_manifold(const PairedEdges& whole, const std::vector<std::uint32_t>& faces, MeshTopology& part) {
+    if (whole.non_manifold_ends.empty()) return;
+    std::vector<std::uint32_t>& ends = part.edges.non_manifold_ends;
+    for (std::size_t i = 0; i < faces.size(); ++i)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (!has_mark(whole.faces, {faces[i], k}, edge_non_manifold)) continue;
+            part.edges.faces[i].marks[k] |= edge_non_manifold;
+            const Triangle& triangle = part.faces.triangles[i];
+            ends.push_back(std::min(triangle[k], triangle[next_of_three(k)]));
+        }
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+}
 
-/// Sets what need not be found from a mesh's triangles.
-struct PartMaker {
-    static void set_box(Mesh& mesh, const Box& box) { mesh.box_ = box; }
-    static void set_positions(Mesh& mesh, std::vector<Vec3> positions) { mesh.vertices_ = std::move(positions); }
-};
+}  // namespace
 
 MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near) {
     const std::vector<std::uint32_t> faces = faces_of(frusta, near, topology.order.size());
@@ -180,14 +202,9 @@ MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& f
     for_each_index(faces.size(), [&](std::size_t i) { order[i] = triangle_places[topology.order[faces[i]]]; });
 
     MeshPart part{Mesh(std::move(positions), std::move(of_part), mesh.name()), std::move(triangles), nullptr, {}};
-    PartMaker::set_box(part.mesh, mesh.box());
+    clsdf::detail::MeshAccess::set_box(part.mesh, mesh.box());
     auto made = std::make_shared<MeshTopology>(part.mesh, std::move(order));
-    // The part may lack faces of an edge; the edge keeps its non-manifold mark, which records need.
-    for_each_index(faces.size(), [&](std::size_t i) {
-        for (std::size_t k = 0; k < 3; ++k)
-            if ((topology.edges.faces[faces[i]].marks[k] & edge_non_manifold) != 0)
-                made->edges.faces[i].marks[k] |= edge_non_manifold;
-    });
+    keep_non_manifold(topology.edges, faces, *made);
     part.topology = std::move(made);
     const OrderedFaces& ordered = part.topology->faces;
 
@@ -260,11 +277,11 @@ void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions)
         all.spoilt = std::numeric_limits<double>::quiet_NaN();
     }
     if (!(all.spoilt == 0)) {
-        mesh.move(std::move(positions));  // which finds what is wrong
+        mesh.set_positions(std::move(positions));  // which finds what is wrong
         return;
     }
-    PartMaker::set_positions(mesh, std::move(positions));
-    PartMaker::set_box(mesh, all.box);
+    clsdf::detail::MeshAccess::set_positions(mesh, std::move(positions));
+    clsdf::detail::MeshAccess::set_box(mesh, without_negative_zeros(all.box));
 }
 
 }  // namespace clsdf::polyhedra

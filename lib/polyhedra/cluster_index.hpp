@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace clsdf::polyhedra {
@@ -39,8 +40,9 @@ public:
 
     ClusterIndex(const MeshTopology& topology, const Frusta& frusta);
 
-    /// Clusters whose boxes overlap the given one.
-    NearRecords near(const Box& box) const;
+    /// Clusters whose boxes overlap one of the given ones.
+    NearRecords near(std::span<const Box> boxes) const;
+    NearRecords near(const Box& box) const { return near({&box, 1}); }
 
     std::size_t bytes() const { return (clusters_.size() + blocks_.size() + sites_.size()) * sizeof(Box); }
 
@@ -65,7 +67,7 @@ struct MeshPart {
 /// present positions.
 MeshPart part_of(const Mesh& mesh, const MeshTopology& topology, const Frusta& frusta, const NearRecords& near);
 
-/// As mesh.move(), without a look at the triangles. `topology`: the mesh's.
+/// As mesh.set_positions(), without a look at the triangles. `topology`: the mesh's.
 void move(Mesh& mesh, const MeshTopology& topology, std::vector<Vec3> positions);
 
 }  // namespace clsdf::polyhedra

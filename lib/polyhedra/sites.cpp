@@ -121,7 +121,7 @@ void for_each_site(const MeshTopology& topology, const Function& f) {
         for (std::size_t i = begin; i < end; ++i) {
             edges_above(topology.faces.triangles, topology.rings, ends[i], entries);
             for_each_edge(entries, [&](std::span<const EdgeEntry> edge) {
-                if (!is_non_manifold(edge)) return;
+                if (!has_mark(topology.edges.faces, edge.front().edge(), edge_non_manifold)) return;
                 faces.clear();
                 for (const EdgeEntry& entry : edge) faces.push_back(edge_of(topology, entry.edge()));
                 std::sort(faces.begin(), faces.end());

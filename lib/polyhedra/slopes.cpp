@@ -1,8 +1,7 @@
 #include "polyhedra/slopes.hpp"
 
 #include "core/parallel.hpp"
-
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "mesh/predicates.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,19 +9,9 @@
 #include <numbers>
 #include <utility>
 
-#ifdef __FAST_MATH__
-#error "exact predicates need the arithmetic of IEEE 754: compile without -ffast-math"
-#endif
-
 namespace clsdf::polyhedra {
 
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-
-Kernel::Point_3 point(const Vec3& v) {
-    return {v[0], v[1], v[2]};
-}
 
 #ifdef __SIZEOF_INT128__
 
@@ -99,7 +88,7 @@ int side_of_plane(const OppositeVertex& vertex) {
     if (const auto vectors = IntegerDifferences(vertex).integers()) return sign_of_determinant(*vectors);
 #endif
     const auto& [a, b, c] = vertex.plane;
-    return static_cast<int>(CGAL::orientation(point(a), point(b), point(c), point(vertex.point)));
+    return orientation(a, b, c, vertex.point);
 }
 
 void lean(const TriangleFrame& frame, FaceSlopes& slopes) {

@@ -76,7 +76,7 @@ enum EdgeMark : std::uint8_t {
     edge_convex = 1,        ///< of two faces that run along it in opposite directions, by the exact orientation of
     edge_concave = 2,       ///< the coordinates as given; neither: flat
     edge_open = 4,          ///< one face, or two folded onto each other: no plane cuts there
-    edge_non_manifold = 8,  ///< three faces or more
+    edge_non_manifold = 8,  ///< three faces or more; in a part of a mesh, those of the whole count
     edge_unoriented =
         16,            ///< two faces that run along it the same way: what is convex for one is concave for the other
     edge_at_box = 32,  ///< one of its faces is so degenerate that its polyhedron is a box
@@ -88,6 +88,10 @@ struct FaceEdges {
     std::array<std::uint32_t, 3> across;  ///< the other face's edge, packed, if there is exactly one other face
     std::array<std::uint8_t, 3> marks;    ///< EdgeMark
 };
+
+inline bool has_mark(std::span<const FaceEdges> faces, const Corner& edge, EdgeMark mark) {
+    return (faces[edge.face].marks[edge.vertex] & mark) != 0;
+}
 
 /// A face's edge, filed under one of its vertices; in order, the faces of an edge follow each other.
 class EdgeEntry {
@@ -157,7 +161,7 @@ struct PairedEdges {
     /// For each face, the data that follow from the vertices' indices: edge_open, edge_non_manifold, edge_unoriented,
     /// edge_at_box of an edge from a vertex to itself, and the faces across.
     UninitializedVector<FaceEdges> faces;
-    std::vector<std::uint32_t> non_manifold_ends;  ///< lower ends of edges where three faces or more meet, ascending
+    std::vector<std::uint32_t> non_manifold_ends;  ///< lower ends of edges with edge_non_manifold, ascending
 
     bool is_non_manifold(std::size_t face) const {
         const auto& [a, b, c] = faces[face].marks;

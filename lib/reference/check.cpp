@@ -1,3 +1,4 @@
+#include "core/outputs.hpp"
 #include "judge.hpp"
 #include "true_samples.hpp"
 
@@ -36,8 +37,9 @@ void Tally::append(const Tally& next) {
     report.wrong_signs += next.report.wrong_signs;
     report.missed += next.report.missed;
     report.leaked += next.report.leaked;
-    visit_outputs([](const char*, std::size_t& count, std::size_t of_next) { count += of_next; }, report.wrong_outputs,
-                  next.report.wrong_outputs);
+    for (std::size_t i = 0; i < report.wrong_outputs.size(); ++i) {
+        report.wrong_outputs[i] += next.report.wrong_outputs[i];
+    }
     report.max_error_voxels = std::max(report.max_error_voxels, next.report.max_error_voxels);
     report.max_error_ulp = std::max(report.max_error_ulp, next.report.max_error_ulp);
     squared_errors += next.squared_errors;
@@ -65,7 +67,7 @@ void Judge::Case::report(std::size_t& counter, std::string what, bool of_distanc
 
 Judge::Judge(const TrueSamples& truth, const Field& field, const CheckOptions& options)
     : truth_(truth), field_(field), options_(options), voxel_(field.grid.voxel()) {
-    if (!field.site.empty() || !field.gradient.empty()) {
+    if (!field.site().empty() || !field.gradient().empty()) {
         sites_.emplace(truth.tree().mesh());
     }
 }
@@ -89,7 +91,7 @@ void Judge::judge(const Index3& index, const TrueSample& truth, Tally& tally) co
     const Case sample{index,
                       truth,
                       offset,
-                      field_.distance[offset],
+                      field_.distance()[offset],
                       in_band ? truth.signed_distance() : static_cast<double>(fill(truth.inside)),
                       at_limit ? Case::Place::at_limit : (in_band ? Case::Place::in_band : Case::Place::beyond),
                       !in_doubt,
@@ -170,22 +172,15 @@ namespace {
 /// Throws if an array of the field does not fit its grid.
 void require_sizes(const Field& field) {
     const std::size_t count = field.grid.sample_count();
-    const auto require = [&](const char* name, const auto& values, std::size_t bytes) {
-        const std::size_t components = bytes / sizeof(values[0]);
-        if (values.size() != count * components) {
+    for (const OutputInfo& info : infos_of(field.outputs())) {
+        const std::size_t bytes = field.bytes(info.output).size();
+        if (bytes != count * info.sample_bytes()) {
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("the field has {} values of {} but its grid has {} samples{}", values.size(), name,
-                                    count, components > 1 ? fmt::format(" of {} values", components) : ""));
+                        fmt::format("the field has {} values of {} but its grid has {} samples{}",
+                                    bytes / bytes_of(info.type), info.name, count,
+                                    info.components > 1 ? fmt::format(" of {} values", info.components) : ""));
         }
-    };
-    require("distance", field.distance, output_bytes.distance);
-    visit_extras(
-        [&](const char* name, const auto& values, std::size_t bytes) {
-            if (!values.empty()) {
-                require(name, values, bytes);
-            }
-        },
-        field, output_bytes);
+    }
 }
 
 /// Runs `part(index, tallies)` for all parts on all cores, with a tally for each field, and adds the tallies in the
@@ -264,8 +259,7 @@ void require_one_problem(std::span<const Field> fields) {
     first.band.validate();
     first.grid.validate();
     for (const Field& field : fields) {
-        const bool is_same_band = field.band.inside == first.band.inside && field.band.outside == first.band.outside;
-        if (field.grid != first.grid || !is_same_band || field.sign != first.sign) {
+        if (field.grid != first.grid || field.band != first.band || field.sign != first.sign) {
             throw Error(ErrorCode::invalid_argument,
                         "the fields to check have different grids, bands or sign rules: check them one by one");
         }

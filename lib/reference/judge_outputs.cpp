@@ -105,14 +105,14 @@ private:
 };
 
 std::optional<std::uint32_t> OutputsOfSample::named_triangle() const {
-    if (field.triangle.empty()) return std::nullopt;
-    const std::uint32_t triangle = field.triangle[offset];
+    if (field.triangle().empty()) return std::nullopt;
+    const std::uint32_t triangle = field.triangle()[offset];
     if (triangle >= truths.tree().mesh().triangles().size()) return std::nullopt;
     return triangle;
 }
 
 std::string OutputsOfSample::wrong_triangle() const {
-    const std::uint32_t found = field.triangle[offset];
+    const std::uint32_t found = field.triangle()[offset];
     if (found == no_triangle) return "in the band, but no triangle named";
     if (!named_triangle()) return fmt::format("triangle {} is not in the mesh", found);
     const double distance = truths.distance_to(found, index);
@@ -121,7 +121,7 @@ std::string OutputsOfSample::wrong_triangle() const {
 }
 
 std::string OutputsOfSample::wrong_site() const {
-    const std::uint8_t number = field.site[offset];
+    const std::uint8_t number = field.site()[offset];
     if (number > 6) return number == no_site ? "in the band, but no site named" : fmt::format("{} is no site", number);
     const std::optional<std::uint32_t> triangle = named_triangle();
     if (!triangle) return {};
@@ -138,7 +138,7 @@ std::string OutputsOfSample::wrong_site() const {
 }
 
 std::string OutputsOfSample::wrong_closest() const {
-    const Vec3 point = vector_at(field.closest, offset);
+    const Vec3 point = vector_at(field.closest(), offset);
     const ExactPosition position = truths.position(index);
     const double distance = offset_of(position, point).norm();
     const double rounding = rounding_of(position, point);
@@ -156,8 +156,8 @@ std::string OutputsOfSample::wrong_closest() const {
 std::string OutputsOfSample::wrong_gradient_on_surface(const Vec3& gradient) const {
     // The faces that count depend on the site.
     const std::optional<std::uint32_t> triangle = named_triangle();
-    if (!triangle || field.site.empty() || field.site[offset] > 6) return {};
-    const std::optional<Vec3> normal = sites->pseudonormal(*triangle, static_cast<Site>(field.site[offset]));
+    if (!triangle || field.site().empty() || field.site()[offset] > 6) return {};
+    const std::optional<Vec3> normal = sites->pseudonormal(*triangle, static_cast<Site>(field.site()[offset]));
     if (!normal) return {};
     const bool is_turned = truths.is_signed() && sites->is_inside_out();
     const Eigen::Vector3d expected = (is_turned ? -1.0 : 1.0) * vector_of(*normal);
@@ -168,7 +168,7 @@ std::string OutputsOfSample::wrong_gradient_on_surface(const Vec3& gradient) con
 }
 
 std::string OutputsOfSample::wrong_gradient() const {
-    const Vec3 gradient = vector_at(field.gradient, offset);
+    const Vec3 gradient = vector_at(field.gradient(), offset);
     const double distance = truth.distance;
     // Its pseudonormal counts there.
     const bool on_surface = distance <= on_surface_voxels * voxel;
@@ -177,8 +177,8 @@ std::string OutputsOfSample::wrong_gradient() const {
         // Faces without area have no pseudonormal.
         if (std::isnan(length) && on_surface) {
             const auto triangle = named_triangle();
-            if (triangle && !field.site.empty() && field.site[offset] <= 6 &&
-                !sites->pseudonormal(*triangle, static_cast<Site>(field.site[offset])))
+            if (triangle && !field.site().empty() && field.site()[offset] <= 6 &&
+                !sites->pseudonormal(*triangle, static_cast<Site>(field.site()[offset])))
                 return {};
         }
         return fmt::format("the gradient's length is {}", length);
@@ -197,8 +197,8 @@ std::string OutputsOfSample::wrong_gradient() const {
     const std::optional<std::uint32_t> named = named_triangle();
     const std::uint32_t triangle = named ? *named : truths.tree().nearest({there, {}})->triangle;
     // Beside the border of two sites both are nearest, within the accuracy of the distance.
-    const bool has_site = named && !field.site.empty() && field.site[offset] <= 6;
-    const int first = has_site ? field.site[offset] : 0, last = has_site ? first : 6;
+    const bool has_site = named && !field.site().empty() && field.site()[offset] <= 6;
+    const int first = has_site ? field.site()[offset] : 0, last = has_site ? first : 6;
     double least = std::numeric_limits<double>::infinity();
     for (int site = first; site <= last; ++site) {
         const ClosestOfSite closest = closest_of(position, sites->corners(triangle, static_cast<Site>(site)));
@@ -212,8 +212,8 @@ std::string OutputsOfSample::wrong_gradient() const {
 }
 
 std::string OutputsOfSample::wrong_barycentric() const {
-    const auto u = static_cast<double>(field.barycentric[2 * offset]),
-               v = static_cast<double>(field.barycentric[2 * offset + 1]);
+    const auto u = static_cast<double>(field.barycentric()[2 * offset]),
+               v = static_cast<double>(field.barycentric()[2 * offset + 1]);
     constexpr double rounding = 2e-7;
     if (!(u >= 0) || !(u <= 1) || !(v >= 0) || !(v <= 1) || !(u + v <= 1 + rounding))
         return fmt::format("({}, {}) are no coordinates of a point of a triangle", u, v);
@@ -237,24 +237,25 @@ std::string OutputsOfSample::wrong_barycentric() const {
 void Judge::judge_outputs(const Case& sample) const {
     const OutputsOfSample outputs{truth_,        field_, sites_ ? &*sites_ : nullptr,     sample.index, sample.truth,
                                   sample.offset, voxel_, tolerance(sample.truth.distance)};
-    const auto judge = [&](const char* name, const auto& values, std::size_t& count,
-                           std::string (OutputsOfSample::*wrong)() const) {
+    const auto judge = [&](Output output, const auto& values, std::string (OutputsOfSample::*wrong)() const) {
         if (values.empty()) return;
-        const bool nothing = is_left(values, sample.offset, field_.distance.size());
+        std::size_t& count = sample.tally.report.wrong_outputs[detail::index_of(output)];
+        const bool nothing = is_left(values, sample.offset, field_.distance().size());
         if (sample.place == Case::Place::beyond) {
-            if (!nothing) sample.report(count, fmt::format("beyond the band, but with a value of {}", name), false);
+            if (!nothing)
+                sample.report(count, fmt::format("beyond the band, but with a value of {}", info_of(output).name),
+                              false);
             return;
         }
         if (nothing && sample.place == Case::Place::at_limit) return;
         const std::string what = (outputs.*wrong)();
         if (!what.empty()) sample.report(count, what, false);
     };
-    auto& wrong = sample.tally.report.wrong_outputs;
-    judge("triangle", field_.triangle, wrong.triangle, &OutputsOfSample::wrong_triangle);
-    judge("site", field_.site, wrong.site, &OutputsOfSample::wrong_site);
-    judge("closest", field_.closest, wrong.closest, &OutputsOfSample::wrong_closest);
-    judge("gradient", field_.gradient, wrong.gradient, &OutputsOfSample::wrong_gradient);
-    judge("barycentric", field_.barycentric, wrong.barycentric, &OutputsOfSample::wrong_barycentric);
+    judge(Output::triangle, field_.triangle(), &OutputsOfSample::wrong_triangle);
+    judge(Output::site, field_.site(), &OutputsOfSample::wrong_site);
+    judge(Output::closest, field_.closest(), &OutputsOfSample::wrong_closest);
+    judge(Output::gradient, field_.gradient(), &OutputsOfSample::wrong_gradient);
+    judge(Output::barycentric, field_.barycentric(), &OutputsOfSample::wrong_barycentric);
 }
 
 }  // namespace clsdf::reference

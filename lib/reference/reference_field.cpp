@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 namespace clsdf::reference {
 
@@ -73,18 +74,18 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
     const TrueSamples truth(mesh, grid, sign, band.widest());
 
     const MeshSites sites(mesh);
-    Field field;
-    field.grid = grid;
-    field.band = band;
-    field.sign = truth.sign();
-    field.mesh_name = mesh.name();
-    const std::size_t count = grid.sample_count();
-    field.distance.resize(count);
-    field.triangle.resize(count, no_triangle);
-    field.site.resize(count, no_site);
-    field.closest.resize(3 * count, std::numeric_limits<double>::quiet_NaN());
-    field.barycentric.resize(2 * count, std::numeric_limits<float>::quiet_NaN());
-    field.gradient.resize(3 * count, std::numeric_limits<float>::quiet_NaN());
+    OutputSet outputs;
+    for (const OutputInfo& info : output_table()) outputs.insert(info.output);
+    Field field(FieldDescription{grid, band, truth.sign(), mesh.name()}, outputs);
+    const std::span<float> distances = field.distance(), gradients = field.gradient(), weights = field.barycentric();
+    const std::span<std::uint32_t> triangles = field.triangle();
+    const std::span<std::uint8_t> site_numbers = field.site();
+    const std::span<double> closest = field.closest();
+    std::ranges::fill(triangles, no_triangle);
+    std::ranges::fill(site_numbers, no_site);
+    std::ranges::fill(closest, std::numeric_limits<double>::quiet_NaN());
+    std::ranges::fill(weights, std::numeric_limits<float>::quiet_NaN());
+    std::ranges::fill(gradients, std::numeric_limits<float>::quiet_NaN());
     oneapi::tbb::parallel_for(std::int64_t{0}, grid.size[2], [&](std::int64_t k) {
         std::vector<TrueSample> samples;
         for (std::int64_t j = 0; j < grid.size[1]; ++j) {
@@ -97,16 +98,16 @@ Field reference_field(const Mesh& mesh, const Grid& grid, const Band& band, Sign
                 const double magnitude = in_band ? sample.distance : width;
                 const auto value = static_cast<float>(sample.inside ? -magnitude : magnitude);
                 const std::size_t offset = grid.offset(index[0], j, k);
-                field.distance[offset] = in_band && value == 0 ? 0.0F : value;
+                distances[offset] = in_band && value == 0 ? 0.0F : value;
                 if (!in_band) continue;
-                field.triangle[offset] = sample.triangle;
-                field.site[offset] = static_cast<std::uint8_t>(sample.site);
-                const std::array<double, 3> weights = weights_of(sites, sample);
-                std::copy(weights.begin() + 1, weights.end(), &field.barycentric[2 * offset]);
-                std::copy(sample.point.begin(), sample.point.end(), &field.closest[3 * offset]);
+                triangles[offset] = sample.triangle;
+                site_numbers[offset] = static_cast<std::uint8_t>(sample.site);
+                const std::array<double, 3> corner_weights = weights_of(sites, sample);
+                std::copy(corner_weights.begin() + 1, corner_weights.end(), &weights[2 * offset]);
+                std::ranges::copy(sample.point, &closest[3 * offset]);
                 const std::optional<Vec3> gradient = gradient_at(truth, sites, sample, index);
                 for (std::size_t axis = 0; gradient && axis < 3; ++axis)
-                    field.gradient[3 * offset + axis] = static_cast<float>((*gradient)[axis]);
+                    gradients[3 * offset + axis] = static_cast<float>((*gradient)[axis]);
             }
         }
     });

@@ -33,7 +33,7 @@ BrickKernel::BrickKernel(const ScanInputs& inputs, const CoarseLists& lists, dou
 }
 
 void BrickKernel::set_outputs(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const {
-    cl_uint next = set_arguments(kernel, first, outputs.distance);
+    cl_uint next = set_arguments(kernel, first, outputs[Output::distance]);
     if (finishing_ != nullptr) next = finishing_->set_arguments(kernel, next, outputs);
     if (counter_sets_ > 0) kernel.setArg(next, *counters_);
 }
@@ -113,7 +113,7 @@ private:
     void warm_up(const cl::CommandQueue& queue, const cl::Buffer& unused) {
         set_launch(0, 0, 0);
         OutputBuffers outputs;
-        outputs.distance = unused;
+        outputs[Output::distance] = unused;
         set_outputs(kernel_, first_output_, outputs);
         scan::launch(queue, kernel_, {work_items_, 1});
         queue.finish();

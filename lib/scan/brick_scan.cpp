@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 #include <vector>
 
 namespace clsdf::scan {
@@ -18,6 +19,14 @@ constexpr double seconds_per_filled_sample = 1e-9;  // of a core, rounded up
 // On a processor. PoCL compiles a kernel anew for each size of a group: one size for nearly all grids, and another one
 // where so many slices would take too long.
 constexpr std::size_t slices_of_a_group = 32;
+
+/// A value as the fill kernel stores it: a double, or two floats.
+cl_ulong pattern_of(double value) {
+    return std::bit_cast<cl_ulong>(value);
+}
+cl_ulong pattern_of(float value) {
+    return std::bit_cast<cl_ulong>(std::array{value, value});
+}
 
 /// On a GPU: as many as there are bricks in a row, up to a power of two.
 std::size_t pieces_of_a_group(const Layout& layout) {
@@ -61,6 +70,7 @@ public:
         bricks_ = make(inputs, lists_, *computed_);
         fill_kernel_ = cl::Kernel(inputs.programs.fill, "fill_empty_bricks");
         fill_outputs_ = set_arguments(fill_kernel_, 0, layout_, *computed_, inputs.sign_bits);
+        finishing_ = inputs.finishing;
         leave_kernel_ = cl::Kernel(inputs.programs.fill, "leave_empty_bricks");
         leave_outputs_ = set_arguments(leave_kernel_, 0, layout_, *computed_);
         const double slice = static_cast<double>(layout_.size[0]) * static_cast<double>(layout_.size[1]);
@@ -86,12 +96,18 @@ public:
     void enqueue_launch(CommandChain& chain, std::size_t launch) override { bricks_->enqueue_launch(chain, launch); }
 
     void enqueue_end(CommandChain& chain) override {
-        enqueue_slices(chain, fill_kernel_, set_arguments(fill_kernel_, fill_outputs_, outputs_.distance),
-                       slices_per_fill_);
+        const bool in_double = (outputs_.in_double & OutputSet(Output::distance).bits()) != 0;
+        const cl_int words = in_double ? 2 : 1;
+        const auto [inside, outside] =
+            in_double ? std::pair(pattern_of(finishing_->inside_fill()), pattern_of(finishing_->outside_fill()))
+                      : std::pair(pattern_of(layout_.inside_fill), pattern_of(layout_.outside_fill));
+        enqueue_slices(chain, fill_kernel_,
+                       set_arguments(fill_kernel_, fill_outputs_, outputs_[Output::distance], words, inside, outside),
+                       in_groups(slices_per_fill_ / static_cast<std::size_t>(words)));
         for_each_extra(
-            [&](const OutputRow& row, const cl::Buffer& buffer) {
+            [&](const OutputInfo& row, const cl::Buffer& buffer) {
                 if (buffer() == nullptr) return;
-                const std::size_t bytes = row.sample_bytes((outputs_.in_double & row.bit) != 0);
+                const std::size_t bytes = sample_bytes(row, (outputs_.in_double & bit_of(row)) != 0);
                 enqueue_slices(chain, leave_kernel_,
                                set_arguments(leave_kernel_, leave_outputs_, buffer, static_cast<cl_int>(bytes)),
                                in_groups(slices_per_fill_ * sizeof(float) / std::max(bytes, sizeof(float))));
@@ -100,7 +116,7 @@ public:
         outputs_ = {};
     }
 
-    void describe(TransformStatistics& statistics) const override {
+    void describe(CallStatistics& statistics) const override {
         statistics.coarse_pairs = lists_.pairs;
         statistics.coarse_bricks = lists_.order.size();
         if (first_marks_() != nullptr) statistics.device_bytes += computed_.bytes();
@@ -108,7 +124,7 @@ public:
                                    lists_.entries.bytes() + lists_.order.size() * sizeof(cl_uint) + computed_.bytes();
     }
 
-    void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const override {
+    void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const override {
         const std::vector<std::size_t> counters = bricks_->read_counters(queue);
         if (counters.empty()) return;
         statistics.brick_pairs = counters[CLSDF_COUNT_BRICK_PAIRS];
@@ -152,7 +168,8 @@ private:
     std::unique_ptr<BrickKernel> bricks_;
     cl::Kernel fill_kernel_;
     cl::Kernel leave_kernel_;
-    cl_uint fill_outputs_;  ///< the kernels' first arguments that change from call to call
+    const Finishing* finishing_;  ///< null if only floats are written
+    cl_uint fill_outputs_;        ///< the kernels' first arguments that change from call to call
     cl_uint leave_outputs_;
     OutputBuffers outputs_;  ///< of the computation that is being enqueued
     std::size_t slices_per_fill_;

@@ -2,6 +2,7 @@
 
 #include <clsdf/distance_transform.hpp>
 
+#include "core/statistics.hpp"
 #include "scan/commands.hpp"
 #include "scan/finishing.hpp"
 #include "scan/prepared_mesh.hpp"
@@ -49,9 +50,9 @@ public:
     virtual void enqueue_end(CommandChain& chain) = 0;
 
     /// Adds the counts of the set-up, and the device memory that it holds.
-    virtual void describe(TransformStatistics& statistics) const = 0;
+    virtual void describe(CallStatistics& statistics) const = 0;
     /// Adds the counters of the last computation, if they were asked for; blocks.
-    virtual void read_counters(const cl::CommandQueue& queue, TransformStatistics& statistics) const = 0;
+    virtual void read_counters(const cl::CommandQueue& queue, CallStatistics& statistics) const = 0;
 };
 
 /// The scan of leaned polyhedra by bricks.

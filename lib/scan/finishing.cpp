@@ -4,6 +4,7 @@
 #include "device/buffer_pool.hpp"
 #include "polyhedra/sites.hpp"
 
+#include <cmath>
 #include <cstring>
 
 namespace clsdf::scan {
@@ -31,10 +32,12 @@ device::BufferPool::Lease site_normals(const device::Context& context, const std
     return filling.finish();
 }
 
-Finishing::Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
+Finishing::Finishing(const Grid& grid, const Band& band, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
                      bool is_inside_out)
     : sites_(std::move(sites)) {
     finish_.unit = static_cast<double>(layout.unit);
+    finish_.inside_fill = -std::abs(band.inside);
+    finish_.outside_fill = std::abs(band.outside);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         finish_.origin[axis] = grid.origin[axis];
         finish_.spacing[axis] = grid.spacing[axis];
@@ -59,12 +62,12 @@ cl_uint Finishing::set_arguments(cl::Kernel& kernel, cl_uint first, const Output
     Finish finish = finish_;
     finish.in_double = outputs.in_double;
     finish.renumbered = static_cast<clsdf_uint32>(sites_->renumbered);
-    const cl::Buffer& unused = outputs.distance;
+    const cl::Buffer& unused = outputs[Output::distance];
     const auto given = [&](const auto& lease) -> const cl::Buffer& { return lease ? **lease : unused; };
     cl_uint argument = first + 3;
     for_each_extra(
-        [&](const OutputRow& row, const cl::Buffer& buffer) {
-            if (buffer() != nullptr) finish.wanted |= row.bit;
+        [&](const OutputInfo& row, const cl::Buffer& buffer) {
+            if (buffer() != nullptr) finish.wanted |= bit_of(row);
             kernel.setArg(argument++, buffer() != nullptr ? buffer : unused);
         },
         outputs);

@@ -17,19 +17,14 @@
 
 namespace clsdf::scan {
 
-namespace detail {
-template <typename>
-using BufferOf = cl::Buffer;
-}
-
 /// The buffers of a computation's outputs; null for outputs that are not asked for.
-struct OutputBuffers : PerOutput<detail::BufferOf> {
-    std::uint32_t in_double = 0;  ///< bits of OutputRow: the elements are doubles
+struct OutputBuffers : PerOutput<cl::Buffer> {
+    std::uint32_t in_double = 0;  ///< bits of outputs (bit_of): the elements are doubles
 };
 
 /// Whether an output tells sites by their names.
-inline bool names_sites(const Outputs& outputs) {
-    return (bits_of(outputs) & CLSDF_OUTPUTS_BY_NAME) != 0;
+inline bool names_sites(OutputSet outputs) {
+    return (outputs.bits() & CLSDF_OUTPUTS_BY_NAME) != 0;
 }
 
 /// The data of a mesh's sites on the device (polyhedra/sites.hpp).
@@ -51,13 +46,18 @@ device::BufferPool::Lease site_normals(const device::Context& context, const std
 class Finishing {
 public:
     /// is_inside_out: the mesh is, and the field has a sign.
-    Finishing(const Grid& grid, const Layout& layout, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
+    Finishing(const Grid& grid, const Band& band, const Layout& layout, std::shared_ptr<const DeviceSites> sites,
+              bool is_inside_out);
 
     /// For points, in units of a lattice.
     Finishing(const polyhedra::LatticeView& lattice, std::shared_ptr<const DeviceSites> sites, bool is_inside_out);
 
     /// The arguments of the macro FINISHING_PARAMETERS. Returns the number of the next one.
     cl_uint set_arguments(cl::Kernel& kernel, cl_uint first, const OutputBuffers& outputs) const;
+
+    /// The distances in double beyond the band.
+    double inside_fill() const { return finish_.inside_fill; }
+    double outside_fill() const { return finish_.outside_fill; }
 
 private:
     Finish finish_{};

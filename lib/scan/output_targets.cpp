@@ -16,60 +16,36 @@ namespace clsdf::scan {
 
 namespace {
 
-using Element = OutputTarget::Element;
-
-const char* name_of(Element element) {
-    switch (element) {
-        case Element::float32:
-            return "float";
-        case Element::float64:
-            return "double";
-        case Element::uint32:
-            return "uint32";
-        case Element::uint8:
-            return "uint8";
-        default:
-            return "another type";
-    }
-}
-
-/// The elements of PerOutput.
-template <typename Value>
-struct ElementOf {
-    Element element = OutputTarget(std::span<Value>()).element;
-};
-
 Error misuse(const std::string& what) {
     return {ErrorCode::invalid_argument, what};
 }
 
-/// Sets the element of a target, and throws if there is no way to such elements.
-void resolve_element(const OutputRow& row, Element natural, OutputTarget& target) {
-    if (target.element == Element::automatic) target.element = natural;
-    const bool has_both = row.element == OutputRow::real;
-    const bool is_real = target.element == Element::float32 || target.element == Element::float64;
-    if (target.element == natural || (has_both && is_real)) return;
+/// Sets the type of a target, and throws if there is no way to such numbers.
+void resolve_type(const OutputInfo& row, OutputArray& target) {
+    if (target.type == ElementType::automatic) target.type = row.type;
+    const bool is_float = target.type == ElementType::float32 || target.type == ElementType::float64;
+    // No triangle is -1 in signed numbers.
+    const bool is_signed = row.type == ElementType::uint32 && target.type == ElementType::int32;
+    if (target.type == row.type || is_signed || (is_real(row) && is_float)) return;
     throw Error(ErrorCode::unsupported,
-                fmt::format("the output {} cannot be written as {}; give it memory for elements of type {}", row.name,
-                            name_of(target.element), has_both ? "float or double" : name_of(natural)));
+                fmt::format("the output {} cannot be written as {}; give it an array of type {}", row.name,
+                            name_of(target.type),
+                            is_real(row)                      ? "float or double"
+                            : row.type == ElementType::uint32 ? "uint32 or int32"
+                                                              : name_of(row.type)));
 }
 
-std::ptrdiff_t width_of(Element element) {
-    return element == Element::float64 ? 8 : element == Element::uint8 ? 1 : 4;
+std::ptrdiff_t width_of(ElementType type) {
+    return static_cast<std::ptrdiff_t>(bytes_of(type));
 }
 
-bool is_in_double(const OutputTarget& target) {
-    return target.element == Element::float64;
-}
-
-/// Whether the elements that are computed are doubles.
-bool is_computed_in_double(const OutputRow& row, const OutputTarget& target) {
-    return is_in_double(target) && !is_widened(row, target);
+bool is_in_double(const OutputArray& target) {
+    return target.type == ElementType::float64;
 }
 
 /// Bytes of the samples, which lie side by side.
-std::size_t packed_bytes(const OutputRow& row, const OutputTarget& target, const Grid& grid) {
-    return grid.sample_count() * row.sample_bytes(is_in_double(target));
+std::size_t packed_bytes(const OutputInfo& row, const OutputArray& target, const Grid& grid) {
+    return grid.sample_count() * sample_bytes(row, is_in_double(target));
 }
 
 std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const Grid& grid) {
@@ -77,10 +53,10 @@ std::array<std::ptrdiff_t, 3> packed_strides(std::ptrdiff_t sample_bytes, const 
 }
 
 /// Sets the strides that are left open; whether the target is packed.
-bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& target) {
-    const std::ptrdiff_t width = width_of(target.element);
+bool resolve_strides(const OutputInfo& row, const Grid& grid, OutputArray& target) {
+    const std::ptrdiff_t width = width_of(target.type);
     const bool has_strides = std::any_of(target.strides.begin(), target.strides.end(), [](auto s) { return s != 0; });
-    const auto packed = packed_strides(static_cast<std::ptrdiff_t>(row.sample_bytes(is_in_double(target))), grid);
+    const auto packed = packed_strides(static_cast<std::ptrdiff_t>(sample_bytes(row, is_in_double(target))), grid);
     if (target.component_stride == 0) target.component_stride = width;
     // Components that lie elsewhere leave no room between the samples.
     if (!has_strides) target.strides = target.component_stride == width ? packed : packed_strides(width, grid);
@@ -89,7 +65,7 @@ bool resolve_strides(const OutputRow& row, const Grid& grid, OutputTarget& targe
 
 /// Throws if two values of a target may lie on the same bytes: each stride must be at
 /// least the span of all axes with shorter strides.
-void check_overlap(const OutputRow& row, const Grid& grid, const OutputTarget& target) {
+void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& target) {
     struct Axis {
         double step, count;
         const char* name;
@@ -102,7 +78,7 @@ void check_overlap(const OutputRow& row, const Grid& grid, const OutputTarget& t
         Axis{static_cast<double>(target.strides[2]), static_cast<double>(grid.size[2]), "along z"}};
     for (Axis& axis : axes) axis.step = std::abs(axis.step);
     std::sort(axes.begin(), axes.end(), [](const Axis& a, const Axis& b) { return a.step < b.step; });
-    auto span = static_cast<double>(width_of(target.element));
+    auto span = static_cast<double>(width_of(target.type));
     for (const Axis& axis : axes) {
         if (axis.count < 2) continue;
         if (axis.step < span)
@@ -114,10 +90,11 @@ void check_overlap(const OutputRow& row, const Grid& grid, const OutputTarget& t
     }
 }
 
-/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, or not where its elements can.
-ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& target, std::size_t bytes) {
+/// The bytes of a target's samples. Throws if they do not lie within `bytes` bytes, unless these are unknown, or not
+/// where its numbers can.
+ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& target, std::size_t bytes) {
     if (grid.sample_count() == 0) return {};
-    const std::ptrdiff_t width = width_of(target.element);
+    const std::ptrdiff_t width = width_of(target.type);
     // In double, which no sum of such products overflows.
     double lowest = static_cast<double>(target.offset), highest = lowest + static_cast<double>(width);
     const auto extend = [&](std::ptrdiff_t stride, double steps) {
@@ -125,7 +102,7 @@ ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& t
     };
     for (std::size_t axis = 0; axis < 3; ++axis) extend(target.strides[axis], static_cast<double>(grid.size[axis] - 1));
     extend(target.component_stride, static_cast<double>(row.components - 1));
-    if (lowest < 0 || highest > static_cast<double>(bytes))
+    if (bytes != ArrayLayout::unknown_size && (lowest < 0 || highest > static_cast<double>(bytes)))
         throw misuse(
             fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
                         "strides, and its memory holds {} bytes",
@@ -138,18 +115,19 @@ ByteRange range_of(const OutputRow& row, const Grid& grid, const OutputTarget& t
                         "elements' {} bytes",
                         row.name, width));
     check_overlap(row, grid, target);
+    if (lowest < 0) return {};  // of unknown memory
     return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
 }
 
-void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner, const OutputTarget& target,
+void check_host_memory(const OutputInfo& row, const Grid& grid, const char* owner, const OutputArray& target,
                        bool is_plain) {
     if (target.device != nullptr)
         throw Error(ErrorCode::unsupported,
                     fmt::format("the target of the output {} is memory of the device, and this call writes to the "
                                 "host's; give all targets memory of the host, or all memory of the device",
                                 row.name));
-    const std::ptrdiff_t width = width_of(target.element);
-    if (is_plain) {
+    const std::ptrdiff_t width = width_of(target.type);
+    if (is_plain && target.bytes != ArrayLayout::unknown_size) {
         if (target.bytes == packed_bytes(row, target, grid)) return;
         throw misuse(
             fmt::format("{}, and the array given for the output {} holds {} values of {}; give a span of "
@@ -161,46 +139,85 @@ void check_host_memory(const OutputRow& row, const Grid& grid, const char* owner
     range_of(row, grid, target, target.bytes);
 }
 
-void require_distance(const OutputTargets& targets) {
-    if (!targets.distance.is_given())
+/// The target of each output. Throws if the distance has none.
+TargetArrays target_arrays(const OutputTargets& targets) {
+    TargetArrays arrays;
+    for (const OutputTarget& target : targets.all()) arrays[info_of(target.output).output] = target.array;
+    for_each_output(
+        [](const OutputInfo& row, const OutputArray& array) {
+            if (array.host != nullptr && array.device != nullptr)
+                throw misuse(
+                    fmt::format("the target of the output {} has memory of the host and of the device; give "
+                                "one of them",
+                                row.name));
+        },
+        arrays);
+    if (!arrays[Output::distance].is_given())
         throw misuse("the distance has no target; give it memory, whatever else is asked for");
+    return arrays;
 }
 
 }  // namespace
 
-Outputs outputs_of(const OutputTargets& targets) {
-    Outputs outputs;
-    for_each_extra([](const OutputRow&, const OutputTarget& target, bool& wanted) { wanted = target.is_given(); },
-                   targets, outputs);
+namespace {
+
+/// begin: of the memory, see WrittenArray::first.
+WrittenArray written_array(const OutputInfo& info, const OutputArray& target, const Index3& size, std::size_t request,
+                           const void* memory, std::uint64_t begin) {
+    return {memory,          begin + target.offset,   bytes_of(target.type), size,   target.strides,
+            info.components, target.component_stride, info.output,           request};
+}
+
+}  // namespace
+
+OutputSet extras_of(OutputSet outputs) {
+    if (outputs.bits() >> CLSDF_OUTPUT_COUNT != 0)
+        throw misuse(fmt::format("the set of outputs has the bits {:#x}; there are {} outputs", outputs.bits(),
+                                 static_cast<int>(CLSDF_OUTPUT_COUNT)));
+    outputs.erase(Output::distance);
     return outputs;
 }
 
-Outputs outputs_of(const HostArrays& arrays) {
-    Outputs outputs;
-    for_each_extra([](const OutputRow&, const HostArray& array, bool& wanted) { wanted = array.is_wanted; }, arrays,
-                   outputs);
+OutputSet outputs_of(const OutputTargets& targets) {
+    OutputSet outputs = extras_of(targets.outputs());
+    const OutputArray* distance = targets.find(Output::distance);
+    if (distance != nullptr && is_in_double(*distance)) outputs.insert(Output::distance);
     return outputs;
+}
+
+OutputSet outputs_of(const HostArrays& arrays) {
+    OutputSet outputs;
+    for_each_output(
+        [&](const OutputInfo& info, const HostArray& array) {
+            const bool is_finished = info.output == Output::distance ? array.in_double : array.is_wanted;
+            if (is_finished) outputs.insert(info.output);
+        },
+        arrays);
+    return outputs;
+}
+
+bool are_on_device(const OutputTargets& targets) {
+    const OutputArray* distance = targets.find(Output::distance);
+    return distance != nullptr && distance->device != nullptr;
 }
 
 HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid)
     : HostTargets(targets, grid, "the grid has {} samples") {}
 
 HostTargets::HostTargets(const OutputTargets& targets, const Grid& grid, const char* owner)
-    : targets_(targets), grid_(grid) {
-    require_distance(targets);
-    const PerOutput<ElementOf> elements;
+    : targets_(target_arrays(targets)), grid_(grid) {
     for_each_output(
-        [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array) {
+        [&](const OutputInfo& row, OutputArray& target, HostArray& array) {
             if (!target.is_given()) return;
-            resolve_element(row, natural.element, target);
+            resolve_type(row, target);
             const bool is_plain =
-                target.offset == 0 && target.component_stride == 0 && target.strides == OutputTarget().strides;
+                target.offset == 0 && target.component_stride == 0 && target.strides == OutputArray().strides;
             const bool is_packed = resolve_strides(row, grid, target);
             check_host_memory(row, grid, owner, target, is_plain);
-            are_packed_ = are_packed_ && is_packed && !is_widened(row, target);
-            array = {true, is_computed_in_double(row, target), static_cast<std::byte*>(target.host) + target.offset};
+            are_packed_ = are_packed_ && is_packed;
+            array = {true, is_in_double(target), static_cast<std::byte*>(target.host) + target.offset};
         },
-        targets_, elements, arrays_);
+        targets_, arrays_);
 }
 
 namespace {
@@ -211,21 +228,23 @@ Grid row_of(std::size_t count) {
     return row;
 }
 
-/// visit(row, target, range, is_packed) for targets in memory of the device; their elements and strides are set.
+/// visit(row, target, range, is_packed) for targets in memory of the device, whose types and strides are set.
 template <typename Visit>
-void visit_device_targets(OutputTargets& targets, std::size_t points, const Visit& visit) {
+OutputTargets visit_device_targets(const OutputTargets& targets, std::size_t points, const Visit& visit) {
     const Grid grid = row_of(points);
-    const PerOutput<ElementOf> elements;
-    for_each_output(
-        [&](const OutputRow& row, OutputTarget& target, const auto& natural) {
-            if (target.device == nullptr) return;
-            resolve_element(row, natural.element, target);
-            const bool is_packed = resolve_strides(row, grid, target);
-            const std::size_t bytes =
-                device::guarded([&] { return cl::Buffer(target.device, true).getInfo<CL_MEM_SIZE>(); });
-            visit(row, target, points == 0 ? ByteRange{} : range_of(row, grid, target, bytes), is_packed);
-        },
-        targets, elements);
+    OutputTargets visited;
+    for (const OutputTarget& given : targets.all()) {
+        OutputArray& target = visited[given.output];
+        target = given.array;
+        if (target.device == nullptr || target.host != nullptr) continue;
+        const OutputInfo& row = info_of(given.output);
+        resolve_type(row, target);
+        const bool is_packed = resolve_strides(row, grid, target);
+        const std::size_t bytes =
+            device::guarded([&] { return cl::Buffer(target.device, true).getInfo<CL_MEM_SIZE>(); });
+        visit(row, target, points == 0 ? ByteRange{} : range_of(row, grid, target, bytes), is_packed);
+    }
+    return visited;
 }
 
 }  // namespace
@@ -236,9 +255,8 @@ HostTargets HostTargets::of_points(const OutputTargets& targets, std::size_t cou
 
 void add_targets(const OutputTargets& targets, std::size_t points, device::MappedMemory& memory) {
     using Use = device::MappedMemory::Use;
-    OutputTargets resolved = targets;
-    visit_device_targets(resolved, points,
-                         [&](const OutputRow& row, const OutputTarget& target, const ByteRange& range, bool is_packed) {
+    visit_device_targets(targets, points,
+                         [&](const OutputInfo& row, const OutputArray& target, const ByteRange& range, bool is_packed) {
                              memory.add(target.device, range, is_packed ? Use::overwrite : Use::write,
                                         fmt::format("output {}", row.name));
                          });
@@ -246,29 +264,45 @@ void add_targets(const OutputTargets& targets, std::size_t points, device::Mappe
 
 OutputTargets on_host(const OutputTargets& targets, std::size_t points, const device::MappedMemory& memory) {
     static std::byte nothing{};
-    OutputTargets result = targets;
-    visit_device_targets(result, points,
-                         [&](const OutputRow&, OutputTarget& target, const ByteRange& range, bool is_packed) {
-                             target.host = range.is_empty() ? &nothing : memory.at(target.device, range.begin);
-                             target.device = nullptr;
-                             target.offset = range.is_empty() ? 0 : target.offset - range.begin;
-                             target.bytes = range.end - range.begin;
-                             if (is_packed) target.strides = {};
-                         });
-    return result;
+    return visit_device_targets(targets, points,
+                                [&](const OutputInfo&, OutputArray& target, const ByteRange& range, bool is_packed) {
+                                    target.host = range.is_empty() ? &nothing : memory.at(target.device, range.begin);
+                                    target.device = nullptr;
+                                    target.offset = range.is_empty() ? 0 : target.offset - range.begin;
+                                    target.bytes = range.end - range.begin;
+                                    if (is_packed) target.strides = {};
+                                });
 }
 
-bool overlap(const OutputTargets& targets, std::span<const std::byte> bytes) {
+void HostTargets::add_written(std::size_t request, std::vector<WrittenArray>& written) const {
+    for_each_output(
+        [&](const OutputInfo& info, const OutputArray& target) {
+            if (target.is_given())
+                written.push_back(written_array(info, target, grid_.size, request, nullptr,
+                                                reinterpret_cast<std::uintptr_t>(target.host)));
+        },
+        targets_);
+}
+
+bool HostTargets::overlap(std::span<const std::byte> bytes) const {
+    if (bytes.empty()) return false;
     bool result = false;
     const std::less<const std::byte*> is_before;
     for_each_output(
-        [&](const OutputRow&, const OutputTarget& target) {
-            const auto* begin = static_cast<const std::byte*>(target.host);
-            if (begin == nullptr || bytes.empty()) return;
-            result = result ||
-                     (is_before(begin, bytes.data() + bytes.size()) && is_before(bytes.data(), begin + target.bytes));
+        [&](const OutputInfo& row, const OutputArray& target) {
+            if (!target.is_given()) return;
+            const auto* first = static_cast<const std::byte*>(target.host) + target.offset;
+            std::ptrdiff_t lowest = 0, highest = width_of(target.type);
+            const auto extend = [&](std::ptrdiff_t stride, std::size_t count) {
+                (stride < 0 ? lowest : highest) += stride * (static_cast<std::ptrdiff_t>(count) - 1);
+            };
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                extend(target.strides[axis], static_cast<std::size_t>(grid_.size[axis]));
+            extend(target.component_stride, row.components);
+            result = result || (is_before(first + lowest, bytes.data() + bytes.size()) &&
+                                is_before(bytes.data(), first + highest));
         },
-        targets);
+        targets_);
     return result;
 }
 
@@ -282,12 +316,11 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
     }
     const auto width = static_cast<std::size_t>(count[0]), rows_of_slice = static_cast<std::size_t>(count[1]);
     for_each_output(
-        [&](const OutputRow& row, const OutputTarget& target, const HostArray& array) {
+        [&](const OutputInfo& row, const OutputArray& target, const HostArray& array) {
             if (!target.is_given()) return;
-            const std::size_t sample = row.sample_bytes(array.in_double), element = sample / row.components;
+            const std::size_t sample = sample_bytes(row, array.in_double), element = sample / row.components;
             const bool is_row_packed = target.strides[0] == static_cast<std::ptrdiff_t>(sample) &&
-                                       (row.components == 1 || target.component_stride == width_of(target.element)) &&
-                                       !is_widened(row, target);
+                                       (row.components == 1 || target.component_stride == width_of(target.type));
             std::byte* const first = static_cast<std::byte*>(target.host) + target.offset;
             for_each_index(rows_of_slice * static_cast<std::size_t>(count[2]), [&](std::size_t number) {
                 const Index3 at{begin[0], begin[1] + static_cast<std::int64_t>(number % rows_of_slice),
@@ -299,15 +332,6 @@ void HostTargets::store(const Grid& slab, const HostArrays& values) const {
                     to += static_cast<std::ptrdiff_t>(at[axis] - grid_.first[axis]) * target.strides[axis];
                 if (is_row_packed) {
                     std::memcpy(to, from, width * sample);
-                    return;
-                }
-                if (is_widened(row, target)) {
-                    for (std::size_t x = 0; x < width; ++x, to += target.strides[0], from += element) {
-                        float value = 0;
-                        std::memcpy(&value, from, sizeof value);
-                        const auto widened = static_cast<double>(value);
-                        std::memcpy(to, &widened, sizeof widened);
-                    }
                     return;
                 }
                 for (std::size_t x = 0; x < width; ++x, to += target.strides[0])
@@ -340,7 +364,7 @@ cl::Buffer buffer_from(const cl::Buffer& buffer, std::size_t offset, std::size_t
 }
 
 /// Memory that kernels cannot or may not write would fail later and less clearly.
-void check_memory(const OutputRow& row, const cl::Memory& memory, const device::Context& context) {
+void check_memory(const OutputInfo& row, const cl::Memory& memory, const device::Context& context) {
     device::require_buffer(context, memory, fmt::format("the target of the output {}", row.name));
     if ((memory.getInfo<CL_MEM_FLAGS>() & CL_MEM_READ_ONLY) != 0)
         throw misuse(
@@ -352,13 +376,11 @@ void check_memory(const OutputRow& row, const cl::Memory& memory, const device::
 }  // namespace
 
 DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, const device::Context& context)
-    : targets_(targets) {
-    require_distance(targets);
+    : targets_(target_arrays(targets)), size_(grid.size) {
     OutputBuffers buffers;
     const std::size_t alignment = context.device().getInfo<CL_DEVICE_MEM_BASE_ADDR_ALIGN>() / 8;
-    const PerOutput<ElementOf> elements;
     for_each_output(
-        [&](const OutputRow& row, OutputTarget& target, const auto& natural, HostArray& array, cl::Buffer& buffer) {
+        [&](const OutputInfo& row, OutputArray& target, HostArray& array, cl::Buffer& buffer) {
             if (!target.is_given()) {
                 target = {};
                 return;
@@ -369,38 +391,48 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
                                         "the device's; give all targets memory of the device, or all memory of the "
                                         "host",
                                         row.name));
-            resolve_element(row, natural.element, target);
+            resolve_type(row, target);
             const bool is_packed = resolve_strides(row, grid, target);
             const cl::Buffer memory(target.device, true);
             check_memory(row, memory, context);
             range_of(row, grid, target, memory.getInfo<CL_MEM_SIZE>());
-            array = {true, is_computed_in_double(row, target), nullptr};
-            if (array.in_double) buffers.in_double |= row.bit;
+            array = {true, is_in_double(target), nullptr};
+            if (array.in_double) buffers.in_double |= bit_of(row);
             if (!why_not_in_place_.empty()) return;
             if (!is_packed)
                 why_not_in_place_ = fmt::format("{} has strides", row.name);
-            else if (is_widened(row, target))
-                why_not_in_place_ = fmt::format("{} has doubles", row.name);
             else if (target.offset % alignment != 0)
                 why_not_in_place_ = fmt::format("{} begins at byte {} of its buffer, which is no multiple of {}",
                                                 row.name, target.offset, alignment);
             else
                 buffer = buffer_from(memory, target.offset, packed_bytes(row, target, grid));
         },
-        targets_, elements, arrays_, buffers);
+        targets_, arrays_, buffers);
     if (why_not_in_place_.empty()) in_place_ = buffers;
 }
 
-DeviceTargets::DeviceTargets(const Outputs& outputs, const Grid& grid)
-    : arrays_(arrays_for(outputs)), in_place_(OutputBuffers()) {
-    const PerOutput<ElementOf> elements;
+void DeviceTargets::add_written(std::size_t request, std::vector<WrittenArray>& written) const {
     for_each_output(
-        [&](const OutputRow& row, OutputTarget& target, const auto& natural, const HostArray& array) {
+        [&](const OutputInfo& info, const OutputArray& target) {
+            if (target.device == nullptr) return;
+            const cl::Buffer memory(target.device, true);
+            const auto whole = memory.getInfo<CL_MEM_ASSOCIATED_MEMOBJECT>();
+            const bool is_part = whole() != nullptr;
+            written.push_back(written_array(info, target, size_, request, is_part ? whole() : target.device,
+                                            is_part ? memory.getInfo<CL_MEM_OFFSET>() : 0));
+        },
+        targets_);
+}
+
+DeviceTargets::DeviceTargets(OutputSet outputs, const Grid& grid)
+    : arrays_(arrays_for(outputs)), in_place_(OutputBuffers()) {
+    for_each_output(
+        [&](const OutputInfo& row, OutputArray& target, const HostArray& array) {
             if (!array.is_wanted) return;
-            resolve_element(row, natural.element, target);
+            resolve_type(row, target);
             resolve_strides(row, grid, target);
         },
-        targets_, elements, arrays_);
+        targets_, arrays_);
 }
 
 }  // namespace clsdf::scan

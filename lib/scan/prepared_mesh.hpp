@@ -4,6 +4,8 @@
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 
+#include <clsdf/tuning.hpp>
+
 #include "coarse.h"
 #include "device/buffer_pool.hpp"
 #include "layout.h"
@@ -12,7 +14,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,8 +37,8 @@ struct PreparedMesh {
     std::size_t saddle_vertices = 0;
     std::size_t point_sites = 0;
     std::size_t boxes = 0;
-    bool is_later = false;  ///< made from kept frusta, by another kernel than in the first call
-    std::map<std::string, MethodCount> method_counts;  ///< see TransformStatistics
+    bool is_later = false;                   ///< made from kept frusta, by another kernel than in the first call
+    std::vector<MethodCount> method_counts;  ///< see TransformStatistics
 
     PreparedMesh() = default;
     PreparedMesh(PreparedMesh&&) = default;

@@ -2,6 +2,8 @@
 
 #include <clsdf/distance_transform.hpp>
 
+#include <clsdf/tuning.hpp>
+
 #include "device/context.hpp"
 #include "scan/short_launches.hpp"
 

@@ -18,21 +18,18 @@ void make_room(UninitializedVector<MemoryLine>& array, std::size_t bytes) {
 
 }  // namespace
 
-HostArrays arrays_for(const Outputs& outputs) {
+HostArrays arrays_for(OutputSet outputs) {
     HostArrays arrays;
-    arrays.distance.is_wanted = true;
-    for_each_extra([](const OutputRow&, HostArray& array, bool wanted) { array.is_wanted = wanted; }, arrays, outputs);
-    for_each_output([](const OutputRow&, HostArray& array,
-                       auto span) { array.in_double = std::is_same_v<typename decltype(span)::value_type, double>; },
-                    arrays, FieldSlab());
+    for (const OutputInfo& info : infos_of(outputs))
+        arrays[info.output] = {true, info.type == ElementType::float64, nullptr};
     return arrays;
 }
 
 std::size_t widest_of(const HostArrays& arrays) {
     std::size_t widest = 0;
     for_each_output(
-        [&](const OutputRow& row, const HostArray& array) {
-            if (array.is_wanted) widest = std::max(widest, row.sample_bytes(array.in_double));
+        [&](const OutputInfo& row, const HostArray& array) {
+            if (array.is_wanted) widest = std::max(widest, sample_bytes(row, array.in_double));
         },
         arrays);
     return widest;
@@ -41,11 +38,11 @@ std::size_t widest_of(const HostArrays& arrays) {
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples) {
     FieldSlab slab;
     for_each_output(
-        [&](const OutputRow& row, const HostArray& array, auto& span) {
-            using Value = typename std::remove_reference_t<decltype(span)>::element_type;
-            if (array.is_wanted) span = {reinterpret_cast<Value*>(array.data), samples * row.components};
+        [&](const OutputInfo& row, const HostArray& array) {
+            if (array.is_wanted)
+                slab.set(row.output, std::span<const std::byte>(array.data, samples * row.sample_bytes()));
         },
-        arrays, slab);
+        arrays);
     return slab;
 }
 
@@ -74,8 +71,8 @@ void OutputMemories::place(const device::Context& context, device::BufferPool& p
                            std::size_t samples) {
     arrays_ = arrays;
     for_each_output(
-        [&](const OutputRow& row, const HostArray& array, OutputMemory& memory) {
-            if (array.is_wanted) memory.place(context, pool, array.data, samples * row.sample_bytes(array.in_double));
+        [&](const OutputInfo& row, const HostArray& array, OutputMemory& memory) {
+            if (array.is_wanted) memory.place(context, pool, array.data, samples * sample_bytes(row, array.in_double));
         },
         arrays_, memory_);
 }
@@ -83,10 +80,10 @@ void OutputMemories::place(const device::Context& context, device::BufferPool& p
 OutputBuffers OutputMemories::buffers() const {
     OutputBuffers buffers;
     for_each_output(
-        [&](const OutputRow& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
+        [&](const OutputInfo& row, const HostArray& array, const OutputMemory& memory, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             buffer = memory.buffer();
-            if (array.in_double) buffers.in_double |= row.bit;
+            if (array.in_double) buffers.in_double |= bit_of(row);
         },
         arrays_, memory_, buffers);
     return buffers;
@@ -94,7 +91,7 @@ OutputBuffers OutputMemories::buffers() const {
 
 void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
     for_each_output(
-        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+        [&](const OutputInfo&, const HostArray& array, const OutputMemory& memory) {
             if (array.is_wanted) memory.enqueue_handover(queue);
         },
         arrays_, memory_);
@@ -102,7 +99,7 @@ void OutputMemories::enqueue_handover(const cl::CommandQueue& queue) const {
 
 void OutputMemories::read(const device::Context& context, const cl::CommandQueue& transfers) const {
     for_each_output(
-        [&](const OutputRow&, const HostArray& array, const OutputMemory& memory) {
+        [&](const OutputInfo&, const HostArray& array, const OutputMemory& memory) {
             if (array.is_wanted) memory.read(context, transfers);
         },
         arrays_, memory_);
@@ -112,8 +109,8 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
     HostArrays result = wanted;
     try {
         for_each_output(
-            [&](const OutputRow& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
-                make_room(own, array.is_wanted ? samples * row.sample_bytes(array.in_double) : 0);
+            [&](const OutputInfo& row, HostArray& array, UninitializedVector<MemoryLine>& own) {
+                make_room(own, array.is_wanted ? samples * sample_bytes(row, array.in_double) : 0);
                 if (array.is_wanted) array.data = own.data()->bytes;
             },
             result, arrays_);
@@ -126,7 +123,7 @@ HostArrays OwnArrays::for_samples(const HostArrays& wanted, std::size_t samples)
 
 std::size_t OwnArrays::bytes() const {
     std::size_t bytes = 0;
-    for_each_output([&](const OutputRow&,
+    for_each_output([&](const OutputInfo&,
                         const UninitializedVector<MemoryLine>& own) { bytes += own.capacity() * sizeof(MemoryLine); },
                     arrays_);
     return bytes;

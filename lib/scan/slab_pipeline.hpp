@@ -20,19 +20,15 @@ struct HostArray {
     bool in_double = false;
     std::byte* data = nullptr;
 
-    HostArray from_sample(const OutputRow& row, std::size_t sample) const {
-        return {is_wanted, in_double, data == nullptr ? nullptr : data + sample * row.sample_bytes(in_double)};
+    HostArray from_sample(const OutputInfo& row, std::size_t sample) const {
+        return {is_wanted, in_double, data == nullptr ? nullptr : data + sample * sample_bytes(row, in_double)};
     }
 };
 
-namespace detail {
-template <typename>
-using HostArrayOf = HostArray;
-}
-using HostArrays = PerOutput<detail::HostArrayOf>;
+using HostArrays = PerOutput<HostArray>;
 
-/// Without memory yet, with the elements of PerOutput.
-HostArrays arrays_for(const Outputs& outputs);
+/// Without memory yet, with the types of output_table().
+HostArrays arrays_for(OutputSet outputs);
 /// Bytes that one sample has in the largest of the wanted arrays.
 std::size_t widest_of(const HostArrays& arrays);
 FieldSlab slab_of(const HostArrays& arrays, std::size_t samples);
@@ -70,10 +66,8 @@ public:
     void read(const device::Context& context, const cl::CommandQueue& transfers) const;
 
 private:
-    template <typename>
-    using MemoryOf = OutputMemory;
     HostArrays arrays_;
-    PerOutput<MemoryOf> memory_;
+    PerOutput<OutputMemory> memory_;
 };
 
 /// Called with the slabs of a field, as SlabSink is.
@@ -93,9 +87,7 @@ public:
     std::size_t bytes() const;
 
 private:
-    template <typename>
-    using ArrayOf = UninitializedVector<MemoryLine>;
-    PerOutput<ArrayOf> arrays_;
+    PerOutput<UninitializedVector<MemoryLine>> arrays_;
 };
 
 /// Slabs on their way from the device: while one is computed, the one before is read and handed on. Two sets of

@@ -22,11 +22,15 @@ void Caller::throw_if_stopped() {
 }
 
 void Caller::progress(double fraction) {
-    if (options_.progress) pass_on(options_.progress, fraction);
+    report({.fraction = fraction});
 }
 
-void Caller::compiling(const Compilation& compilation) {
-    if (options_.compiling) pass_on(options_.compiling, compilation);
+void Caller::report(const Progress& progress) {
+    if (options_.progress) pass_on(options_.progress, progress);
+}
+
+void Caller::warn(const std::string& message) {
+    if (options_.log) pass_on(options_.log, message);
 }
 
 void CallMutex::check_thread() const {
@@ -47,52 +51,19 @@ void CallMutex::unlock() {
     mutex_.unlock();
 }
 
-void add_slab(TransformStatistics& total, const TransformStatistics& slab) {
-    total.triangles = slab.triangles;
-    total.polyhedra = slab.polyhedra;
-    total.box_polyhedra = slab.box_polyhedra;
-    total.saddle_vertices = slab.saddle_vertices;
-    total.point_sites = slab.point_sites;
-    total.coarse_pairs += slab.coarse_pairs;
-    total.coarse_bricks += slab.coarse_bricks;
-    ++total.slabs;
-    total.brick_pairs += slab.brick_pairs;
-    total.lanes_evaluated += slab.lanes_evaluated;
-    total.samples_covered += slab.samples_covered;
-    total.band_samples += slab.band_samples;
-    total.lists_seconds += slab.lists_seconds;
-    total.sign_seconds += slab.sign_seconds;
-    total.field_seconds += slab.field_seconds;
-    total.bricks_seconds += slab.bricks_seconds;
-    total.fill_seconds += slab.fill_seconds;
-    for (const auto& [name, count] : slab.method_counts) {
-        MethodCount& sum = total.method_counts[name];
-        sum = {count.of_mesh ? count.value : sum.value + count.value, count.of_mesh};
-    }
-}
-
-void add_call(TransformStatistics& total, const TransformStatistics& call) {
-    const std::size_t slabs = total.slabs + call.slabs;
-    add_slab(total, call);
-    total.slabs = slabs;
-    total.polyhedra_seconds += call.polyhedra_seconds;
-    total.compile_seconds += call.compile_seconds;
-    total.first_use |= call.first_use;
-    total.device_bytes = std::max(total.device_bytes, call.device_bytes);
-    total.host_bytes = std::max(total.host_bytes, call.host_bytes);
-}
-
 device::BuildWatch Compiling::watch(std::size_t variant_steps) {
     const std::size_t most = scan::Programs::common_programs + variant_steps;
     const auto step = [this, most](bool is_waiting) {
         caller_.throw_if_stopped();
-        caller_.compiling({std::max<std::size_t>(step_, 1), std::max(most, step_), is_waiting});
+        const std::size_t present = std::max<std::size_t>(step_, 1), steps = std::max(most, present);
+        caller_.report({is_waiting ? Progress::Stage::waiting : Progress::Stage::compiling,
+                        static_cast<double>(present - 1) / static_cast<double>(steps), present, steps});
     };
     return {[this, step] {
                 ++step_;
                 step(false);
             },
-            [step] { step(true); }, log_};
+            [step] { step(true); }, [this](const std::string& message) { caller_.warn(message); }};
 }
 
 }  // namespace clsdf::transform

@@ -26,8 +26,10 @@ public:
 
     /// Throws Error(cancelled) if the caller wants the call to stop.
     void throw_if_stopped();
+    /// Of the samples or points.
     void progress(double fraction);
-    void compiling(const Compilation& compilation);
+    void report(const Progress& progress);
+    void warn(const std::string& message);
 
     /// Whether the error means that the call needs more memory than there is.
     bool is_short_of_memory(const Error& error) const {
@@ -56,16 +58,10 @@ private:
     std::atomic<std::thread::id> owner_{};
 };
 
-/// Adds what a slab took to what the slabs before it took.
-void add_slab(TransformStatistics& total, const TransformStatistics& slab);
-
-/// Adds what a call took to what the calls before it took.
-void add_call(TransformStatistics& total, const TransformStatistics& call);
-
 /// The building, loading and testing of programs by one call.
 class Compiling {
 public:
-    Compiling(Caller& caller, const std::function<void(const std::string&)>& log) : caller_(caller), log_(log) {}
+    explicit Compiling(Caller& caller) : caller_(caller) {}
 
     /// `variant_steps`: those of building beside the programs that all computations need.
     device::BuildWatch watch(std::size_t variant_steps);
@@ -75,7 +71,6 @@ public:
 
 private:
     Caller& caller_;
-    const std::function<void(const std::string&)>& log_;
     std::size_t step_ = 0;
 };
 

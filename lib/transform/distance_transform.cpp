@@ -9,6 +9,8 @@
 #include "scan/layout_of.hpp"
 #include "scan/output_targets.hpp"
 #include "scan/slabs.hpp"
+#include "transform/blocks.hpp"
+#include "transform/transform_access.hpp"
 #include "transform/transform_state.hpp"
 
 #include <fmt/format.h>
@@ -18,25 +20,37 @@
 
 namespace clsdf {
 
-DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, TransformOptions options, const CallOptions& call)
-    : state_(with_host_memory(
-          "for the mesh", [&] { return std::make_unique<State>(std::move(device), mesh, std::move(options), call); })) {
-}
-DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, TransformOptions options,
-                                     const CallOptions& call, std::span<const cl_event> wait_list) {
+DistanceTransform::DistanceTransform(Device device, const Mesh& mesh, const TransformOptions& options,
+                                     const CallOptions& call)
+    : state_(with_host_memory("for the mesh", [&] {
+          device::wait_for(device::context_of(device), call.wait_list);
+          return std::make_unique<State>(std::move(device), mesh, options, call);
+      })) {}
+DistanceTransform::DistanceTransform(Device device, const MeshView& mesh, const TransformOptions& options,
+                                     const CallOptions& call) {
     with_host_memory("for the mesh", [&] {
         device::MappedMemory memory(device::context_of(device));
         memory.add(mesh.vertices(), "vertices");
         memory.add(mesh.triangles(), "triangles");
-        memory.map(wait_list);
+        memory.map(call.wait_list);
         Mesh copy(MeshView(memory.on_host(mesh.vertices()), memory.on_host(mesh.triangles())));
         memory.unmap();
-        state_ = std::make_unique<State>(std::move(device), std::move(copy), std::move(options), call);
+        state_ = std::make_unique<State>(std::move(device), std::move(copy), options, call);
     });
 }
+DistanceTransform::DistanceTransform(std::unique_ptr<State> state) : state_(std::move(state)) {}
 DistanceTransform::DistanceTransform(DistanceTransform&&) noexcept = default;
 DistanceTransform& DistanceTransform::operator=(DistanceTransform&&) noexcept = default;
 DistanceTransform::~DistanceTransform() = default;
+
+DistanceTransform detail::TransformAccess::make(Device device, const Mesh& mesh,
+                                                std::shared_ptr<const FieldMethod> method,
+                                                const TransformOptions& options, const CallOptions& call) {
+    return with_host_memory("for the mesh", [&] {
+        return DistanceTransform(
+            std::make_unique<DistanceTransform::State>(std::move(device), mesh, options, call, std::move(method)));
+    });
+}
 
 DistanceTransform::State& DistanceTransform::state() const {
     return held_by(state_, "DistanceTransform");
@@ -48,31 +62,40 @@ const Topology& DistanceTransform::topology() const {
 SignRule DistanceTransform::sign() const {
     return state().sign;
 }
-DistanceTransform DistanceTransform::restrict_to(const Box& box, double half_width, double spacing) const {
+Device DistanceTransform::device() const {
+    return state().device;
+}
+const TransformStatistics& DistanceTransform::statistics() const {
+    return state().setup;
+}
+Box DistanceTransform::box() const {
+    State& state = this->state();
+    const std::scoped_lock lock(state.mutex);
+    return state.mesh().box();
+}
+DistanceTransform DistanceTransform::restrict_to(std::span<const Region> regions) const {
     return with_host_memory("to restrict the transform", [&] {
-        DistanceTransform part;
-        part.state_ = state().restricted(box, half_width, spacing);
-        return part;
+        return DistanceTransform(state().restricted({regions.begin(), regions.end()}));
     });
 }
-void DistanceTransform::move(const Triples& positions, std::span<const cl_event> wait_list) {
-    with_host_memory("to move the vertices", [&] {
+void DistanceTransform::set_positions(const InputArray& positions, const CallOptions& call) {
+    with_host_memory("for the positions", [&] {
         State& state = this->state();
-        check_triples(positions, TripleKind::positions, "positions", ErrorCode::invalid_argument);
+        check_array(positions, ArrayKind::positions, "positions", ErrorCode::invalid_argument);
         device::MappedMemory memory(device::context_of(state.device));
         memory.add(positions, "positions");
-        memory.map(wait_list);
+        memory.map(call.wait_list);
         const PositionArray array(memory.on_host(positions));
         std::vector<Vec3> copy;
         if (positions.device != nullptr) {
             copy.assign(array.get().begin(), array.get().end());
             memory.unmap();  // which may fail, before anything has moved
         }
-        state.move(copy.empty() ? array.get() : copy);
+        state.set_positions(copy.empty() ? array.get() : copy);
     });
 }
-void DistanceTransform::move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
-    with_host_memory("to move the vertices", [&] { state().move(rotation, translation); });
+void DistanceTransform::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+    with_host_memory("for the positions", [&] { state().set_motion(rotation, translation); });
 }
 
 KeptMemory DistanceTransform::memory() const {
@@ -84,117 +107,111 @@ KeptMemory DistanceTransform::memory() const {
     return memory;
 }
 
-bool DistanceTransform::compile(const Grid& grid, const Band& band, const Outputs& outputs,
-                                const CallOptions& call) const {
+TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& band, OutputSet outputs,
+                                               const CallOptions& call) const {
     return with_host_memory("to compile", [&] {
         State& state = this->state();
         transform::Caller caller(call);
         caller.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
-        state.check(grid, band, outputs);
-        transform::Compiling compiling(caller, state.options.log);
-        const bool is_tested = state.compile(grid, band, outputs, call.count, compiling);
-        state.compile_seconds += compiling.seconds;
-        state.first_use |= compiling.first_use;
-        return is_tested;
+        state.check(grid, band, scan::extras_of(outputs));
+        transform::Compiling compiling(caller);
+        state.compile(grid, band, scan::extras_of(outputs), call.count_work, compiling);
+        CallStatistics statistics;
+        statistics.compile_seconds = compiling.seconds;
+        statistics.first_use = compiling.first_use;
+        return statistics.published();
     });
 }
 
-void DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
-                                const CallOptions& call, std::span<const cl_event> wait_list) const {
-    with_host_memory("for the computation; compute less at once", [&] {
-        grid.validate();
-        if (targets.distance.device != nullptr) {
-            const Request request{grid, band, targets};
-            compute_on_device({&request, 1}, call, wait_list);
-            return;
-        }
-        device::wait_for(device::context_of(state().device), wait_list);
-        state().compute(grid, band, scan::outputs_of(targets), scan::HostTargets(targets, grid), call);
-    });
+TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, const OutputTargets& targets,
+                                               const CallOptions& call) const {
+    const Request request{grid, band, targets};
+    return compute({&request, 1}, call);
 }
 
-void DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call,
-                                std::span<const cl_event> wait_list) const {
-    with_host_memory("for the requests; give fewer at once", [&] {
+TransformStatistics DistanceTransform::compute(std::span<const Request> requests, const CallOptions& call) const {
+    return with_host_memory("for the computation; compute less at once",
+                            [&] { return state().compute(requests, call).published(); });
+}
+
+TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const CallOptions& call) const {
+    return with_host_memory("for the blocks; compute fewer at once", [&] {
+        // As requests they take some hundred bytes each. Neighbours in the list are mostly neighbours in space.
+        constexpr std::size_t most = std::size_t{1} << 15;
         State& state = this->state();
-        if (!requests.empty() && requests.front().targets.distance.device != nullptr) {
-            compute_on_device(requests, call, wait_list);
-            return;
-        }
-        device::wait_for(device::context_of(state.device), wait_list);
-        const std::vector<scan::HostTargets> targets = transform::targets_of(requests, [&](const Request& request) {
-            state.check(request.grid, request.band, scan::outputs_of(request.targets));
-        });
-        std::vector<scan::HostArrays> arrays;
-        for (const scan::HostTargets& target : targets) arrays.push_back(target.arrays());
-        const std::vector<transform::Batch> batches = transform::batches_of(requests, arrays, state.mesh().box());
-        double cost = 0, done = 0;
-        for (const transform::Batch& batch : batches) cost += batch.cost;
-        const device::Context& context = device::context_of(state.device);
-        const transform::Batch* computed = nullptr;
-        const auto store = [&](const Grid& part, const scan::HostArrays& values) {
-            constexpr std::size_t chunk = 8;
-            for_each_chunk(computed->requests.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-                for (std::size_t n = begin; n < end; ++n) targets[computed->requests[n]].store(part, values);
-            });
-        };
-        // On a processor the next slab would take the cores that store the one before.
-        scan::SlabPipeline pipeline(context, state.pool, store, !context.capabilities().is_processor);
-        TransformStatistics total;
-        for (const transform::Batch& batch : batches) {
-            computed = &batch;
-            TransformStatistics statistics;
-            CallOptions of_batch = call;
-            of_batch.statistics = &statistics;
+        const std::size_t count = blocks.first.size();
+        CallStatistics total;
+        for (std::size_t begin = 0; begin < count; begin += most) {
+            const std::size_t end = std::min(begin + most, count);
+            CallOptions part_call = call;
             if (call.progress)
-                of_batch.progress = [&](double fraction) { call.progress((done + batch.cost * fraction) / cost); };
-            state.compute(batch, requests, targets, pipeline, of_batch);
-            transform::add_call(total, statistics);
-            done += batch.cost;
+                part_call.progress = [&](Progress progress) {
+                    if (progress.stage == Progress::Stage::computing)
+                        progress.fraction =
+                            (static_cast<double>(begin) + static_cast<double>(end - begin) * progress.fraction) /
+                            static_cast<double>(count);
+                    call.progress(progress);
+                };
+            try {
+                add_call(total, state.compute(transform::requests_of(blocks, begin, end), part_call));
+            } catch (const Error& error) {
+                if (count <= most || error.code() != ErrorCode::invalid_argument) throw;
+                throw Error(error.code(), fmt::format("of the blocks {} to {}: {}", begin, end - 1, error.what()),
+                            error.opencl_code());
+            }
         }
-        if (call.statistics != nullptr) *call.statistics = total;
+        return total.published();
     });
 }
 
-void DistanceTransform::compute_on_device(std::span<const Request> requests, const CallOptions& call,
-                                          std::span<const cl_event> wait_list) const {
-    const device::Context& context = device::context_of(state().device);
-    CallOptions of_plan = call;
-    of_plan.statistics = nullptr;  // not before the run has succeeded
-    Plan plan(state().plan(true, {requests.begin(), requests.end()}, std::nullopt, of_plan, call.count));
+CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
+    if (!requests.empty() && scan::are_on_device(requests.front().targets)) return compute_on_device(requests, call);
+    device::wait_for(device::context_of(device), call.wait_list);
+    if (requests.size() != 1) return compute_requests(requests, call);
+    const Request& request = requests.front();
+    return compute_grid(request.grid, request.band, scan::outputs_of(request.targets),
+                        transform::targets_of(requests).front(), call);
+}
+
+CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
+    const device::Context& context = device::context_of(device);
+    const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
     device::guarded([&] {
         const Stopwatch watch;
-        const cl::Event end(plan.enqueue(context.callers_queue()(), wait_list));
+        const cl::Event end = plan->enqueue(context.callers_queue(), device::events_of(context, call.wait_list), {});
         end.wait();
-        device::wait_for(context, wait_list);  // Intel's runtime reports success
-        if (call.count) plan.state().read_counters();
-        if (call.statistics != nullptr) {
-            *call.statistics = plan.statistics();
-            call.statistics->field_seconds = watch.seconds();
-        }
+        device::wait_for(context, call.wait_list);  // Intel's runtime reports success
+        if (call.count_work) plan->read_counters();
+        plan->statistics.field_seconds = watch.seconds();
     });
-    if (call.progress) call.progress(1.0);
+    transform::Caller(call).progress(1.0);
+    return plan->statistics;
 }
 
-void DistanceTransform::compute_slabs(const Grid& grid, const Band& band, const Outputs& outputs, const SlabSink& sink,
-                                      const SlabOptions& options, const CallOptions& call) const {
-    with_host_memory("for the slabs; compute a part of the grid", [&] {
+TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs,
+                                               const SlabSink& sink, const SlabOptions& options,
+                                               const CallOptions& call) const {
+    return with_host_memory("for the slabs; compute a part of the grid", [&] {
         State& state = this->state();
         grid.validate();
         grid.sample_count();
-        state.check(grid, band, outputs);
-        if (!sink)
-            throw Error(ErrorCode::invalid_argument, "DistanceTransform::compute_slabs needs a sink; it is empty");
+        const OutputSet extras = scan::extras_of(outputs);
+        state.check(grid, band, extras);
+        if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
         const device::Context& context = device::context_of(state.device);
+        device::wait_for(context, call.wait_list);
         const auto hand_on = [&](const Grid& part, const scan::HostArrays& values) {
             sink(part, scan::slab_of(values, part.sample_count()));
         };
-        scan::SlabPipeline pipeline(context, state.pool, hand_on, options.overlap);
-        const scan::HostArrays arrays = scan::arrays_for(outputs);
-        state.compute(grid, band, outputs, arrays, false,
-                      scan::slabs_of(grid, scan::stream_limits_of(context.capabilities()), scan::widest_of(arrays)), {},
-                      pipeline, call);
+        scan::SlabPipeline pipeline(context, state.pool, hand_on, options.sink_has_own_thread);
+        const scan::HostArrays arrays = scan::arrays_for(extras);
+        return state
+            .compute_slabs(
+                grid, band, extras, arrays, false,
+                scan::slabs_of(grid, scan::stream_limits_of(context.capabilities()), scan::widest_of(arrays)), {},
+                pipeline, call)
+            .published();
     });
 }
 
@@ -202,37 +219,17 @@ std::vector<Grid> DistanceTransform::slabs_of(const Grid& grid) {
     grid.validate();
     device::Context::Capabilities unlimited;
     unlimited.memory = unlimited.largest_allocation = std::numeric_limits<std::size_t>::max();
-    scan::layout_of(grid, {0, 0}, SignRule::none);  // which refuses grids that cannot be computed
+    scan::layout_of(grid, Band::signs_only(), SignRule::none);  // which refuses grids that cannot be computed
     return with_host_memory("for the list of slabs",
                             [&] { return scan::slabs_of(grid, scan::stream_limits_of(unlimited)); });
 }
 
-Field DistanceTransform::operator()(const Grid& grid, const Band& band, const Outputs& outputs,
-                                    const CallOptions& call) const {
-    Field field;
-    field.grid = grid;
-    field.band = band;
-    field.sign = sign();
-    field.mesh_name = state().mesh().name();
-    grid.validate();
-    OutputTargets targets;
+Field DistanceTransform::compute(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call,
+                                 TransformStatistics* statistics) const {
+    Field field({grid, band, sign(), state().mesh().name()}, scan::extras_of(outputs) | Output::distance);
     try {
-        field.distance.resize(grid.sample_count());
-        targets.distance = field.distance;
-        for_each_extra(
-            [&](const OutputRow& row, bool wanted, auto& array, OutputTarget& target) {
-                if (!wanted) return;
-                array.resize(grid.sample_count() * row.components);
-                target = array;
-            },
-            outputs, field, targets);
-    } catch (const std::exception&) {
-        throw Error(ErrorCode::out_of_memory,
-                    fmt::format("a field of {} x {} x {} samples does not fit the memory; compute parts of the grid",
-                                grid.size[0], grid.size[1], grid.size[2]));
-    }
-    try {
-        compute(grid, band, targets, call);
+        const TransformStatistics made = compute(grid, band, field.targets(), call);
+        if (statistics != nullptr) *statistics = made;
     } catch (const Error&) {
         if (device::context_of(state_->device).is_lost()) keep_for_good(field);
         throw;

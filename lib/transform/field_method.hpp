@@ -21,7 +21,7 @@ public:
     virtual ~FieldMethod() = default;
 
     /// Throws Error(unsupported) for an output that it does not give.
-    virtual void check_outputs(const Outputs& outputs) const = 0;
+    virtual void check_outputs(OutputSet outputs) const = 0;
 
     /// The mesh on the device for a grid, which is not kept for other grids.
     virtual std::shared_ptr<const scan::PreparedMesh> prepare(transform::Stages& stages, const Grid& grid,

@@ -11,8 +11,8 @@
 namespace clsdf::transform {
 
 GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs,
-                   Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in,
-                   const Outputs& outputs_in, const PlanOptions& options, const std::function<void()>& between_launches)
+                   Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in, OutputSet outputs_in,
+                   const PlanOptions& options, const std::function<void()>& between_launches)
     : device(std::move(device_in)),
       pool(std::move(pool_in)),
       inputs(std::move(inputs_in)),
@@ -29,7 +29,8 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
     SignSweep sweep({context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches});
     statistics.sign_seconds = sign_watch.seconds();
     const PreparedMesh& records = *inputs.records;
-    if (inputs.sites) finishing_.emplace(grid, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
+    if (inputs.sites)
+        finishing_.emplace(grid, band, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
     device::guarded([&] {
         const ScanInputs scan_inputs{.context = context,
                                      .programs = programs,
@@ -37,7 +38,7 @@ GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in
                                      .layout = layout,
                                      .mesh = records,
                                      .launches = launches,
-                                     .variant = {outputs != Outputs{}, options.count, has_long_bricks(grid)},
+                                     .variant = {outputs != OutputSet{}, options.count, has_long_bricks(grid)},
                                      .sign_bits = sweep.bits(),
                                      .selection = inputs.selection,
                                      .points = inputs.points,

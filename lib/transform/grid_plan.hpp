@@ -22,7 +22,7 @@ struct PlanOptions {
 /// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
 struct GridPlan {
     GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs, Inputs inputs_in,
-             const Grid& grid_in, const Band& band_in, SignRule sign_in, const Outputs& outputs_in,
+             const Grid& grid_in, const Band& band_in, SignRule sign_in, OutputSet outputs_in,
              const PlanOptions& options, const std::function<void()>& between_launches);
 
     /// No command that uses it may be under way, unless the device is lost.
@@ -48,9 +48,9 @@ struct GridPlan {
     Grid grid;
     Band band;
     SignRule sign;
-    Outputs outputs;
+    OutputSet outputs;
     std::vector<Grid> wanted;  ///< see PlanOptions
-    TransformStatistics statistics;
+    CallStatistics statistics;
     bool has_large_triangles = false;  ///< see SignBits
 
     /// Device memory of this plan alone, without the records, which are shared.

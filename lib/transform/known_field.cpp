@@ -24,6 +24,8 @@ using scan::HostArrays;
 
 // In voxels: what a field is held to (docs/accuracy.md), twice.
 constexpr double tolerance = 2e-5;
+// In voxels: of distances in double, to the site that is named.
+constexpr double double_tolerance = 1e-9;
 // For the length of a unit vector, and for its direction, on top of the error of the distance.
 constexpr double direction_tolerance = 1e-5;
 // For a barycentric coordinate in float.
@@ -308,17 +310,33 @@ std::array<double, 3> KnownField::pseudonormal(std::uint32_t triangle, std::uint
     return {sum.x(), sum.y(), sum.z()};
 }
 
+double KnownField::limit(bool negative, const HostArray& distance) const {
+    const double half_width = negative ? band_.inside : band_.outside;
+    return distance.in_double ? half_width : static_cast<double>(static_cast<float>(half_width));
+}
+
+std::size_t KnownField::band_samples(const HostArrays& found) const {
+    const HostArray& distance = found[Output::distance];
+    const double inside = -limit(true, distance), outside = limit(false, distance);
+    std::size_t count = 0;
+    for (std::size_t at = 0; at < grid_.sample_count(); ++at) {
+        const double value = number_at(distance, at);
+        count += static_cast<std::size_t>(inside < value && value < outside);
+    }
+    return count;
+}
+
 std::string KnownField::wrong_distance(const HostArrays& found, const Sample& sample) const {
     // Beyond the band a sample carries the band's limit.
     const double expected = std::clamp(sample.distance, -band_.inside, band_.outside);
-    const auto distance = value_at<float>(found.distance, sample.at);
+    const double distance = number_at(found[Output::distance], sample.at);
     // A comparison that a NaN fails, too.
-    if (std::abs(static_cast<double>(distance) - expected) <= error()) return {};
-    return fmt::format("has the distance {} instead of {:.7g}", distance, expected);
+    if (std::abs(distance - expected) <= error()) return {};
+    return fmt::format("has the distance {:.9g} instead of {:.7g}", distance, expected);
 }
 
 std::string KnownField::wrong_triangle(const HostArrays& found, const Sample& sample) const {
-    const auto triangle = value_at<std::uint32_t>(found.triangle, sample.at);
+    const auto triangle = value_at<std::uint32_t>(found[Output::triangle], sample.at);
     const double limit = sample.distance < 0 ? band_.inside : band_.outside, length = std::abs(sample.distance);
     const bool is_none = triangle == no_triangle;
     const bool is_nearest =
@@ -327,17 +345,21 @@ std::string KnownField::wrong_triangle(const HostArrays& found, const Sample& sa
     return fmt::format("has the triangle {}, which is not nearest", triangle);
 }
 
-static_assert(CLSDF_OUTPUT_COUNT == 5, "a new output is compared here, and asked for in self_test.cpp");
+static_assert(CLSDF_OUTPUT_COUNT == 6, "a new output is compared here, and asked for in self_test.cpp");
 
 // All outputs belong to one triangle and site. If several are as near, any one may be named: the closest point of the
 // named one decides what the others must be.
 std::string KnownField::wrong_outputs(const HostArrays& found, const Sample& sample) const {
-    const auto triangle = value_at<std::uint32_t>(found.triangle, sample.at);
-    const auto site = value_at<std::uint8_t>(found.site, sample.at);
-    const Vector closest_or_offset = vector_at(found.closest, sample.at),
-                 gradient = vector_at(found.gradient, sample.at);
-    const double first = number_at(found.barycentric, 2 * sample.at),
-                 second = number_at(found.barycentric, 2 * sample.at + 1);
+    const auto triangle = value_at<std::uint32_t>(found[Output::triangle], sample.at);
+    const auto site = value_at<std::uint8_t>(found[Output::site], sample.at);
+    const Vector closest_or_offset = vector_at(found[Output::closest], sample.at),
+                 gradient = vector_at(found[Output::gradient], sample.at);
+    const double first = number_at(found[Output::barycentric], 2 * sample.at),
+                 second = number_at(found[Output::barycentric], 2 * sample.at + 1);
+    const HostArray& distances = found[Output::distance];
+    const double value = number_at(distances, sample.at), most = limit(sample.distance < 0, distances);
+    if (triangle == no_triangle && distances.in_double && std::abs(value) != most)
+        return fmt::format("has the distance {:.17g} beyond the band", value);
     if (triangle == no_triangle) {
         if (site == no_site && closest_or_offset.array().isNaN().all() && gradient.array().isNaN().all() &&
             std::isnan(first) && std::isnan(second))
@@ -345,7 +367,8 @@ std::string KnownField::wrong_outputs(const HostArrays& found, const Sample& sam
         return "has outputs, but no triangle";
     }
     const Vector position = to_vector(sample.position);
-    const Vector from = found.closest.in_double ? Vector(position - closest_or_offset) : Vector(-closest_or_offset);
+    const Vector from =
+        found[Output::closest].in_double ? Vector(position - closest_or_offset) : Vector(-closest_or_offset);
     const Vector closest = position - from;
     const double length = std::abs(sample.distance), error = this->error();
     const double off_triangle = distance_to(triangle, {closest.x(), closest.y(), closest.z()});
@@ -362,6 +385,12 @@ std::string KnownField::wrong_outputs(const HostArrays& found, const Sample& sam
         return fmt::format(
             "has the site {} of triangle {}, which is not the nearest, or not in the lowest triangle that shares it",
             site, triangle);
+
+    const double to_site = (closest_of_extension(corners, position) - position).norm();
+    if (distances.in_double &&
+        !(std::abs(std::abs(value) - std::min(to_site, most)) <= double_tolerance * grid_.voxel()))
+        return fmt::format("has the distance {:.17g}, and site {} of triangle {} is {:.17g} away", value, site,
+                           triangle, to_site);
 
     Vector direction = gradient.normalized();  // free beside the surface
     if (length <= on_surface * grid_.voxel())
@@ -393,8 +422,8 @@ std::optional<std::string> KnownField::difference(const HostArrays& found) const
                 const std::size_t at = grid_.offset(i, j, k);
                 const Sample sample{at, grid_.position(i, j, k), known[at]};
                 std::string what = wrong_distance(found, sample);
-                if (what.empty() && found.triangle.is_wanted) what = wrong_triangle(found, sample);
-                if (what.empty() && found.closest.is_wanted) what = wrong_outputs(found, sample);
+                if (what.empty() && found[Output::triangle].is_wanted) what = wrong_triangle(found, sample);
+                if (what.empty() && found[Output::closest].is_wanted) what = wrong_outputs(found, sample);
                 if (what.empty()) continue;
                 if (wrong++ == 0)
                     first = fmt::format("sample ({}, {}, {}) at {} {}", grid_.first[0] + i, grid_.first[1] + j,

@@ -43,6 +43,8 @@ public:
     /// samples. Nothing if all agree. found: packed samples; the distance alone, with the triangle, or with all
     /// outputs.
     std::optional<std::string> difference(const scan::HostArrays& found) const;
+    /// The samples whose distance is less than the half width on their side.
+    std::size_t band_samples(const scan::HostArrays& found) const;
 
 private:
     /// A sample that is compared.
@@ -56,6 +58,8 @@ private:
     std::string wrong_triangle(const scan::HostArrays& found, const Sample& sample) const;
     std::string wrong_outputs(const scan::HostArrays& found, const Sample& sample) const;
 
+    /// The half width on this side of the surface, as elements of the array have it.
+    double limit(bool negative, const scan::HostArray& distance) const;
     double error() const;
     double distance_to(std::uint32_t triangle, const Vec3& point) const;
     /// Whether a triangle is the lowest that shares its site.

@@ -12,13 +12,6 @@
 
 namespace clsdf::transform {
 
-namespace {
-
-template <typename>
-using BytesOf = std::size_t;
-
-}  // namespace
-
 PlanState::PlanState(Device device_in, std::shared_ptr<device::BufferPool> pool_in, bool is_own_pool)
     : device(std::move(device_in)), has_own_pool(is_own_pool), pool(std::move(pool_in)) {}
 
@@ -29,18 +22,18 @@ PlanState::~PlanState() {
 }
 
 void PlanState::make_room(std::span<const Block> blocks, std::span<const DeviceTargets> targets) {
-    PerOutput<BytesOf> most{};
+    PerOutput<std::size_t> most{};
     for (const Block& block : blocks) {
         if (block.in_place) continue;
         for_each_output(
-            [&](const OutputRow& row, const HostArray& array, std::size_t& bytes) {
+            [&](const OutputInfo& row, const HostArray& array, std::size_t& bytes) {
                 if (!array.is_wanted) return;
-                bytes = std::max(bytes, block.grid.sample_count() * row.sample_bytes(array.in_double));
+                bytes = std::max(bytes, block.grid.sample_count() * sample_bytes(row, array.in_double));
             },
             targets[block.batch->requests.front()].arrays(), most);
     }
     for_each_output(
-        [&](const OutputRow&, std::size_t bytes, device::BufferPool::Lease& lease) {
+        [&](const OutputInfo&, std::size_t bytes, device::BufferPool::Lease& lease) {
             if (bytes > 0) lease = pool->lease(bytes, "samples of a plan's blocks");
         },
         most, samples_);
@@ -57,27 +50,25 @@ void PlanState::add(const Block& block, std::unique_ptr<GridPlan> plan, std::spa
     }
     device::Context& context = device::context_of(device);
     const cl::Program program = programs.store(context);
-    PerOutput<PlacesOf> all_places = places_of(part, targets);
+    PerOutput<std::vector<Place>> all_places = places_of(part, targets);
     for_each_output(
-        [&](const OutputRow& row, const OutputTarget& like, const HostArray& array,
-            const device::BufferPool::Lease& lease, std::vector<Place>& places, std::optional<BoxStore>& store,
-            cl::Buffer& buffer) {
+        [&](const OutputInfo& row, const HostArray& array, const device::BufferPool::Lease& lease,
+            std::vector<Place>& places, std::optional<BoxStore>& store, cl::Buffer& buffer) {
             if (!array.is_wanted) return;
             buffer = *lease;
-            if (array.in_double) part.buffers.in_double |= row.bit;
-            const StoredElements elements{row.components, row.sample_bytes(array.in_double) / row.components,
-                                          is_widened(row, like)};
+            if (array.in_double) part.buffers.in_double |= bit_of(row);
+            const StoredElements elements{row.components, sample_bytes(row, array.in_double) / row.components};
             if (!places.empty()) store.emplace(context, program, block.grid, elements, *lease, std::move(places));
         },
-        part.like, part.arrays, samples_, all_places, part.stores, part.buffers);
+        part.arrays, samples_, all_places, part.stores, part.buffers);
     parts_.push_back(std::move(part));
 }
 
-PerOutput<PlanState::PlacesOf> PlanState::places_of(const Part& part, std::span<const DeviceTargets> targets) const {
-    PerOutput<PlacesOf> all_places;
+PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<const DeviceTargets> targets) const {
+    PerOutput<std::vector<Place>> all_places;
     for (const std::size_t n : part.requests)
         for_each_output(
-            [&](const OutputRow&, const OutputTarget& target, const HostArray& array, std::vector<Place>& places) {
+            [&](const OutputInfo&, const OutputArray& target, const HostArray& array, std::vector<Place>& places) {
                 if (!array.is_wanted) return;
                 if (const auto box = stored_box(part.plan->grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
@@ -85,7 +76,7 @@ PerOutput<PlanState::PlacesOf> PlanState::places_of(const Part& part, std::span<
             targets[n].targets(), part.arrays, all_places);
     // A launch stores what goes to one buffer: the buffers in the order of the requests.
     for_each_output(
-        [](const OutputRow&, std::vector<Place>& places) {
+        [](const OutputInfo&, std::vector<Place>& places) {
             std::map<cl_mem, std::size_t> numbers;
             for (const Place& place : places) numbers.emplace(place.memory, numbers.size());
             std::ranges::stable_sort(places, {}, [&](const Place& place) { return numbers.at(place.memory); });
@@ -96,8 +87,8 @@ PerOutput<PlanState::PlacesOf> PlanState::places_of(const Part& part, std::span<
 
 void PlanState::check(const Part& part, const DeviceTargets& target) const {
     for_each_output(
-        [&](const OutputRow& row, const HostArray& planned, const HostArray& given, const OutputTarget& like,
-            const OutputTarget& other) {
+        [&](const OutputInfo& row, const HostArray& planned, const HostArray& given, const OutputArray& like,
+            const OutputArray& other) {
             if (given.is_wanted != planned.is_wanted)
                 throw Error(ErrorCode::invalid_argument,
                             planned.is_wanted
@@ -105,14 +96,16 @@ void PlanState::check(const Part& part, const DeviceTargets& target) const {
                                               "memory, or plan without",
                                               row.name)
                                 : fmt::format("{0} has a target, and the plan was made without; plan with "
-                                              "Outputs{{.{0} = true}}",
+                                              "Output::{0}",
                                               row.name));
-            if (!part.in_place && other.element != like.element)
-                throw Error(
-                    ErrorCode::unsupported,
-                    fmt::format("the target of the output {} has another type of elements than the request; make "
-                                "a plan of a request with such a target",
-                                row.name));
+            // Distances in double are other work.
+            const bool is_fixed = !part.in_place || row.output == Output::distance;
+            if (is_fixed && other.type != like.type)
+                throw Error(ErrorCode::unsupported,
+                            fmt::format("the target of the output {} has {}s, another type of elements than planned; "
+                                        "make the plan with DistanceTransform::plan(request), of a request with such "
+                                        "a target",
+                                        row.name, name_of(other.type)));
         },
         part.arrays, target.arrays(), part.like, target.targets());
     if (part.in_place && !target.in_place())
@@ -149,7 +142,7 @@ void PlanState::clear() {
 
 std::size_t PlanState::own_bytes(const Stages& stages) const {
     std::size_t bytes = 0;
-    for_each_output([&](const OutputRow&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
+    for_each_output([&](const OutputInfo&, const device::BufferPool::Lease& lease) { bytes += lease.bytes(); },
                     samples_);
     Inputs counted;  // the parts of a batch follow one another, and share them
     for (const Part& part : parts_) {
@@ -160,7 +153,7 @@ std::size_t PlanState::own_bytes(const Stages& stages) const {
         bytes += stages.bytes_beside(inputs);
         counted = part.plan->inputs;
         for_each_output(
-            [&](const OutputRow&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
+            [&](const OutputInfo&, const std::optional<BoxStore>& store) { bytes += store ? store->bytes() : 0; },
             part.stores);
     }
     return bytes;
@@ -168,19 +161,18 @@ std::size_t PlanState::own_bytes(const Stages& stages) const {
 
 void PlanState::enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const {
     if (part.in_place) return;
-    PerOutput<PlacesOf> all_places;
+    PerOutput<std::vector<Place>> all_places;
     if (!targets.empty()) all_places = places_of(part, targets);
     for_each_output(
-        [&](const OutputRow&, std::optional<BoxStore>& store, const std::vector<Place>& places) {
+        [&](const OutputInfo&, std::optional<BoxStore>& store, const std::vector<Place>& places) {
             if (store) store->enqueue(chain, places);
         },
         part.stores, all_places);
 }
 
 void PlanState::read_counters() {
-    std::size_t TransformStatistics::*const counters[] = {
-        &TransformStatistics::brick_pairs, &TransformStatistics::lanes_evaluated, &TransformStatistics::samples_covered,
-        &TransformStatistics::band_samples};
+    std::size_t CallStatistics::*const counters[] = {&CallStatistics::brick_pairs, &CallStatistics::lanes_evaluated,
+                                                     &CallStatistics::samples_covered, &CallStatistics::band_samples};
     for (const auto counter : counters) statistics.*counter = 0;
     for (const Part& part : parts_) {
         part.plan->read_counters();

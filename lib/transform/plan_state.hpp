@@ -58,37 +58,39 @@ struct PlanState {
     bool counts = false;  ///< runs count the device's work, for read_counters()
     std::shared_ptr<device::BufferPool> pool;
     std::vector<Request> requests;
-    std::optional<Outputs> outputs_without_targets;  ///< of a plan of one grid that was made without memory
+    std::optional<OutputSet> outputs_without_targets;  ///< of a plan of one grid that was made without memory
     SignRule sign = SignRule::none;
-    TransformStatistics statistics;
-    bool is_whole = false;  ///< all blocks have been added
+    CallStatistics statistics;
+    TransformStatistics published;  ///< of making or updating it
+    bool is_whole = false;          ///< all blocks have been added
 
 private:
-    template <typename>
-    using StoreOf = std::optional<BoxStore>;
     struct Part {
         std::unique_ptr<GridPlan> plan;
         std::vector<std::size_t> requests;
         bool in_place;
         HostArrays arrays;        ///< which outputs, and the elements that are computed
-        OutputTargets like;       ///< of the first request: all have the same elements
+        TargetArrays like;        ///< of the first request: all have the same types
         OutputBuffers buffers{};  ///< that the samples are computed in
-        PerOutput<StoreOf> stores{};
+        PerOutput<std::optional<BoxStore>> stores{};
     };
-    template <typename>
-    using PlacesOf = std::vector<Place>;
-    template <typename>
-    using LeaseOf = device::BufferPool::Lease;
-
     /// The places of a part's samples in the targets of its requests.
-    PerOutput<PlacesOf> places_of(const Part& part, std::span<const DeviceTargets> targets) const;
+    PerOutput<std::vector<Place>> places_of(const Part& part, std::span<const DeviceTargets> targets) const;
     /// Throws if the part cannot write to the target of one of its requests.
     void check(const Part& part, const DeviceTargets& target) const;
     void enqueue_stores(Part& part, CommandChain& chain, std::span<const DeviceTargets> targets) const;
 
-    PerOutput<LeaseOf> samples_;  ///< of a block
+    PerOutput<device::BufferPool::Lease> samples_;  ///< of a block
     std::vector<Part> parts_;
     Runs runs_;
 };
 
 }  // namespace clsdf::transform
+
+namespace clsdf {
+
+struct __attribute__((visibility("hidden"))) Plan::State : transform::PlanState {
+    using PlanState::PlanState;
+};
+
+}  // namespace clsdf

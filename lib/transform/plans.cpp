@@ -19,21 +19,21 @@ namespace transform {
 
 namespace {
 
-/// For the caller, who releases the event. targets: see PlanState::enqueue().
-cl_event enqueue_run(PlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list,
-                     std::span<const DeviceTargets> targets) {
+/// done: for the caller, who releases it; may be null. targets: see PlanState::enqueue().
+void enqueue_run(PlanState& state, cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* done,
+                 std::span<const DeviceTargets> targets) {
     const device::Context& context = device::context_of(state.device);
     const cl::Event last =
         state.enqueue(device::queue_of(context, queue), device::events_of(context, wait_list), targets);
+    if (done == nullptr) return;
     clRetainEvent(last());
-    return last();
+    *done = last();
 }
 
 void require_whole(const PlanState& state) {
     if (!state.is_whole)
         throw Error(ErrorCode::invalid_argument,
-                    "the plan's last move() or replan() failed, so that it has nothing to compute with; call one of "
-                    "them again");
+                    "the plan's last update() failed, so that it has nothing to compute with; call it again");
 }
 
 /// The blocks by which batches are computed.
@@ -56,17 +56,17 @@ std::vector<PlanState::Block> blocks_of(std::span<const Batch> batches, std::spa
 
 }  // namespace transform
 
-std::unique_ptr<transform::PlanState> DistanceTransform::State::plan(bool has_own_pool, std::vector<Request> requests,
-                                                                     std::optional<Outputs> outputs_without_targets,
-                                                                     const CallOptions& call, bool counts) {
-    auto made = std::make_unique<transform::PlanState>(device, has_own_pool ? pool->beside() : pool, has_own_pool);
+std::unique_ptr<Plan::State> DistanceTransform::State::plan(bool has_own_pool, std::vector<Request> requests,
+                                                            std::optional<OutputSet> outputs_without_targets,
+                                                            const CallOptions& call, bool counts) {
+    auto made = std::make_unique<Plan::State>(device, has_own_pool ? pool->beside() : pool, has_own_pool);
     made->counts = counts;
     plan(*made, std::move(requests), outputs_without_targets, call);
     return made;
 }
 
 void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Request> requests,
-                                    std::optional<Outputs> outputs_without_targets, const CallOptions& call) {
+                                    std::optional<OutputSet> outputs_without_targets, const CallOptions& call) {
     const device::Context& context = device::context_of(device);
     if (&device::context_of(made.device) != &context)
         throw Error(ErrorCode::invalid_argument,
@@ -104,7 +104,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     const std::scoped_lock lock(mutex);
     transform::Caller caller(call);
     caller.throw_if_stopped();
-    transform::Compiling compiling(caller, options.log);
+    transform::Compiling compiling(caller);
     if (!std::all_of(blocks.begin(), blocks.end(), [](const auto& block) { return block.in_place; })) {
         const Stopwatch compile_watch;
         compiling.first_use = transform::ensure_store_tested(device, programs, compiling.watch(1));
@@ -128,8 +128,9 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
-    report(compiling, made.statistics);
-    if (call.statistics != nullptr) *call.statistics = made.statistics;
+    made.statistics.compile_seconds = compiling.seconds;
+    made.statistics.first_use = compiling.first_use;
+    made.published = made.statistics.published();
 }
 
 void DistanceTransform::State::add_blocks(transform::PlanState& made,
@@ -142,7 +143,7 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
     for (const transform::PlanState::Block& block : blocks) {
         const std::size_t first = block.batch->requests.front();
         const Band& band = made.requests[first].band;
-        const Outputs outputs = scan::outputs_of(targets[first].arrays());
+        const OutputSet outputs = scan::outputs_of(targets[first].arrays());
         if (block.batch != batch) {
             batch = block.batch;
             compile(batch->block, band, outputs, made.counts, compiling);
@@ -158,7 +159,7 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
             stages->select(block.grid, scan::layout_of(block.grid, band, sign), inputs_of_block);
         auto of_block = make_plan(std::move(inputs_of_block), block.grid, band, outputs, wanted, made.counts, caller,
                                   compiling, made.pool);
-        transform::add_slab(made.statistics, of_block->statistics);
+        add_slab(made.statistics, of_block->statistics);
         made.add(block, std::move(of_block), targets, programs);
     }
     made.statistics.polyhedra_seconds = polyhedra_seconds;
@@ -166,12 +167,12 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
     made.statistics.device_bytes = made.own_bytes(*stages);
 }
 
-Plan::Plan(std::unique_ptr<transform::PlanState> state) : state_(std::move(state)) {}
+Plan::Plan(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Plan::Plan(Plan&&) noexcept = default;
 Plan& Plan::operator=(Plan&&) noexcept = default;
 Plan::~Plan() = default;
 
-transform::PlanState& Plan::state() const {
+Plan::State& Plan::state() const {
     return held_by(state_, "Plan");
 }
 
@@ -184,69 +185,68 @@ SignRule Plan::sign() const {
 }
 
 const TransformStatistics& Plan::statistics() const {
-    return state().statistics;
+    return state().published;
 }
 
-cl_event Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list) {
-    transform::PlanState& state = this->state();
+void Plan::enqueue(cl_command_queue queue, std::span<const cl_event> wait_list, cl_event* done) {
+    State& state = this->state();
     transform::require_whole(state);
     if (state.outputs_without_targets)
         throw Error(ErrorCode::invalid_argument,
                     "the plan was made of a grid and has no targets; give enqueue() targets, or plan a Request");
-    return with_host_memory("for a run of the plan", [&] {
-        return device::guarded([&] { return transform::enqueue_run(state, queue, wait_list, {}); });
-    });
+    with_host_memory("for a run of the plan",
+                     [&] { device::guarded([&] { transform::enqueue_run(state, queue, wait_list, done, {}); }); });
 }
 
-cl_event Plan::enqueue(cl_command_queue queue, std::span<const OutputTargets> targets,
-                       std::span<const cl_event> wait_list) {
-    transform::PlanState& state = this->state();
+void Plan::enqueue(cl_command_queue queue, std::span<const OutputTargets> targets, std::span<const cl_event> wait_list,
+                   cl_event* done) {
+    State& state = this->state();
     transform::require_whole(state);
-    return with_host_memory("for the targets of a run; give fewer", [&] {
-        return device::guarded(
-            [&] { return transform::enqueue_run(state, queue, wait_list, state.targets_of(targets)); });
+    with_host_memory("for the targets of a run; give fewer", [&] {
+        device::guarded([&] { transform::enqueue_run(state, queue, wait_list, done, state.targets_of(targets)); });
     });
 }
 
-cl_event Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list) {
-    return enqueue(queue, {&targets, 1}, wait_list);
+void Plan::enqueue(cl_command_queue queue, const OutputTargets& targets, std::span<const cl_event> wait_list,
+                   cl_event* done) {
+    enqueue(queue, std::span(&targets, 1), wait_list, done);
 }
 
-void Plan::move(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
+void Plan::update(const DistanceTransform& transform, const CallOptions& call) {
+    with_host_memory("for the plan", [&] {
+        State& state = this->state();
+        transform.state().plan(state, state.requests, state.outputs_without_targets, call);
+    });
+}
+
+void Plan::update(const DistanceTransform& transform, std::span<const Grid> grids, const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
-        transform::PlanState& state = this->state();
-        if (!grids.empty() && grids.size() != state.requests.size())
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("the plan has {} requests, and {} grids are given to move them to; give one for each, "
-                            "or none",
-                            state.requests.size(), grids.size()));
+        State& state = this->state();
+        if (grids.size() != state.requests.size())
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the plan has {} requests, and {} grids are given; give one for each",
+                                    state.requests.size(), grids.size()));
         std::vector<Request> requests = state.requests;
         for (std::size_t n = 0; n < grids.size(); ++n) requests[n].grid = grids[n];
         transform.state().plan(state, std::move(requests), state.outputs_without_targets, call);
     });
 }
 
-void Plan::replan(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call) {
+void Plan::update(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call) {
     with_host_memory("for the plan; give fewer requests", [&] {
         transform.state().plan(state(), {requests.begin(), requests.end()}, std::nullopt, call);
     });
 }
 
-Plan DistanceTransform::plan(const Grid& grid, const Band& band, const Outputs& outputs,
-                             const CallOptions& call) const {
+Plan DistanceTransform::plan(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call) const {
     return with_host_memory("for the plan", [&] {
-        return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, outputs, call));
+        return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, scan::extras_of(outputs), call));
     });
-}
-
-Plan DistanceTransform::plan(const Request& request, const CallOptions& call) const {
-    return with_host_memory("for the plan", [&] { return Plan(state().plan(false, {request}, std::nullopt, call)); });
 }
 
 Plan DistanceTransform::plan(std::span<const Request> requests, const CallOptions& call) const {
     return with_host_memory("for the plan; give fewer requests", [&] {
-        return Plan(state().plan(true, {requests.begin(), requests.end()}, std::nullopt, call));
+        return Plan(state().plan(requests.size() != 1, {requests.begin(), requests.end()}, std::nullopt, call));
     });
 }
 

@@ -24,7 +24,7 @@ std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
     return make_room_for([&] { return stages->points(); });
 }
 
-points::PointInputs DistanceTransform::State::point_inputs(const Outputs& outputs, std::size_t count) {
+points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count) {
     return make_room_for_points([&] {
         points::PointInputs inputs;
         inputs.mesh = stages->points();
@@ -34,34 +34,35 @@ points::PointInputs DistanceTransform::State::point_inputs(const Outputs& output
         if (sign != SignRule::none)
             inputs.sides = stages->face_sides(
                 sign, has_room && points::are_sides_worthwhile(points_asked, mesh().triangles().size()));
-        inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient || inputs.sides != nullptr);
+        inputs.sites = stages->sites(transform::names_sites(outputs),
+                                     outputs.contains(Output::gradient) || inputs.sides != nullptr);
         inputs.sign = sign;
-        inputs.is_inside_out =
-            outputs.gradient && sign != SignRule::none && topology.balanced && stages->encloses_negative_volume();
+        inputs.is_inside_out = outputs.contains(Output::gradient) && sign != SignRule::none && topology.balanced &&
+                               stages->encloses_negative_volume();
         return inputs;
     });
 }
 
-points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, std::size_t asked, double within,
-                                                   const Outputs& outputs, const scan::HostArrays& arrays,
+points::PointTimes DistanceTransform::State::query(std::span<const Vec3> part, std::size_t asked, double half_width,
+                                                   OutputSet outputs, const scan::HostArrays& arrays,
                                                    const std::function<void(double)>& between) {
     const points::PointInputs inputs = point_inputs(outputs, asked);
-    return points::query_points(device::context_of(device), programs, pool, inputs, part, within, arrays, between);
+    return points::query_points(device::context_of(device), programs, pool, inputs, part, half_width, arrays, between);
 }
 
-void DistanceTransform::State::query(std::span<const Vec3> all, double within, const Outputs& outputs,
-                                     const scan::HostTargets& targets, const CallOptions& call) {
+CallStatistics DistanceTransform::State::query(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                                               const scan::HostTargets& targets, const CallOptions& call) {
     const KeepsBudget keeps_budget(*this);
-    TransformStatistics statistics;
+    CallStatistics statistics;
     statistics.triangles = mesh().triangles().size();
     transform::Caller caller(call);
-    transform::Compiling compiling(caller, options.log);
+    transform::Compiling compiling(caller);
     {
         const std::scoped_lock lock(mutex);
         device::context_of(device).require_usable();
         caller.throw_if_stopped();
         points::check_points(mesh().box(), all);  // before anything is made
-        if (stages->restriction() != nullptr) stages->restriction()->check(all, within);
+        if (stages->restriction() != nullptr) stages->restriction()->check(all, half_width);
         const Stopwatch compile_watch;
         const device::BuildWatch builds = compiling.watch(transform::point_test_steps);
         compiling.first_use = transform::ensure_points_tested(device, programs, {}, builds);
@@ -91,7 +92,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         const std::span<const Vec3> part = all.subspan(begin, count);
         scan::HostArrays arrays;
         if (targets.are_packed())
-            for_each_output([&](const OutputRow& row, const scan::HostArray& array,
+            for_each_output([&](const OutputInfo& row, const scan::HostArray& array,
                                 scan::HostArray& of_part) { of_part = array.from_sample(row, begin); },
                             targets.arrays(), arrays);
         else
@@ -104,7 +105,7 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
         const std::scoped_lock lock(mutex);
         points::PointTimes times;
         try {
-            times = query(part, all.size(), within, outputs, arrays, between);
+            times = query(part, all.size(), half_width, outputs, arrays, between);
         } catch (const Error& error) {
             if (!caller.is_short_of_memory(error)) throw;
             // Without what is kept, then with fewer points at once, then without the tables for many points.
@@ -131,46 +132,57 @@ void DistanceTransform::State::query(std::span<const Vec3> all, double within, c
     {
         const std::scoped_lock lock(mutex);
         pool->trim();
-        report(compiling, statistics);
+        statistics.compile_seconds = compiling.seconds;
+        statistics.first_use = compiling.first_use;
         statistics.device_bytes = pool->peak();
     }
     caller.progress(1.0);
-    if (call.statistics != nullptr) *call.statistics = statistics;
+    return statistics;
 }
 
-void DistanceTransform::query(const Triples& points, double within, const OutputTargets& targets,
-                              const CallOptions& call, std::span<const cl_event> wait_list) const {
-    with_host_memory("for the points; give fewer at once", [&] {
+TransformStatistics DistanceTransform::query(const InputArray& points, double half_width, const OutputTargets& targets,
+                                             const CallOptions& call) const {
+    return with_host_memory("for the points; give fewer at once", [&] {
         State& state = this->state();
-        if (!(within >= 0))
+        if (!(half_width >= 0))
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("points are looked up within {}, and the limit must be 0 or more; infinity is none",
-                                    within));
-        if (std::isfinite(within) && within > static_cast<double>(std::numeric_limits<float>::max()))
-            throw Error(
-                ErrorCode::invalid_argument,
-                fmt::format("points are looked up within {}, which is beyond the floats that distances are given "
-                            "in; infinity is no limit",
-                            within));
-        check_triples(points, TripleKind::positions, "points", ErrorCode::invalid_argument);
+                        fmt::format("points are looked up within the half width {}, which must be 0 or more; infinity "
+                                    "is no limit",
+                                    half_width));
+        if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("points are looked up within the half width {}, which is beyond the floats that "
+                                    "distances are given in; infinity is no limit",
+                                    half_width));
+        check_array(points, ArrayKind::positions, "points", ErrorCode::invalid_argument);
         if (points.count == 0) {  // vectors without elements have no memory
-            if (call.progress) call.progress(1.0);
-            if (call.statistics != nullptr) *call.statistics = {};
-            return;
+            transform::Caller(call).progress(1.0);
+            return CallStatistics().published();
         }
+        for (const auto& [output, array] : targets.all())
+            if (array.strides[1] != 0 || array.strides[2] != 0)
+                throw Error(ErrorCode::invalid_argument,
+                            fmt::format("the array of the output {} has the strides ({}, {}, {}); points lie in one "
+                                        "row: set strides[0] alone",
+                                        info_of(output).name, array.strides[0], array.strides[1], array.strides[2]));
         device::MappedMemory memory(device::context_of(state.device));
         memory.add(points, "points");
         scan::add_targets(targets, points.count, memory);
-        memory.map(wait_list);
+        memory.map(call.wait_list);
         const PositionArray positions(memory.on_host(points));
-        const OutputTargets on_host = scan::on_host(targets, points.count, memory);
+        const scan::HostTargets on_host =
+            scan::HostTargets::of_points(scan::on_host(targets, points.count, memory), points.count);
+        std::vector<scan::WrittenArray> written;
+        on_host.add_written(0, written);
+        scan::refuse_overlap(written);
         // The outputs of some points may lie on others.
         std::vector<Vec3> copy;
-        if (scan::overlap(on_host, std::as_bytes(positions.get())))
+        if (on_host.overlap(std::as_bytes(positions.get())))
             copy.assign(positions.get().begin(), positions.get().end());
-        state.query(copy.empty() ? positions.get() : copy, std::abs(within), scan::outputs_of(targets),
-                    scan::HostTargets::of_points(on_host, points.count), call);
+        const CallStatistics statistics = state.query(copy.empty() ? positions.get() : copy, std::abs(half_width),
+                                                      scan::outputs_of(targets), on_host, call);
         memory.unmap();
+        return statistics.published();
     });
 }
 

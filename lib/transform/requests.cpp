@@ -95,14 +95,13 @@ private:
 /// The properties that the requests of a batch share.
 auto kind_of(const Request& request, const HostArrays& arrays) {
     std::uint32_t in_double = 0;
-    for_each_extra([&](const OutputRow& row, const HostArray& array) { in_double |= array.in_double ? row.bit : 0; },
-                   arrays);
+    for_each_extra(
+        [&](const OutputInfo& row, const HostArray& array) { in_double |= array.in_double ? bit_of(row) : 0; }, arrays);
     return std::tuple(request.grid.origin, request.grid.spacing, request.band.inside, request.band.outside,
-                      bits_of(outputs_of(arrays)), in_double,
-                      request.targets.distance.element == OutputTarget::Element::float64);
+                      outputs_of(arrays).bits(), in_double);
 }
 
-/// make(request) for each of them; see for_request().
+/// make(request) for each of them; see for_request(). Throws if their arrays overlap.
 template <class Made, class Make>
 std::vector<Made> made_of(std::span<const Request> requests, const std::function<void(const Request&)>& check,
                           const Make& make) {
@@ -115,6 +114,11 @@ std::vector<Made> made_of(std::span<const Request> requests, const std::function
             if (check) check(requests[n]);
             all.push_back(make(requests[n]));
         });
+    std::vector<WrittenArray> written;
+    device::guarded([&] {
+        for (std::size_t n = 0; n < all.size(); ++n) all[n].add_written(n, written);
+    });
+    refuse_overlap(written);
     return all;
 }
 
@@ -133,7 +137,7 @@ std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, 
     });
 }
 
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const Outputs& outputs,
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, OutputSet outputs,
                                              const std::function<void(const Request&)>& check) {
     return made_of<DeviceTargets>(requests, check,
                                   [&](const Request& request) { return DeviceTargets(outputs, request.grid); });

@@ -42,7 +42,7 @@ std::vector<HostTargets> targets_of(std::span<const Request> requests,
 std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const device::Context& context,
                                              const std::function<void(const Request&)>& check = {});
 /// The same without memory yet.
-std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, const Outputs& outputs,
+std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, OutputSet outputs,
                                              const std::function<void(const Request&)>& check);
 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request

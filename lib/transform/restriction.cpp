@@ -22,37 +22,59 @@ bool is_within(const Box& box, const Box& other, double slack) {
     return true;
 }
 
+/// The square of the distance between two boxes' centres.
+double square_between(const Box& a, const Box& b) {
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double difference = (a.lower[axis] + a.upper[axis] - b.lower[axis] - b.upper[axis]) / 2;
+        square += difference * difference;
+    }
+    return square;
+}
+
 }  // namespace
 
-void Restriction::refuse(const std::string& what) const {
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("{}, and the transform is restricted to the box from {}, half widths up to {} and spacings "
-                            "up to {}; restrict the whole transform to more",
-                            what, text_of(box), half_width, spacing));
+bool Restriction::holds(const Box& box, double half_width, double spacing, double slack) const {
+    return std::any_of(regions.begin(), regions.end(), [&](const Region& region) {
+        return half_width <= region.half_width && spacing <= region.spacing && is_within(box, region.box, slack);
+    });
+}
+
+void Restriction::refuse(const std::string& what, const Box& box) const {
+    const Region& nearest = *std::min_element(regions.begin(), regions.end(), [&](const Region& a, const Region& b) {
+        return square_between(a.box, box) < square_between(b.box, box);
+    });
+    throw Error(
+        ErrorCode::invalid_argument,
+        fmt::format("{}, and the transform is restricted: the nearest of its {} regions is the box from {}, for "
+                    "half widths up to {} and spacings up to {}; restrict the whole transform to more",
+                    what, regions.size(), text_of(nearest.box), nearest.half_width, nearest.spacing));
 }
 
 void Restriction::check(const Grid& grid, const Band& band, SignRule sign) const {
     const Box samples{grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
     const double longest = *std::max_element(grid.spacing.begin(), grid.spacing.end());
-    // Samples are as far off as their positions are rounded.
-    if (!is_within(samples, box, 1e-6 * longest))
-        refuse(fmt::format("the grid's samples reach from {}", text_of(samples)));
-    if (!(longest <= spacing)) refuse(fmt::format("the grid's spacing is {}", longest));
     const double widest = sign == SignRule::none ? band.outside : band.widest();
-    if (!(widest <= half_width)) refuse(fmt::format("the band's half width is {}", widest));
+    // Samples are as far off as their positions are rounded.
+    if (!holds(samples, widest, longest, 1e-6 * longest))
+        refuse(fmt::format("the grid's samples reach from {}, its spacing is {} and the band's half width {}",
+                           text_of(samples), longest, widest),
+               samples);
 }
 
-void Restriction::check(std::span<const Vec3> points, double within) const {
-    if (!(within <= half_width)) refuse(fmt::format("points are looked up within {}", within));
+void Restriction::check(std::span<const Vec3> points, double half_width) const {
     for (std::size_t i = 0; i < points.size(); ++i)
-        if (!is_within({points[i], points[i]}, box, 0))
-            refuse(fmt::format("point {} lies at ({}, {}, {})", i, points[i][0], points[i][1], points[i][2]));
+        if (const Box box{points[i], points[i]}; !holds(box, half_width, 0, 0))
+            refuse(fmt::format("point {} lies at ({}, {}, {}) and is looked up within {}", i, points[i][0],
+                               points[i][1], points[i][2], half_width),
+                   box);
 }
 
-void Restriction::check(std::span<const Box> boxes, double half_width_asked) const {
-    if (!(half_width_asked <= half_width)) refuse(fmt::format("the half width around boxes is {}", half_width_asked));
+void Restriction::check(std::span<const Box> boxes, double half_width) const {
     for (std::size_t i = 0; i < boxes.size(); ++i)
-        if (!is_within(boxes[i], box, 0)) refuse(fmt::format("box {} reaches from {}", i, text_of(boxes[i])));
+        if (!holds(boxes[i], half_width, 0, 0))
+            refuse(fmt::format("box {} reaches from {} and is widened by {}", i, text_of(boxes[i]), half_width),
+                   boxes[i]);
 }
 
 }  // namespace clsdf::transform

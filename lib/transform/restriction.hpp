@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/calls.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
@@ -13,11 +14,9 @@
 
 namespace clsdf::transform {
 
-/// The box of a restricted transform, and the values that it needs of the whole mesh.
+/// The regions of a restricted transform, and the values that it needs of the whole mesh.
 struct Restriction {
-    Box box{};
-    double half_width = 0;
-    double spacing = 0;
+    std::vector<Region> regions;
     std::size_t record_count = 0;        ///< that a lattice keeps at most
     std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
     scan::SurfaceSample sample;          ///< of the whole mesh
@@ -25,11 +24,13 @@ struct Restriction {
 
     /// Each throws Error(invalid_argument) if the part of the mesh does not suffice for the field, points or boxes.
     void check(const Grid& grid, const Band& band, SignRule sign) const;
-    void check(std::span<const Vec3> points, double within) const;
-    void check(std::span<const Box> boxes, double half_width_asked) const;
+    void check(std::span<const Vec3> points, double half_width) const;
+    void check(std::span<const Box> boxes, double half_width) const;
 
 private:
-    [[noreturn]] void refuse(const std::string& what) const;
+    /// Whether a region with such lengths holds the box. slack: of its limits.
+    bool holds(const Box& box, double half_width, double spacing, double slack) const;
+    [[noreturn]] void refuse(const std::string& what, const Box& box) const;
 };
 
 }  // namespace clsdf::transform

@@ -1,5 +1,6 @@
 #include "transform/self_test.hpp"
 
+#include "core/tuning_variables.hpp"
 #include "points/point_query.hpp"
 #include "scan/layout_of.hpp"
 #include "transform/grid_plan.hpp"
@@ -7,9 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <mutex>
-#include <span>
 #include <string_view>
 
 namespace clsdf::transform {
@@ -17,19 +16,17 @@ namespace clsdf::transform {
 namespace {
 
 // Part of the records' keys: with another known field, all is tested again.
-constexpr int known_field_number = 3;
+constexpr int known_field_number = 4;
 
 bool is_switched_off() {
-    const char* const value = std::getenv("CLSDF_SELF_TEST");
+    const char* const value = tuning_variable("CLSDF_SELF_TEST");
     return value != nullptr && std::string_view(value) == "0";
 }
 
 /// The counters that a counting variant must agree with the field in.
-std::optional<std::string> wrong_counts(const KnownField& known, std::span<const float> distance,
-                                        const TransformStatistics& statistics) {
-    std::size_t in_band = 0;
-    const auto inside = -static_cast<float>(known.band().inside), outside = static_cast<float>(known.band().outside);
-    for (const float value : distance) in_band += static_cast<std::size_t>(inside < value && value < outside);
+std::optional<std::string> wrong_counts(const KnownField& known, const HostArrays& found,
+                                        const CallStatistics& statistics) {
+    const std::size_t in_band = known.band_samples(found);
     if (statistics.band_samples == in_band && statistics.samples_covered >= in_band &&
         statistics.lanes_evaluated >= statistics.samples_covered)
         return std::nullopt;
@@ -48,21 +45,21 @@ std::vector<cl::Program> common_programs(const Programs& programs) {
     return {programs.scan, programs.coarse_lists, programs.sign_sweep, programs.fill, programs.mesh_records};
 }
 
-/// On the first lattice the values that may be floats or doubles have the type of fields, on the later one the other
-/// type, which other code stores.
-HostArrays arrays_of(const Outputs& outputs, bool is_later) {
+/// On the first lattice the values that may be floats or doubles have the type of fields, on the others the other type,
+/// which other code stores. Only finishing makes distances in double.
+HostArrays arrays_of(OutputSet outputs, bool is_first, bool is_finished) {
     HostArrays arrays = arrays_for(outputs);
-    for_each_extra(
-        [is_later](const OutputRow& row, HostArray& array) {
-            if (row.element == OutputRow::real) array.in_double ^= is_later;
+    for_each_output(
+        [&](const OutputInfo& row, HostArray& array) {
+            if (is_real(row) && (is_finished || row.output != Output::distance)) array.in_double ^= !is_first;
         },
         arrays);
     return arrays;
 }
 
-Outputs every_output() {
-    Outputs outputs;
-    visit_extras([](const char*, bool& is_wanted) { is_wanted = true; }, outputs);
+OutputSet every_output() {
+    OutputSet outputs;
+    for (const OutputInfo& info : extra_outputs()) outputs.insert(info.output);
     return outputs;
 }
 
@@ -72,17 +69,18 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
     const KnownField known(kind);
     const Grid& grid = known.grid();
     const SignRule sign = test_case.is_signed ? SignRule::nonzero : SignRule::none;
-    Outputs outputs;
-    if (test_case.variant.nearest) outputs = test_case.method ? Outputs{.triangle = true} : every_output();
+    OutputSet outputs;
+    if (test_case.variant.nearest) outputs = test_case.method ? OutputSet(Output::triangle) : every_output();
     device::Context& context = device::context_of(device);
     // The plan, which waits for the device when it ends, is made after the memory that the device writes.
     OwnArrays own;
-    const HostArrays arrays = own.for_samples(arrays_of(outputs, kind.later), grid.sample_count());
+    const bool is_finished = test_case.variant.nearest && !test_case.method;
+    const HostArrays arrays =
+        own.for_samples(arrays_of(outputs, !kind.later && !kind.fine, is_finished), grid.sample_count());
     OutputMemories memories;
     device::guarded([&] { memories.place(context, *stages.pool(), arrays, grid.sample_count()); });
     Inputs inputs = stages.inputs(grid, layout_of(grid, known.band(), sign), sign);
-    if (test_case.variant.nearest && !test_case.method)
-        inputs.sites = stages.sites(true, stages.may_meet_samples(grid));
+    if (is_finished) inputs.sites = stages.sites(true, stages.may_meet_samples(grid));
     GridPlan plan(device, stages.pool(), programs, std::move(inputs), grid, known.band(), sign, outputs,
                   {test_case.variant.count, test_case.method}, watch.begins);
     return device::guarded([&] {
@@ -96,8 +94,7 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
         memories.read(context, context.queue());
         plan.read_counters();
         std::optional<std::string> difference = known.difference(arrays);
-        if (!difference && test_case.variant.count)
-            difference = wrong_counts(known, slab_of(arrays, grid.sample_count()).distance, plan.statistics);
+        if (!difference && test_case.variant.count) difference = wrong_counts(known, arrays, plan.statistics);
         return difference;
     });
 }
@@ -129,7 +126,7 @@ std::optional<std::string> run_point_test(const Device& device, const Programs& 
     const auto difference = [&](const KnownField& known, bool is_later) {
         const std::vector<Vec3> positions = positions_of(known.grid());
         OwnArrays own;
-        const HostArrays arrays = own.for_samples(arrays_of(every_output(), is_later), positions.size());
+        const HostArrays arrays = own.for_samples(arrays_of(every_output(), !is_later, true), positions.size());
         points::query_points(context, programs, pool, inputs, positions, known.band().outside, arrays, {});
         return known.difference(arrays);
     };
@@ -219,7 +216,7 @@ bool test_once(const Device& device, const TestSubject& subject, const device::B
             const std::optional<std::string> difference = test();
             if (!difference) return;
             throw Error(
-                ErrorCode::device_failure,
+                ErrorCode::wrong_results,
                 fmt::format("{} computes wrong fields, so it is not used. In a small known field, computed by the "
                             "kernels \"{}\", {}. The OpenCL compiler or driver is at fault: update it, or take another "
                             "device (\"clsdf devices\" lists them, --device or CLSDF_DEVICE chooses)",

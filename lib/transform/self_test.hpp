@@ -36,8 +36,8 @@ std::size_t step_count(const TestCase& test_case);
 
 /// Builds a case's programs, and, the first time on this device and driver version, computes a small known field with
 /// them, with the launches of real computations, and compares it with its values. Compilers that specialise kernels at
-/// their first launch do it then. Returns whether it was tested here. Throws Error(device_failure) that says what
-/// differs; with CLSDF_SELF_TEST=0 in the environment nothing is computed.
+/// their first launch do it then. Returns whether it was tested here. Throws Error(wrong_results) that says what
+/// differs; with tuning_variable("CLSDF_SELF_TEST") "0" nothing is computed.
 bool ensure_tested(const Device& device, const Programs& programs, const TestCase& test_case,
                    const device::BuildWatch& watch = {});
 
@@ -47,8 +47,8 @@ struct TestSubject {
     std::vector<cl::Program> programs;
 };
 /// Runs test() if the subject has not been tested on this device and driver version; it returns what is wrong, in a
-/// sentence. Returns whether it ran. Throws Error(device_failure) that says what is wrong; with CLSDF_SELF_TEST=0 in
-/// the environment it is not run.
+/// sentence. Returns whether it ran. Throws Error(wrong_results) that says what is wrong; with
+/// tuning_variable("CLSDF_SELF_TEST") "0" it is not run.
 bool test_once(const Device& device, const TestSubject& subject, const device::BuildWatch& watch,
                const std::function<std::optional<std::string>()>& test);
 
@@ -63,7 +63,7 @@ struct PointTestCase {
 };
 
 /// Builds the programs of queries of points and, the first time on this device and driver version, computes a small
-/// known field at its samples and compares. Returns whether it was tested here. Throws Error(device_failure) that says
+/// known field at its samples and compares. Returns whether it was tested here. Throws Error(wrong_results) that says
 /// what differs.
 bool ensure_points_tested(const Device& device, const Programs& programs, const PointTestCase& test_case,
                           const device::BuildWatch& watch = {});

@@ -107,20 +107,22 @@ Stages::Stages(device::Context& context, std::shared_ptr<device::BufferPool> poo
       topology_(std::move(part.topology)),
       frusta_(std::move(part.frusta)) {}
 
-std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
-                                           double spacing, SignRule sign) {
+std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
+                                           SignRule sign) {
     return prepare(mesh_, [&] {
+        // Up to the grids' outermost bricks and the slack of their tests, which is far less than a sample.
+        std::vector<Box> boxes, rows;
+        for (const Region& region : regions) {
+            boxes.push_back(widened(region.box, region.half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * region.spacing));
+            // The sweep's rows are those of the grid's bricks: see near_rows().
+            rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing));
+            rows.back().lower[0] = -std::numeric_limits<double>::infinity();
+        }
         Restriction restriction;
-        restriction.box = box;
-        restriction.half_width = half_width;
-        restriction.spacing = spacing;
-        // Up to the grid's outermost bricks and the slack of their tests, which is far less than a sample.
-        polyhedra::NearRecords near = index().near(widened(box, half_width * (1 + 1e-3) + (CLSDF_BRICK + 1) * spacing));
+        restriction.regions = std::move(regions);
+        polyhedra::NearRecords near = index().near(boxes);
         restriction.record_count = near.face_count + near.site_count;
         if (sign != SignRule::none) {
-            // The sweep's rows are those of the grid's bricks: see near_rows().
-            Box rows = widened(box, (CLSDF_BRICK + 1) * spacing);
-            rows.lower[0] = -std::numeric_limits<double>::infinity();
             const polyhedra::NearRecords crossed = index().near(rows);
             near.faces.insert(near.faces.end(), crossed.faces.begin(), crossed.faces.end());
         }
@@ -268,19 +270,23 @@ const polyhedra::NearRecords& Stages::kept_records(const Grid& grid) {
         const std::size_t faces = topology().order.size(), sites = frusta().sites.size();
         kept = polyhedra::NearRecords{{{0, faces}}, {{0, sites}}, faces, sites};
     } else if (!kept) {
-        Box box;  // of the bricks with samples in the part's box
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double size = CLSDF_BRICK * grid.spacing[axis];
-            // Samples may lie beyond it by the rounding of their positions.
-            const auto brick = [&](double position, double slack) {
-                return std::floor((position - grid.origin[axis] + slack * grid.spacing[axis]) / size);
-            };
-            box.lower[axis] = grid.origin[axis] + brick(restriction_->box.lower[axis], -1e-3) * size;
-            box.upper[axis] = grid.origin[axis] + (brick(restriction_->box.upper[axis], 1e-3) + 1) * size;
-        }
         // The slack of their tests is far less than the longest spacing.
         const double slack = *std::max_element(grid.spacing.begin(), grid.spacing.end());
-        kept = index().near(widened(box, restriction_->half_width * (1 + 1e-3) + slack));
+        std::vector<Box> boxes;  // near the bricks with samples in the part's regions
+        for (const Region& region : restriction_->regions) {
+            Box box;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double size = CLSDF_BRICK * grid.spacing[axis];
+                // Samples may lie beyond it by the rounding of their positions.
+                const auto brick = [&](double position, double slack_of_sample) {
+                    return std::floor((position - grid.origin[axis] + slack_of_sample * grid.spacing[axis]) / size);
+                };
+                box.lower[axis] = grid.origin[axis] + brick(region.box.lower[axis], -1e-3) * size;
+                box.upper[axis] = grid.origin[axis] + (brick(region.box.upper[axis], 1e-3) + 1) * size;
+            }
+            boxes.push_back(widened(box, region.half_width * (1 + 1e-3) + slack));
+        }
+        kept = index().near(boxes);
     }
     return *kept;
 }

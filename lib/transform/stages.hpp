@@ -87,8 +87,8 @@ public:
     ~Stages();
 
     /// Stages that keep only what samples and points of a box can need; see DistanceTransform::restrict_to().
-    std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, const Box& box, double half_width,
-                                       double spacing, SignRule sign);
+    std::unique_ptr<Stages> restricted(std::shared_ptr<device::BufferPool> pool, std::vector<Region> regions,
+                                       SignRule sign);
     /// Null for the whole mesh.
     const Restriction* restriction() const { return restriction_ ? &*restriction_ : nullptr; }
     /// Throws if a restricted mesh does not suffice for the field, or if the grid has more samples than kernels can

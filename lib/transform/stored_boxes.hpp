@@ -18,17 +18,16 @@ namespace clsdf::transform {
 using namespace scan;
 
 /// Builds the program that stores boxes and, the first time on this device and driver version, tests it. Returns
-/// whether it was tested here. Throws Error(device_failure).
+/// whether it was tested here. Throws Error(wrong_results or device_failure).
 bool ensure_store_tested(const Device& device, const Programs& programs, const device::BuildWatch& watch);
 
 /// The samples that a block and a request have in common; nothing if there are none. `target`: with its strides set.
-std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, const OutputTarget& target);
+std::optional<StoredBox> stored_box(const Grid& block, const Grid& request, const OutputArray& target);
 
 /// The elements of a block's samples.
 struct StoredElements {
     std::size_t components = 1;
-    std::size_t bytes = 4;     ///< of an element
-    bool are_widened = false;  ///< they are floats, and the target's are doubles of the same values
+    std::size_t bytes = 4;  ///< of an element
 };
 
 /// A box of a block's samples in one of the caller's buffers. Without memory there is none yet.

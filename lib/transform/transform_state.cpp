@@ -24,32 +24,33 @@ constexpr std::size_t most_plans = 4;
 
 }  // namespace
 
-bool DistanceTransform::State::KeptPlan::fits(const Grid& grid, const Band& band, const Outputs& outputs,
+bool DistanceTransform::State::KeptPlan::fits(const Grid& grid, const Band& band, OutputSet outputs,
                                               std::span<const Grid> wanted, bool counts) const {
-    return plan->grid == grid && plan->band.inside == band.inside && plan->band.outside == band.outside &&
-           plan->outputs == outputs && count == counts && std::ranges::equal(plan->wanted, wanted);
+    return plan->grid == grid && plan->band == band && plan->outputs == outputs && count == counts &&
+           std::ranges::equal(plan->wanted, wanted);
 }
 
-DistanceTransform::State::State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call)
+DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
+                                std::shared_ptr<const FieldMethod> method_in)
     : device(std::move(device_in)),
-      options(std::move(options_in)),
+      method(std::move(method_in)),
       topology(describe_topology(mesh)),
       vertices(mesh, topology.coincident_vertices > 0),
-      programs(build_programs(call)),
+      programs(build_programs(options, call)),
       pool(std::make_shared<device::BufferPool>(device::shared_context_of(device))) {
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
-    if (!resolved.warning.empty() && options.log) options.log(resolved.warning);
+    if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
     stages = std::make_unique<transform::Stages>(
         device::context_of(device), pool, std::move(mesh),
-        transform::Stages::Options{options.method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
+        transform::Stages::Options{method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
                                    programs.body == KernelBody::by_vector, options.kept_bytes});
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
                                 std::unique_ptr<transform::Stages> own_stages)
     : device(other.device),
-      options(other.options),
+      method(other.method),
       topology(other.topology),
       sign(other.sign),
       vertices(other.vertices),
@@ -57,26 +58,36 @@ DistanceTransform::State::State(const State& other, const std::shared_ptr<device
       pool(own_pool),
       stages(std::move(own_stages)) {}
 
-std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(const Box& box, double half_width,
-                                                                               double spacing) {
-    points::check_boxes({&box, 1});
-    const auto refuse = [](double value, const char* what) {
-        if (value > 0 && std::isfinite(value)) return;
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("a transform is restricted to {} up to {}, which must be positive and finite; without "
-                                "an end every triangle can matter: use the whole transform",
-                                what, value));
-    };
-    refuse(half_width, "half widths");
-    refuse(spacing, "spacings");
+std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions) {
+    if (regions.empty())
+        throw Error(ErrorCode::invalid_argument, "a transform is restricted to regions, and there is none; give one");
+    for (std::size_t n = 0; n < regions.size(); ++n) {
+        const auto& [box, half_width, spacing] = regions[n];
+        try {
+            points::check_boxes({&box, 1});
+        } catch (const Error& error) {
+            throw Error(error.code(), fmt::format("region {} of {}: {}", n, regions.size(), error.what()));
+        }
+        if (!(half_width > 0 && std::isfinite(half_width)))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("region {} of {} has the half width {}, which must be positive and finite; without "
+                                    "an end every triangle can matter: use the whole transform",
+                                    n, regions.size(), half_width));
+        if (!(spacing >= 0 && std::isfinite(spacing)))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("region {} of {} has the spacing {}; give the largest one of its grids, or 0 if "
+                                    "there are none",
+                                    n, regions.size(), spacing));
+    }
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
     if (stages->restriction() != nullptr)
         throw Error(ErrorCode::unsupported, "the transform is restricted already; restrict the whole one");
-    if (options.method)
-        throw Error(ErrorCode::unsupported, "a transform with a method of its own cannot be restricted; use the whole");
+    if (method)
+        throw Error(ErrorCode::unsupported,
+                    "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    auto own_stages = make_room_for([&] { return stages->restricted(own_pool, box, half_width, spacing, sign); });
+    auto own_stages = make_room_for([&] { return stages->restricted(own_pool, regions, sign); });
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_stages)));
 }
 
@@ -84,27 +95,28 @@ DistanceTransform::State::~State() {
     if (device::context_of(device).is_lost()) keep_for_good(stages);  // the device reads its mesh in the host's memory
 }
 
-scan::Programs DistanceTransform::State::build_programs(const CallOptions& call) {
+scan::Programs DistanceTransform::State::build_programs(const TransformOptions& options, const CallOptions& call) {
     transform::Caller caller(call);
     caller.throw_if_stopped();
     const Stopwatch watch;
     transform::TestCase any;
-    any.method = options.method;
-    transform::Compiling compiling(caller, options.log);
+    any.method = method;
+    transform::Compiling compiling(caller);
     scan::Programs result = device::guarded([&] {
         return scan::Programs(device::context_of(device), options.body, compiling.watch(transform::step_count(any)));
     });
-    compile_seconds = watch.seconds();
+    setup.compile_seconds = watch.seconds();
+    setup.work = std::make_shared<const WorkCounts>();
     return result;
 }
 
-void DistanceTransform::State::move(std::span<const Vec3> positions) {
+void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
     const std::scoped_lock lock(mutex);
     require_whole();
     move_vertices(vertices.moved(mesh(), positions));
 }
 
-void DistanceTransform::State::move(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
+void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation) {
     const std::scoped_lock lock(mutex);
     require_whole();
     move_vertices(transform::Vertices::moved(first_positions.empty() ? mesh().vertices() : first_positions, rotation,
@@ -128,16 +140,16 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     plans.clear();
 }
 
-transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band, const Outputs& outputs,
+transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band, OutputSet outputs,
                                                            bool count) const {
     const Layout layout = scan::layout_of(grid, band, sign);
     transform::TestCase test_case;
     test_case.body = programs.body;
-    test_case.variant = {outputs != Outputs{}, count, scan::has_long_bricks(grid)};
+    test_case.variant = {outputs != OutputSet{}, count, scan::has_long_bricks(grid)};
     test_case.is_signed = sign != SignRule::none;
-    if (options.method)
-        test_case.method = device::guarded(
-            [&] { return options.method->tested_as(device::context_of(device), layout, test_case.variant); });
+    if (method)
+        test_case.method =
+            device::guarded([&] { return method->tested_as(device::context_of(device), layout, test_case.variant); });
     else
         test_case.is_wide = !scan::has_uniform_bounds(layout);
     return test_case;
@@ -153,12 +165,18 @@ bool DistanceTransform::State::test(const transform::TestCase& test_case, transf
     return is_tested_here;
 }
 
-void DistanceTransform::State::check(const Grid& grid, const Band& band, const Outputs& outputs) const {
-    if (options.method) options.method->check_outputs(outputs);
+void DistanceTransform::State::check(const Grid& grid, const Band& band, OutputSet outputs) const {
+    if (method) {
+        method->check_outputs(outputs);
+        if (outputs.contains(Output::distance))
+            throw Error(ErrorCode::unsupported,
+                        "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
+                        "distance an array of floats");
+    }
     stages->check(grid, band, sign);
 }
 
-bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
+bool DistanceTransform::State::compile(const Grid& grid, const Band& band, OutputSet outputs, bool count,
                                        transform::Compiling& compiling) const {
     device::context_of(device).require_usable();
     transform::TestCase test_case = test_case_of(grid, band, outputs, count);
@@ -169,28 +187,29 @@ bool DistanceTransform::State::compile(const Grid& grid, const Band& band, const
     return test(test_case.is_signed && scan::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
 }
 
-transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, const Outputs& outputs,
-                                                   bool lone) {
+transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, OutputSet outputs, bool lone) {
     return make_room_for([&] { return make_inputs(grid, band, outputs, lone); });
 }
 
-transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, const Outputs& outputs,
+transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, OutputSet outputs,
                                                         bool lone) {
     transform::Inputs inputs = stages->inputs(grid, scan::layout_of(grid, band, sign), sign, lone);
-    if (outputs == Outputs{} || options.method) return inputs;
-    inputs.sites = stages->sites(transform::names_sites(outputs), outputs.gradient && stages->may_meet_samples(grid));
-    inputs.is_inside_out = outputs.gradient && topology.balanced && stages->encloses_negative_volume();
+    if (outputs == OutputSet{} || method) return inputs;
+    inputs.sites = stages->sites(transform::names_sites(outputs),
+                                 outputs.contains(Output::gradient) && stages->may_meet_samples(grid));
+    inputs.is_inside_out =
+        outputs.contains(Output::gradient) && topology.balanced && stages->encloses_negative_volume();
     return inputs;
 }
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
-    transform::Inputs inputs, const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
+    transform::Inputs inputs, const Grid& grid, const Band& band, OutputSet outputs, std::span<const Grid> wanted,
     bool count, transform::Caller& caller, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
     if (!from) from = pool;
-    auto plan = std::make_unique<transform::GridPlan>(
-        device, from, programs, std::move(inputs), grid, band, sign, outputs,
-        transform::PlanOptions{count, options.method, {wanted.begin(), wanted.end()}},
-        [&caller] { caller.throw_if_stopped(); });
+    auto plan =
+        std::make_unique<transform::GridPlan>(device, from, programs, std::move(inputs), grid, band, sign, outputs,
+                                              transform::PlanOptions{count, method, {wanted.begin(), wanted.end()}},
+                                              [&caller] { caller.throw_if_stopped(); });
     // Only the sweep sees whether triangles are large, and only the stages whether records are made of kept frusta.
     const bool is_later = plan->inputs.records->is_later;
     if (plan->has_large_triangles || is_later) {
@@ -209,7 +228,7 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
 }
 
 std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const Grid& grid, const Band& band,
-                                                                         const Outputs& outputs,
+                                                                         OutputSet outputs,
                                                                          std::span<const Grid> wanted, bool count) {
     const auto found = std::find_if(plans.begin(), plans.end(), [&](const KeptPlan& kept) {
         return kept.fits(grid, band, outputs, wanted, count);
@@ -223,7 +242,7 @@ std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const G
 }
 
 void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan, bool count) {
-    if (!options.method) plans.push_front({count, std::move(plan)});
+    if (!method) plans.push_front({count, std::move(plan)});
     plan.reset();
     if (plans.size() > most_plans) plans.pop_back();
 }
@@ -253,11 +272,6 @@ bool DistanceTransform::State::forget() {
     plans.clear();
     stages->release();
     return pool->release() > 0 || plans_before > 0 || stages->device_bytes() < bytes_before;
-}
-
-void DistanceTransform::State::report(const transform::Compiling& compiling, TransformStatistics& statistics) {
-    statistics.compile_seconds = compiling.seconds + std::exchange(compile_seconds, 0);
-    statistics.first_use = std::exchange(first_use, false) || compiling.first_use;
 }
 
 }  // namespace clsdf

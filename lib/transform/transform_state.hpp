@@ -3,6 +3,7 @@
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/error.hpp>
 
+#include "core/statistics.hpp"
 #include "points/point_query.hpp"
 #include "scan/programs.hpp"
 #include "scan/slab_pipeline.hpp"
@@ -23,6 +24,8 @@
 
 namespace clsdf {
 
+class FieldMethod;
+
 /// The state of a transform: the mesh and the values made from it, programs, and plans of earlier calls.
 struct __attribute__((visibility("hidden"))) DistanceTransform::State {
     /// A plan of an earlier call, which the next call of the same kind takes.
@@ -30,39 +33,41 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State {
         bool count;
         std::unique_ptr<transform::GridPlan> plan;
 
-        bool fits(const Grid& grid, const Band& band, const Outputs& outputs, std::span<const Grid> wanted,
+        bool fits(const Grid& grid, const Band& band, OutputSet outputs, std::span<const Grid> wanted,
                   bool counts) const;
     };
 
-    State(Device device_in, Mesh mesh, TransformOptions options_in, const CallOptions& call);
+    /// method: of a library beside the core; null: leaned frusta by bricks.
+    State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
+          std::shared_ptr<const FieldMethod> method_in = nullptr);
     State(const State&) = delete;
     State& operator=(const State&) = delete;
     ~State();
 
     /// See DistanceTransform::restrict_to().
-    std::unique_ptr<State> restricted(const Box& box, double half_width, double spacing);
+    std::unique_ptr<State> restricted(std::vector<Region> regions);
 
     const Mesh& mesh() const { return stages->mesh(); }
 
-    void move(std::span<const Vec3> positions);
-    void move(const std::array<Vec3, 3>& rotation, const Vec3& translation);
+    void set_positions(std::span<const Vec3> positions);
+    void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     /// Throws if a computation of such a field is refused, whatever the device does.
-    void check(const Grid& grid, const Band& band, const Outputs& outputs) const;
+    void check(const Grid& grid, const Band& band, OutputSet outputs) const;
 
     /// Builds and tests, the first time, what such a computation runs on the device.
-    bool compile(const Grid& grid, const Band& band, const Outputs& outputs, bool count,
+    bool compile(const Grid& grid, const Band& band, OutputSet outputs, bool count,
                  transform::Compiling& compiling) const;
 
     /// lone: see Stages::inputs().
-    transform::Inputs inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone = false);
+    transform::Inputs inputs(const Grid& grid, const Band& band, OutputSet outputs, bool lone = false);
     /// wanted: see PlanOptions. from: where its buffers are taken; null: the transform's pool.
     std::unique_ptr<transform::GridPlan> make_plan(transform::Inputs inputs, const Grid& grid, const Band& band,
-                                                   const Outputs& outputs, std::span<const Grid> wanted, bool count,
+                                                   OutputSet outputs, std::span<const Grid> wanted, bool count,
                                                    transform::Caller& caller, transform::Compiling& compiling,
                                                    std::shared_ptr<device::BufferPool> from = nullptr);
     /// The plan of an earlier call like this one, which is the caller's now; null if none is kept.
-    std::unique_ptr<transform::GridPlan> take_plan(const Grid& grid, const Band& band, const Outputs& outputs,
+    std::unique_ptr<transform::GridPlan> take_plan(const Grid& grid, const Band& band, OutputSet outputs,
                                                    std::span<const Grid> wanted, bool count);
     /// Keeps a plan for the next call.
     void keep(std::unique_ptr<transform::GridPlan> plan, bool count);
@@ -111,31 +116,35 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State {
 
     class SlabRun;  // slab_run.cpp, with compute()
 
-    /// Adds what was spent on programs and no computation has reported yet.
-    void report(const transform::Compiling& compiling, TransformStatistics& statistics);
-
     /// Into packed arrays or, if some have strides, by way of slabs.
-    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const scan::HostTargets& targets,
-                 const CallOptions& call);
+    CallStatistics compute_grid(const Grid& grid, const Band& band, OutputSet outputs, const scan::HostTargets& targets,
+                                const CallOptions& call);
+
+    CallStatistics compute(std::span<const Request> requests, const CallOptions& call);
+    /// Into memory of the device, by way of a plan.
+    CallStatistics compute_on_device(std::span<const Request> requests, const CallOptions& call);
+    /// Into memory of the host.
+    CallStatistics compute_requests(std::span<const Request> requests, const CallOptions& call);
 
     /// The block of a batch, slab by slab, to the pipeline's sink; of one request, to its targets.
-    void compute(const transform::Batch& batch, std::span<const Request> requests,
-                 std::span<const scan::HostTargets> targets, scan::SlabPipeline& pipeline, const CallOptions& call);
+    CallStatistics compute_batch(const transform::Batch& batch, std::span<const Request> requests,
+                                 std::span<const scan::HostTargets> targets, scan::SlabPipeline& pipeline,
+                                 const CallOptions& call);
 
     /// Slab by slab, into the arrays or, if not in place, to the sink. wanted: see PlanOptions.
-    void compute(const Grid& grid, const Band& band, const Outputs& outputs, const scan::HostArrays& arrays,
-                 bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted, scan::SlabPipeline& pipeline,
-                 const CallOptions& call);
+    CallStatistics compute_slabs(const Grid& grid, const Band& band, OutputSet outputs, const scan::HostArrays& arrays,
+                                 bool in_place, std::vector<Grid> slabs, std::span<const Grid> wanted,
+                                 scan::SlabPipeline& pipeline, const CallOptions& call);
 
     // plans.cpp
     /// has_own_pool: it takes its buffers from a pool of its own, not from those that the transform uses again.
     /// outputs_without_targets and counts: see PlanState.
-    std::unique_ptr<transform::PlanState> plan(bool has_own_pool, std::vector<Request> requests,
-                                               std::optional<Outputs> outputs_without_targets, const CallOptions& call,
-                                               bool counts = false);
+    std::unique_ptr<Plan::State> plan(bool has_own_pool, std::vector<Request> requests,
+                                      std::optional<OutputSet> outputs_without_targets, const CallOptions& call,
+                                      bool counts = false);
     /// Makes the blocks of a plan anew, for these requests.
-    void plan(transform::PlanState& made, std::vector<Request> requests, std::optional<Outputs> outputs_without_targets,
-              const CallOptions& call);
+    void plan(transform::PlanState& made, std::vector<Request> requests,
+              std::optional<OutputSet> outputs_without_targets, const CallOptions& call);
     void plan(transform::PlanState& made, std::span<const scan::DeviceTargets> targets, const CallOptions& call);
     /// Adds the plans of all blocks, and what they take to its statistics.
     void add_blocks(transform::PlanState& made, std::span<const transform::PlanState::Block> blocks,
@@ -144,14 +153,12 @@ struct __attribute__((visibility("hidden"))) DistanceTransform::State {
 
     // point_calls.cpp
     std::shared_ptr<const points::PointMesh> points();
-    void query(std::span<const Vec3> all, double within, const Outputs& outputs, const scan::HostTargets& targets,
-               const CallOptions& call);
+    CallStatistics query(std::span<const Vec3> all, double half_width, OutputSet outputs,
+                         const scan::HostTargets& targets, const CallOptions& call);
 
-    // Time spent on programs that no computation has reported yet.
-    double compile_seconds = 0;
-    bool first_use = false;
     Device device;
-    TransformOptions options;
+    std::shared_ptr<const FieldMethod> method;
+    TransformStatistics setup;  ///< what making it took
     Topology topology;
     SignRule sign = SignRule::none;
     transform::Vertices vertices;
@@ -171,19 +178,19 @@ private:
     State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
           std::unique_ptr<transform::Stages> own_stages);
 
-    scan::Programs build_programs(const CallOptions& call);
+    scan::Programs build_programs(const TransformOptions& options, const CallOptions& call);
     /// Throws Error(unsupported) if the transform is restricted: its vertices are not the caller's.
     void require_whole() const;
     /// For the transform's own mesh.
     void move_vertices(std::vector<Vec3> positions);
-    transform::TestCase test_case_of(const Grid& grid, const Band& band, const Outputs& outputs, bool count) const;
+    transform::TestCase test_case_of(const Grid& grid, const Band& band, OutputSet outputs, bool count) const;
     bool test(const transform::TestCase& test_case, transform::Compiling& compiling) const;
-    transform::Inputs make_inputs(const Grid& grid, const Band& band, const Outputs& outputs, bool lone);
+    transform::Inputs make_inputs(const Grid& grid, const Band& band, OutputSet outputs, bool lone);
 
     /// For a query of `count` points.
-    points::PointInputs point_inputs(const Outputs& outputs, std::size_t count);
+    points::PointInputs point_inputs(OutputSet outputs, std::size_t count);
     /// A part of the points of a query, which asks for `asked` of them, into packed arrays.
-    points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double within, const Outputs& outputs,
+    points::PointTimes query(std::span<const Vec3> part, std::size_t asked, double half_width, OutputSet outputs,
                              const scan::HostArrays& arrays, const std::function<void(double)>& between);
 };
 

@@ -3,9 +3,11 @@
 #include <clsdf/export.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 // The handles of OpenCL's C interface, so that this header needs none of OpenCL's.
@@ -15,23 +17,24 @@ typedef struct _cl_command_queue* cl_command_queue;
 
 namespace clsdf {
 
-class Device;
+namespace detail {
+class DeviceContext;
+}
 
-namespace device {
-class Context;
-const std::shared_ptr<Context>& shared_context_of(const Device& device);
-}  // namespace device
+/// What a device is. A number never changes its meaning, so other languages may use them.
+enum class DeviceKind : std::int32_t { gpu = 0, processor = 1, accelerator = 2, other = 3 };
 
-enum class DeviceKind { gpu, processor, accelerator, other };
-
-/// "gpu", "processor", "accelerator" or "other".
-CLSDF_EXPORT std::string name_of(DeviceKind kind);
+/// "gpu", "processor", "accelerator" or "other". The text lives as long as the process. Thread-safe.
+CLSDF_EXPORT const char* name_of(DeviceKind kind) noexcept;
 
 /// The properties that an OpenCL device reports. Those that its driver does not tell stay empty or 0. If
 /// `compute_units` is 0, all from `kind` to `float_width` are unknown. A device without a name is named after its
 /// platform.
 struct DeviceInfo {
-    std::size_t index = 0;  ///< in Device::all()
+    /// `index` of a device that is not in Device::all(), as a part of a device.
+    static constexpr std::size_t not_listed = static_cast<std::size_t>(-1);
+
+    std::size_t index = not_listed;  ///< in Device::all()
     cl_device_id id = nullptr;
     std::string name;
     std::string platform;
@@ -60,75 +63,85 @@ struct DeviceLimits {
     std::optional<std::size_t> memory{};
 };
 
-/// An OpenCL device with a context and a queue. Cheap to copy; copies share them. Once moved from, every member but
-/// assignment and the destructor throws Error(invalid_argument).
+/// An OpenCL device with a context and a queue. Cheap to copy; copies share them. Any number of threads may call the
+/// functions of one device at the same time. Once moved from, every member but assignment and the destructor throws
+/// Error(invalid_argument). A function that asks the driver throws Error(device_failure) if a call of OpenCL fails.
+///
+/// Unless keep_records() is called, the library reads and writes no file by itself.
 class CLSDF_EXPORT Device {
 public:
-    /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used.
+    /// Every device of every platform, in the order of OpenCL's loader, also those that cannot be used. Empty if there
+    /// is none. Throws Error(device_failure) if the platforms cannot be listed.
     static std::vector<DeviceInfo> all();
 
     /// The strongest GPU, else the strongest other device. Throws Error(no_device) that says why each device
     /// cannot be used, and the remedy.
-    static Device best();
+    static Device strongest();
 
     /// A whole number is an index in all(). Any other text is a part of the name or of the platform's name of exactly
     /// one usable device, in upper or lower case. Throws Error(no_device) that lists the devices, Error(device_failure)
     /// if the device cannot be opened.
     static Device select(const std::string& index_or_substring);
 
-    /// select() with the environment variable CLSDF_DEVICE if it is set and not empty, else best(). No other function
-    /// of the library reads that variable.
-    static Device preferred();
-
-    /// The value of CLSDF_DEVICE that preferred() uses; empty if it is not set.
-    static std::string environment_choice();
+    /// The user's choice: select() with the environment variable CLSDF_DEVICE if it is set and not empty, else
+    /// strongest(). No other function of the library reads that variable. Throws as these do; an error of select()
+    /// names the variable.
+    static Device automatic();
 
     /// Retains the caller's objects. Throws Error(invalid_argument) if one is null or they do not belong together;
     /// Error(unsupported) if the device has no OpenCL 1.2 or no double precision, or is known to fail;
     /// Error(device_failure).
     static Device from_handles(cl_context context, cl_device_id id, cl_command_queue queue);
 
-    /// The same device with limits, with a context and a queue of its own. Programs are kept and tested as those of
-    /// select(). The library's loops on the host are oneTBB's: tbb::global_control limits their threads. Throws
+    /// The same device with limits, with a context and a queue of its own. It keeps records where this one does. The
+    /// library's loops on the host are oneTBB's: tbb::global_control limits their threads. Throws
     /// Error(invalid_argument) for a limit of 0, or for more compute units than there are; Error(unsupported) if the
     /// device cannot be divided, as most GPUs.
     Device limited(const DeviceLimits& limits) const;
 
+    /// The properties of this device, as in all(). `compute_units`, `memory` and `largest_allocation` are those that
+    /// limited() left. `index` is DeviceInfo::not_listed if all() has no device of this id(): a part of a device, made
+    /// by limited() or by the caller, has an id of its own. Asks every driver. Throws Error(device_failure).
+    DeviceInfo info() const;
+
     std::string name() const;
     std::string platform() const;
+    /// The handles belong to this device and its copies: retain those that you keep for longer.
     cl_context context() const;
     cl_device_id id() const;
     cl_command_queue queue() const;
 
-    /// The folder in which compiled programs are kept between runs, for this device and its copies: the environment
-    /// variable CLSDF_CACHE_DIR if it is set, from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf,
-    /// else $HOME/.cache/clsdf. Empty (no program is kept) if CLSDF_CACHE_DIR is set to an empty string, if no folder
-    /// is known, or if the driver is PoCL, which keeps programs itself, and CLSDF_CACHE_DIR is not set.
-    std::string program_cache() const;
+    /// Keeps small files in the folder, for this device and its copies and for programs that are built from now on:
+    /// call it before the first DistanceTransform is made. Later processes that call it with the same folder
+    /// - do not test again what is recorded as tested,
+    /// - find out by markers which compilation ended a process, and refuse it after two,
+    /// - wait while another process compiles the same, by file locks,
+    /// - take compiled programs from it, except with PoCL, which keeps them itself.
+    ///
+    /// The folder is made when the first file is written. A folder that cannot be written, or a damaged file in it, is
+    /// no error: programs are then compiled and tested anew. An empty text, as at the start: no file is read or
+    /// written, and each process compiles and tests what it uses.
+    void keep_records(const std::string& folder) const;
 
-    /// The folder of two kinds of small files: records of tested programs, and markers of programs that are being
-    /// compiled. It is program_cache(), except with PoCL if CLSDF_CACHE_DIR is not set: then it is
-    /// $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty: no file is written, and every process tests anew.
+    /// The folder that clsdf's command passes to keep_records(): the environment variable CLSDF_CACHE_DIR if it is set,
+    /// from the current folder if it is relative, else $XDG_CACHE_HOME/clsdf, else $HOME/.cache/clsdf. Empty if
+    /// CLSDF_CACHE_DIR is set and empty, or if no folder is known. No other function of the library reads these
+    /// variables.
+    static std::string default_record_folder();
+
+    /// The folder of keep_records(); empty at the start.
     std::string record_folder() const;
 
-    /// Sets the folder of both for programs that are built from now on: call it before the first DistanceTransform is
-    /// made. With an empty string the library reads and writes only files that the caller names, and tests programs
-    /// once in every process. A folder that cannot be written, or a damaged file in it, is no error: the programs are
-    /// compiled and tested anew.
-    void set_program_cache(const std::string& folder) const;
-
-    /// Deletes the records and markers of this device: its programs are tested again, and those whose compilation ended
-    /// a process are tried again.
-    void forget_tests() const;
+    /// Deletes the records and markers of this device in its folder: programs are tested again, also in this process,
+    /// and those whose compilation ended a process are tried again. A file that cannot be deleted stays; that is no
+    /// error.
+    void forget_records() const;
 
 private:
-    friend const std::shared_ptr<device::Context>& device::shared_context_of(const Device& device);
-    explicit Device(std::shared_ptr<device::Context> context) : context_(std::move(context)) {}
+    friend class detail::DeviceContext;
+    explicit Device(std::shared_ptr<detail::DeviceContext> context) : context_(std::move(context)) {}
 
-    /// With a context and a queue of its own. Throws the exceptions of OpenCL's C++ binding.
-    static Device open(const DeviceInfo& info);
-
-    std::shared_ptr<device::Context> context_;
+    std::shared_ptr<detail::DeviceContext> context_;
 };
 
 }  // namespace clsdf

@@ -15,7 +15,7 @@ namespace clsdf {
 namespace detail {
 
 template <typename Matrix>
-Triples triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
+InputArray triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
     static_assert(Matrix::Flags & Eigen::DirectAccessBit,
                   "clsdf::mesh_view looks at matrices, maps, blocks and references; evaluate an expression first");
     constexpr int rows = Matrix::RowsAtCompileTime, columns = Matrix::ColsAtCompileTime;
@@ -29,8 +29,8 @@ Triples triples_of(const Eigen::MatrixBase<Matrix>& any, const char* what) {
                         std::to_string(matrix.cols()) + " numbers; n x 3 or 3 x n make triples");
     constexpr auto width = static_cast<std::ptrdiff_t>(sizeof(typename Matrix::Scalar));
     const std::ptrdiff_t rows_apart = matrix.rowStride() * width, columns_apart = matrix.colStride() * width;
-    return row_by_row ? Triples(matrix.data(), static_cast<std::size_t>(matrix.rows()), rows_apart, columns_apart)
-                      : Triples(matrix.data(), static_cast<std::size_t>(matrix.cols()), columns_apart, rows_apart);
+    return row_by_row ? InputArray(matrix.data(), static_cast<std::size_t>(matrix.rows()), rows_apart, columns_apart)
+                      : InputArray(matrix.data(), static_cast<std::size_t>(matrix.cols()), columns_apart, rows_apart);
 }
 
 }  // namespace detail

@@ -5,16 +5,19 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <ranges>
 #include <span>
 #include <string>
 
 namespace clsdf {
 
 /// An array for the samples of a grid, in memory for fast stores: it is aligned to a cache line (64 bytes) and, from 4
-/// MiB on, lies on huge pages if the system provides them. `Value` is float, double, std::uint32_t or std::uint8_t.
+/// MiB on, lies on huge pages if the system provides them. `Value` is float, double, std::uint32_t, std::uint8_t
+/// or std::byte.
 ///
 /// New elements are uninitialised, also those of `FieldArray<float>(n)` and of `resize(n)`: a computation sets all of
 /// them, and need not wait until one core has cleared them. `FieldArray<float>(n, 0.0F)` sets them. A function that
@@ -79,6 +82,7 @@ extern template class FieldArray<float>;
 extern template class FieldArray<double>;
 extern template class FieldArray<std::uint32_t>;
 extern template class FieldArray<std::uint8_t>;
+extern template class FieldArray<std::byte>;
 
 /// The properties of a field without its values.
 struct FieldDescription {
@@ -88,17 +92,103 @@ struct FieldDescription {
     std::string mesh_name;
 };
 
-/// A computed field on the host. Each array has grid.sample_count() samples, x fastest, or is empty if the output was
-/// not asked for. New elements of an array are not initialised, see FieldArray.
-struct Field : FieldDescription, PerOutput<FieldArray> {};
-
 namespace detail {
-template <typename Element>
-using SpanOf = std::span<const Element>;
+/// Room for outputs of later versions, so that a new one changes no layout.
+inline constexpr std::size_t most_outputs = 16;
+
+constexpr std::size_t index_of(Output output) {
+    return static_cast<std::size_t>(output);
 }
 
-/// The values of some slices of a field, z after z: grid.size[0] * grid.size[1] samples for each, x fastest. An array
-/// is empty if the field does not hold that output.
-using FieldSlab = PerOutput<detail::SpanOf>;
+template <typename Value>
+std::span<Value> values_in(std::span<std::byte> bytes) {
+    return {reinterpret_cast<Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+}
+template <typename Value>
+std::span<const Value> values_in(std::span<const std::byte> bytes) {
+    return {reinterpret_cast<const Value*>(bytes.data()), bytes.size() / sizeof(Value)};
+}
+}  // namespace detail
+
+/// Values of samples or points in memory of their owner: an array for each output, x fastest, the components of a
+/// vector side by side. An array is empty if there are no values of that output.
+class FieldSlab {
+public:
+    std::span<const float> distance() const { return values<float>(Output::distance); }
+    std::span<const std::uint32_t> triangle() const { return values<std::uint32_t>(Output::triangle); }
+    std::span<const std::uint8_t> site() const { return values<std::uint8_t>(Output::site); }
+    std::span<const double> closest() const { return values<double>(Output::closest); }
+    std::span<const float> gradient() const { return values<float>(Output::gradient); }
+    std::span<const float> barycentric() const { return values<float>(Output::barycentric); }
+
+    std::span<const std::byte> bytes(Output output) const { return bytes_[detail::index_of(output)]; }
+    /// `values` have the type that output_table() states for the output, and must outlive this.
+    template <std::ranges::contiguous_range Values>
+    void set(Output output, const Values& values) {
+        bytes_[detail::index_of(output)] = std::as_bytes(std::span(values));
+    }
+
+    /// The outputs that have values.
+    OutputSet outputs() const {
+        OutputSet set;
+        for (std::size_t i = 0; i < bytes_.size(); ++i)
+            if (!bytes_[i].empty()) set.insert(static_cast<Output>(i));
+        return set;
+    }
+
+private:
+    template <typename Value>
+    std::span<const Value> values(Output output) const {
+        return detail::values_in<Value>(bytes(output));
+    }
+
+    std::array<std::span<const std::byte>, detail::most_outputs> bytes_{};
+};
+
+/// A field on the host: for each output that it has an array of grid.sample_count() samples, x fastest, the components
+/// of a vector side by side.
+struct CLSDF_EXPORT Field : FieldDescription {
+    Field() = default;
+    /// Has room for these outputs of the grid's samples. The values are not initialised, see FieldArray. Throws
+    /// Error(invalid_argument) for a grid that makes no sense, Error(out_of_memory).
+    explicit Field(const FieldDescription& description, OutputSet outputs = Output::distance);
+
+    // Const spans of mutable values: an assignment to the span itself, which would change nothing, does not compile.
+    const std::span<float> distance() { return values<float>(Output::distance); }
+    const std::span<std::uint32_t> triangle() { return values<std::uint32_t>(Output::triangle); }
+    const std::span<std::uint8_t> site() { return values<std::uint8_t>(Output::site); }
+    const std::span<double> closest() { return values<double>(Output::closest); }
+    const std::span<float> gradient() { return values<float>(Output::gradient); }
+    const std::span<float> barycentric() { return values<float>(Output::barycentric); }
+    std::span<const float> distance() const { return slab().distance(); }
+    std::span<const std::uint32_t> triangle() const { return slab().triangle(); }
+    std::span<const std::uint8_t> site() const { return slab().site(); }
+    std::span<const double> closest() const { return slab().closest(); }
+    std::span<const float> gradient() const { return slab().gradient(); }
+    std::span<const float> barycentric() const { return slab().barycentric(); }
+
+    std::span<std::byte> bytes(Output output) { return arrays_[detail::index_of(output)]; }
+    std::span<const std::byte> bytes(Output output) const { return arrays_[detail::index_of(output)]; }
+
+    /// The outputs that it has.
+    OutputSet outputs() const { return slab().outputs(); }
+    /// Makes room for `samples` values of an output; the first ones stay. Throws std::bad_alloc.
+    std::span<std::byte> resize(Output output, std::size_t samples);
+    /// Releases the output's memory.
+    void erase(Output output) { arrays_[detail::index_of(output)].clear(); }
+
+    /// A view of all values.
+    FieldSlab slab() const;
+    /// The arrays of all outputs that it has, for DistanceTransform::compute().
+    OutputTargets targets();
+
+private:
+    template <typename Value>
+    std::span<Value> values(Output output) {
+        return detail::values_in<Value>(bytes(output));
+    }
+
+    std::array<FieldArray<std::byte>, detail::most_outputs> arrays_;
+};
 
 }  // namespace clsdf

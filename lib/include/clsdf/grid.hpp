@@ -13,7 +13,7 @@ namespace clsdf {
 
 /// A length in the mesh's units, in voxels, or as a fraction of the longest side of the mesh's box.
 struct CLSDF_EXPORT Length {
-    enum class Unit { mesh, voxels, extent };
+    enum class Unit : std::int32_t { mesh = 0, voxels = 1, extent = 2 };
 
     double value = 0;
     Unit unit = Unit::mesh;
@@ -30,22 +30,29 @@ struct CLSDF_EXPORT Length {
     double resolve(double voxel, double extent) const;
 };
 
-/// The half widths of a narrow band, in the mesh's units; each is >= 0 and may be infinite. They have no default: a
-/// band with a half width that is not set is refused. If both are 0, the field holds -0.0 inside and +0.0 outside, and
-/// no other distance. A sample with -inside <= distance <= outside carries its exact signed distance; every other one
-/// carries +outside or -inside, with the right sign (-0.0 for inside = 0). An unsigned field uses `outside` alone.
+/// A narrow band around the surface, or the signs alone. The half widths are in the mesh's units; each is >= 0, at
+/// least one is > 0, and both may be infinite. They have no default: a band that is not set is refused. A sample with
+/// -inside <= distance <= outside carries its exact signed distance; every other one carries +outside or -inside, with
+/// the right sign (-0.0 for inside = 0). An unsigned field uses `outside` alone.
 struct CLSDF_EXPORT Band {
     double inside = std::numeric_limits<double>::quiet_NaN();   ///< NaN: not set
     double outside = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not set
+    /// No distances: the field holds -0.0 inside and +0.0 outside. Both half widths are 0.
+    bool has_signs_only = false;
 
     static Band symmetric(double half_width) { return {half_width, half_width}; }
     /// Every sample of the grid carries its distance.
     static Band full();
+    /// No sample carries its distance, and each its sign.
+    static Band signs_only() { return {0, 0, true}; }
 
     double widest() const { return inside > outside ? inside : outside; }
 
-    /// Throws Error(invalid_argument) if a half width is NaN or negative. Computations refuse finite ones > 1e15 voxel.
+    /// Throws Error(invalid_argument) if a half width is NaN or negative, or if both are 0 but for signs_only().
+    /// Computations refuse finite ones > 1e15 voxel.
     void validate() const;
+
+    friend bool operator==(const Band&, const Band&) = default;
 };
 
 /// Options of Grid::around.

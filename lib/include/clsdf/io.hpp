@@ -1,51 +1,21 @@
 #pragma once
 
-/// Files of meshes and fields, in a separate target, clsdf::io. It links HDF5, expat and, if it is built in, OpenVDB,
-/// which the core library does not need.
+/// Files of fields, in a separate target, clsdf::io, which has the files of meshes and points, too. It links HDF5,
+/// expat and, if it is built in, OpenVDB, which the core library and clsdf::meshes do not need.
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
-#include <clsdf/mesh.hpp>
+#include <clsdf/mesh_files.hpp>
+#include <clsdf/outputs.hpp>
 
-#include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 namespace clsdf {
 
-/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders); polygons are triangulated as
-/// fans, and vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input or invalid_mesh)
-/// that names the file, the line or element and the value; Error(unsupported) for an unknown ending.
-CLSDF_EXPORT Mesh read_mesh(const std::string& path);
-
-/// Red, green and blue, sRGB.
-using FaceColour = std::array<std::uint8_t, 3>;
-
-/// Writes .off, .obj, .stl (binary) or .ply (binary, little endian) by the file's ending; complete or not at all.
-/// `colours`: one for each triangle, or none; only .ply stores them. Throws Error(invalid_argument) for another number
-/// of them, Error(unsupported) for an unknown ending, Error(output_failure).
-CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
-
-/// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
-/// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws
-/// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending.
-CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
-
-/// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
-/// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
-/// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
-/// them. `wanted` is needed only without points. Throws Error(invalid_argument) if an array does not fit the points,
-/// Error(unsupported) for an unknown ending, Error(output_failure).
-CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
-                               const Outputs& wanted = {});
-
-/// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
-CLSDF_EXPORT void check_points_output(const std::string& path);
-
-/// Reads a file that write() wrote, with the same grid, or a file of another program with float or double values of
-/// either byte order, raw, on a grid parallel to the axes. If the file states no band, the band has no end; if it
+/// Reads a file that write_field() wrote, with the same grid, or a file of another program with float or double values
+/// of either byte order, raw, on a grid parallel to the axes. If the file states no band, the band has no end; if it
 /// states no sign rule, the rule is `automatic`. An output is empty if its file does not exist. Throws
 /// Error(unsupported) for an unknown ending, Error(unreadable_input) that names the file, the field and the value, or
 /// Error(out_of_memory).
@@ -53,30 +23,30 @@ CLSDF_EXPORT Field read_field(const std::string& path);
 
 /// The files of outputs that the field's file names but that do not exist, for example after only one file was copied.
 /// read_field() leaves these outputs empty. Throws as read_field().
-CLSDF_EXPORT std::vector<std::string> missing_files(const std::string& path);
+CLSDF_EXPORT std::vector<std::string> missing_field_files(const std::string& path);
 
 /// Writes a field by the file's ending: .nrrd, .npy, .vti, .h5, .sdf or, if OpenVDB is built in, .vdb; docs/formats.md
 /// describes their contents. With .nrrd and .npy each other output has a separate file, FILE_triangle.nrrd or
 /// FILE_closest.npy. No file gets its final name before all are written; the distances appear last. Throws
 /// Error(output_failure), Error(unsupported) for an unknown ending, or Error(invalid_argument) if the arrays do not fit
 /// the grid.
-CLSDF_EXPORT void write(const Field& field, const std::string& path);
+CLSDF_EXPORT void write_field(const Field& field, const std::string& path);
 
-/// Throws the error that write() would throw for the ending, for outputs that the format cannot store, or for a folder
-/// that is missing or write-protected: a check before a long computation. Leaves no file.
-CLSDF_EXPORT void check_output(const std::string& path, const Outputs& outputs = {});
+/// Throws the error that write_field() would throw for the ending, for outputs that the format cannot store, or for a
+/// folder that is missing or write-protected: a check before a long computation. Leaves no file.
+CLSDF_EXPORT void check_field_path(const std::string& path, OutputSet outputs = {});
 
 class FormatWriter;
 
 /// Writes a field slab by slab, so it need never be whole in memory. The format follows from the file's ending, as with
-/// write(), and the bytes do not depend on the slabs. No file gets its final name before finish(); without it, no file
-/// stays. A .vdb keeps the samples of the band in memory until finish(); the other formats write each slab in append().
-/// One thread at a time.
+/// write_field(), and the bytes do not depend on the slabs. No file gets its final name before finish(); without it, no
+/// file stays. A .vdb keeps the samples of the band in memory until finish(); the other formats write each slab in
+/// append(). One thread at a time.
 class CLSDF_EXPORT FieldWriter {
 public:
     /// Throws Error(unsupported) for an unknown ending, or for a grid or outputs that the format cannot store,
     /// Error(invalid_argument) for an invalid grid or band, or Error(output_failure).
-    FieldWriter(const std::string& path, const FieldDescription& field, const Outputs& outputs = {});
+    FieldWriter(const std::string& path, const FieldDescription& field, OutputSet outputs = {});
     FieldWriter(FieldWriter&&) noexcept;
     FieldWriter& operator=(FieldWriter&&) noexcept;
     ~FieldWriter();
@@ -91,7 +61,7 @@ public:
 
 private:
     FieldDescription field_;
-    Outputs outputs_;
+    OutputSet outputs_;
     std::int64_t slices_ = 0;
     std::unique_ptr<FormatWriter> format_;  // null after the end or a failure
 };

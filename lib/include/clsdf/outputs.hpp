@@ -1,135 +1,145 @@
 #pragma once
 
+#include <clsdf/arrays.hpp>
 #include <clsdf/export.hpp>
-#include <clsdf/mesh.hpp>
 
-#include <array>
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <ranges>
-#include <type_traits>
-
-typedef struct _cl_mem* cl_mem;
+#include <initializer_list>
+#include <span>
+#include <vector>
 
 namespace clsdf {
 
-/// Beyond the band.
+/// The values of a triangle and of a site beyond the band.
 inline constexpr std::uint32_t no_triangle = 0xFFFFFFFFU;
 inline constexpr std::uint8_t no_site = 255;
 
-/// Outputs beside the distance. All outputs of a sample belong to one nearest triangle and one of its sites;
-/// docs/library.md defines each.
-struct Outputs {
-    bool triangle = false;     ///< the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it
-    bool site = false;         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
-    bool closest = false;      ///< the closest point
-    bool gradient = false;     ///< of the signed distance: a unit vector
-    bool barycentric = false;  ///< coordinates of the closest point on the triangle
-
-    bool operator==(const Outputs&) const = default;
+/// What is computed at a sample or a point. All outputs belong to one nearest triangle and one of its sites;
+/// docs/library.md defines each. Beyond the band, the triangle is no_triangle, the site no_site, and vectors are NaN.
+/// The values of the enumerators never change.
+enum class Output : std::int32_t {
+    distance = 0,     ///< signed, in the mesh's units; always computed
+    triangle = 1,     ///< the nearest triangle; if an edge or a vertex is nearest, the lowest that shares it
+    site = 2,         ///< its nearest part: 0 to 2 its vertices, 3 to 5 its edges, 6 its face
+    closest = 3,      ///< the closest point, in the mesh's units
+    gradient = 4,     ///< of the signed distance: a unit vector
+    barycentric = 5,  ///< of the closest point: the weights of the triangle's vertices 1 and 2
 };
 
-/// One member for each output: Of<Element>, Element being the type of the output's elements. The components of a vector
-/// lie side by side. Beyond the band, the triangle is no_triangle, the site no_site, and vectors are NaN.
-template <template <typename Element> class Of>
-struct PerOutput {
-    Of<float> distance{};          ///< signed, in the mesh's units
-    Of<std::uint32_t> triangle{};  ///< in the caller's order
-    Of<std::uint8_t> site{};
-    Of<double> closest{};     ///< three coordinates, in the mesh's units
-    Of<float> gradient{};     ///< three components
-    Of<float> barycentric{};  ///< two: the weights of the triangle's vertices 1 and 2
+/// A row of the table of outputs.
+struct OutputInfo {
+    Output output = Output::distance;
+    const char* name = "";         ///< "distance": that of the enumerator, in files, and in the names of files
+    const char* description = "";  ///< in words
+    ElementType type = ElementType::float32;  ///< of a value, in fields and files
+    std::size_t components = 1;               ///< values of a sample, which lie side by side
+
+    constexpr std::size_t sample_bytes() const { return bytes_of(type) * components; }
 };
 
-namespace detail {
-template <typename Element>
-using CountOf = std::size_t;
-}
+/// All outputs, in the order of their numbers.
+CLSDF_EXPORT std::span<const OutputInfo> output_table();
 
-/// Bytes of a sample in fields and in files.
-inline constexpr PerOutput<detail::CountOf> output_bytes{sizeof(float),        sizeof(std::uint32_t),
-                                                         sizeof(std::uint8_t), 3 * sizeof(double),
-                                                         3 * sizeof(float),    2 * sizeof(float)};
+/// Throws Error(invalid_argument) for a number that is none of an output.
+CLSDF_EXPORT const OutputInfo& info_of(Output output);
 
-/// Calls visit(name, a.triangle, b.triangle, ...), and so on for each output but the distance.
-template <typename Visit, typename... Sets>
-void visit_extras(const Visit& visit, Sets&&... sets) {
-    visit("triangle", sets.triangle...);
-    visit("site", sets.site...);
-    visit("closest", sets.closest...);
-    visit("gradient", sets.gradient...);
-    visit("barycentric", sets.barycentric...);
-}
+/// A set of outputs, e.g. Output::triangle | Output::gradient.
+class OutputSet {
+public:
+    constexpr OutputSet() = default;
+    // NOLINTNEXTLINE(google-explicit-constructor): an output is a set of one
+    constexpr OutputSet(Output output) { insert(output); }
+    constexpr OutputSet(std::initializer_list<Output> outputs) {
+        for (const Output output : outputs) insert(output);
+    }
+    /// Bit n stands for the output with the number n.
+    static constexpr OutputSet from_bits(std::uint32_t bits) {
+        OutputSet set;
+        set.bits_ = bits;
+        return set;
+    }
 
-/// The same for the distance, first, and the others.
-template <typename Visit, typename... Sets>
-void visit_outputs(const Visit& visit, Sets&&... sets) {
-    visit("distance", sets.distance...);
-    visit_extras(visit, sets...);
-}
+    constexpr std::uint32_t bits() const { return bits_; }
+    constexpr bool empty() const { return bits_ == 0; }
+    constexpr bool contains(Output output) const { return (bits_ & bit(output)) != 0; }
+    constexpr void insert(Output output) { bits_ |= bit(output); }
+    constexpr void erase(Output output) { bits_ &= ~bit(output); }
 
-/// The destination of an output: memory of the caller, on the host or on the device.
-///
-/// The elements are those of PerOutput. The distance may also be stored as doubles: they have the values of the floats,
-/// and cost a copy. Gradients and barycentric coordinates may also be stored as doubles, which are evaluated in double.
-/// The closest point may also be stored as floats: then it is the offset from the sample, whose accuracy does not
-/// depend on the size of the coordinates. Other elements are Error(unsupported).
-///
-/// Samples are packed with x fastest unless strides are given. No two values may overlap: each stride must be at least
-/// the span of all shorter strides. Strides cost a copy of the field. Memory between the samples is not changed.
-struct OutputTarget {
-    enum class Element : std::uint8_t { automatic, float32, float64, uint32, uint8, other };
-
-    void* host = nullptr;
-    cl_mem device = nullptr;
-    std::size_t bytes = 0;  ///< of host memory: exactly the output's, or with offset or strides at least all addressed
-    Element element = Element::automatic;
-    /// Bytes before the first sample, a multiple of the element's. In memory of the device, an offset that is no
-    /// multiple of what buffers are aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8) costs a copy of the field.
-    std::size_t offset = 0;
-    /// Bytes from a sample to the next one along x, y and z; zeros: packed.
-    std::array<std::ptrdiff_t, 3> strides{};
-    /// Bytes from a component to the next one; 0: side by side. If it is set and `strides` are not, the samples' first
-    /// components lie side by side.
-    std::ptrdiff_t component_stride = 0;
-
-    OutputTarget() = default;
-    /// An array of the caller's. A temporary container does not compile.
-    template <std::ranges::contiguous_range Array>
-    requires(!detail::DyingArray<Array> &&
-             !std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Array>>>)
-        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): any array is a target
-        OutputTarget(Array&& array)
-        : host(std::ranges::data(array)),
-          bytes(std::ranges::size(array) * sizeof(std::ranges::range_value_t<Array>)),
-          element(element_of<std::ranges::range_value_t<Array>>()) {}
-    template <detail::DyingArray Array>
-    // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): as above
-    OutputTarget(Array&& array) = delete;
-    /// Memory of the device, a buffer.
-    // NOLINTNEXTLINE(google-explicit-constructor): a buffer is a target
-    OutputTarget(cl_mem memory, Element element_in = Element::automatic) : device(memory), element(element_in) {}
-
-    bool is_given() const { return host != nullptr || device != nullptr; }
+    friend constexpr OutputSet operator|(OutputSet a, OutputSet b) { return from_bits(a.bits_ | b.bits_); }
+    friend constexpr bool operator==(OutputSet, OutputSet) = default;
 
 private:
-    template <typename Value>
-    static constexpr Element element_of() {
-        if constexpr (std::same_as<Value, float>) return Element::float32;
-        if constexpr (std::same_as<Value, double>) return Element::float64;
-        if constexpr (std::same_as<Value, std::uint32_t>) return Element::uint32;
-        if constexpr (std::same_as<Value, std::uint8_t>) return Element::uint8;
-        return Element::other;
-    }
+    static constexpr std::uint32_t bit(Output output) { return std::uint32_t{1} << static_cast<std::uint32_t>(output); }
+
+    std::uint32_t bits_ = 0;
 };
 
-namespace detail {
-template <typename Element>
-using TargetOf = OutputTarget;
+constexpr OutputSet operator|(Output a, Output b) {
+    return OutputSet(a) | OutputSet(b);
 }
 
-/// The destinations of a computation's outputs. The distance needs one; another output without one is not computed.
-using OutputTargets = PerOutput<detail::TargetOf>;
+/// An output and the array that it is written to.
+struct OutputTarget {
+    Output output = Output::distance;
+    OutputArray array;
+};
+
+/// The arrays to which a call writes: one for the distance, and one for each other output that is wanted.
+///
+///     transform.compute(grid, band, distances);
+///     transform.compute(grid, band, {{Output::distance, distances}, {Output::gradient, gradients}});
+///
+/// Types: those of output_table(). The triangle may also be int32: -1 beyond the band. Distances, gradients and
+/// barycentric coordinates may also be doubles; they are evaluated in double at the nearest triangle. The closest point
+/// may also be floats: then it is the offset from the sample, whose accuracy does not depend on the size of the
+/// coordinates. Other types are Error(unsupported).
+///
+/// No two values of a call may lie on the same bytes: arrays that overlap are Error(invalid_argument). Strides,
+/// and memory of the device whose offset is no multiple of what buffers are aligned to (CL_DEVICE_MEM_BASE_ADDR_ALIGN /
+/// 8) cost a copy of the field.
+class OutputTargets {
+public:
+    OutputTargets() = default;
+    OutputTargets(std::initializer_list<OutputTarget> targets) {
+        for (const OutputTarget& target : targets) (*this)[target.output] = target.array;
+    }
+    /// The distance alone.
+    // NOLINTNEXTLINE(google-explicit-constructor): an array is the distance's
+    OutputTargets(const OutputArray& distance) : targets_{{Output::distance, distance}} {}
+    // NOLINTNEXTLINE(google-explicit-constructor): a buffer is the distance's
+    OutputTargets(cl_mem distance) : OutputTargets(OutputArray(distance)) {}
+    template <typename Array>
+    requires(detail::NumberArray<Array>&& std::is_constructible_v<OutputArray, Array>)
+        // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): an array is the
+        // distance's
+        OutputTargets(Array&& array)
+        : OutputTargets(OutputArray(std::forward<Array>(array))) {}
+
+    /// The output's array; one that is not given yet is added.
+    OutputArray& operator[](Output output) {
+        for (OutputTarget& target : targets_)
+            if (target.output == output) return target.array;
+        return targets_.emplace_back(OutputTarget{output, {}}).array;
+    }
+    /// Null if the output has none.
+    const OutputArray* find(Output output) const {
+        for (const OutputTarget& target : targets_)
+            if (target.output == output && target.array.is_given()) return &target.array;
+        return nullptr;
+    }
+
+    /// The outputs that have memory.
+    OutputSet outputs() const {
+        OutputSet set;
+        for (const OutputTarget& target : targets_)
+            if (target.array.is_given()) set.insert(target.output);
+        return set;
+    }
+    std::span<const OutputTarget> all() const { return targets_; }
+
+private:
+    std::vector<OutputTarget> targets_;
+};
 
 }  // namespace clsdf

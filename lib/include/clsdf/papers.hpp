@@ -1,5 +1,6 @@
 #pragma once
 
+#include <clsdf/distance_transform.hpp>
 #include <clsdf/export.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/mesh.hpp>
@@ -7,7 +8,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -17,29 +17,27 @@
 /// Algorithms for Solving Static Hamilton-Jacobi Equations, 2003.
 namespace clsdf {
 
-class FieldMethod;
-
 /// The polyhedra that bound the samples to which a triangle may be nearest. The scan by bricks evaluates a triangle at
 /// whole blocks of samples that its polyhedron overlaps, the scan by slices only at the samples in its polyhedron.
-enum class Polyhedra {
-    leaned,        ///< exact for every mesh
-    peikert_sigg,  ///< as Peikert & Sigg published them, gaps closed; not exact: to be compared with
-    mauch,         ///< Mauch's towers of faces, wedges of edges and cones of vertices; exact: to be compared with
+enum class Polyhedra : std::int32_t {
+    leaned = 0,        ///< exact for every mesh
+    peikert_sigg = 1,  ///< as Peikert & Sigg published them, gaps closed; not exact: to be compared with
+    mauch = 2,         ///< Mauch's towers of faces, wedges of edges and cones of vertices; exact: to be compared with
 };
 
 /// How the samples of the polyhedra are found.
-enum class Scan {
-    automatic,    ///< bricks for leaned polyhedra, slices for the others
-    bricks,       ///< bricks of 8 x 8 x 8 samples; for leaned polyhedra only
-    slices,       ///< slice by slice, each polyhedron's samples row by row, as in Peikert & Sigg
-    brute_force,  ///< every sample with every triangle; for leaned polyhedra, which it does not need
+enum class Scan : std::int32_t {
+    automatic = 0,    ///< bricks for leaned polyhedra, slices for the others
+    bricks = 1,       ///< bricks of 8 x 8 x 8 samples; for leaned polyhedra only
+    slices = 2,       ///< slice by slice, each polyhedron's samples row by row, as in Peikert & Sigg
+    brute_force = 3,  ///< every sample with every triangle; for leaned polyhedra, which it does not need
 };
 
 /// How the scan by slices keeps the least distance and its triangle; the result is the same.
-enum class SliceMinimum {
-    automatic,  ///< in one pass if the device has 64-bit atomics and memory for a slice of them
-    one_pass,   ///< an ordered key of distance and triangle: 64-bit atomics
-    two_passes  ///< first the distances, then the triangles of the least ones: 32-bit atomics
+enum class SliceMinimum : std::int32_t {
+    automatic = 0,  ///< in one pass if the device has 64-bit atomics and memory for a slice of them
+    one_pass = 1,   ///< an ordered key of distance and triangle: 64-bit atomics
+    two_passes = 2  ///< first the distances, then the triangles of the least ones: 32-bit atomics
 };
 
 /// "leaned", "peikert-sigg", "mauch".
@@ -59,43 +57,45 @@ struct PapersOptions {
     SliceMinimum slice_minimum = SliceMinimum::automatic;
 };
 
-/// A method for TransformOptions::method; null for leaned polyhedra by bricks, which is what a transform does without
-/// one. The scans by slices and by brute force give the distance and the triangle; other outputs are
-/// Error(unsupported). Mauch's towers, wedges and cones count as TransformStatistics::polyhedra.
-/// TransformStatistics::method_counts has:
+/// A transform that computes fields with other polyhedra or another scan; with the default of PapersOptions it is that
+/// of the core. Its members do what those of any transform do, but query() and classify(), which do not depend on
+/// `method`, and restrict_to(), which is Error(unsupported). The scans by slices and by brute force give the distance
+/// and the triangle; other outputs are Error(unsupported). Mauch's towers, wedges and cones count as
+/// WorkCounts::polyhedra.
 ///
-/// (by slices)
+/// WorkCounts::method_counts has, of the scan by slices:
 ///
 ///     closed_gaps          vertices whose gap was closed as in the paper
 ///     active_pieces        (convex piece of a polyhedron, slice)
-///     slice_intersections  intersections of a piece and a slice that were visited   with CallOptions::count
-///     empty_intersections  of these, empty ones: none                               with CallOptions::count
+///     slice_intersections  intersections of a piece and a slice that were visited   with CallOptions::count_work
+///     empty_intersections  of these, empty ones: none                               with CallOptions::count_work
 ///
-/// Throws what resolve_scan() throws. Computations throw Error(unsupported) if `slice_minimum` is one_pass and the
-/// device has no 64-bit atomics. Transforms and threads may share a method.
-CLSDF_EXPORT std::shared_ptr<const FieldMethod> papers_method(const PapersOptions& options);
+/// Throws what the constructor of DistanceTransform and resolve_scan() throw. Computations throw Error(unsupported) if
+/// `slice_minimum` is one_pass and the device has no 64-bit atomics.
+CLSDF_EXPORT DistanceTransform make_transform(Device device, const Mesh& mesh, const PapersOptions& method,
+                                              const TransformOptions& options = {}, const CallOptions& call = {});
 
 // Peikert & Sigg's classification of a mesh, decided exactly on the coordinates as given. Vertices of equal coordinates
 // count as one, and faces with repeated vertices drop out.
 
 enum class EdgeKind : std::uint8_t {
-    convex,
-    concave,
-    flat,          ///< its two faces lie in one plane
-    boundary,      ///< one face
-    unoriented,    ///< two faces that run along it in the same direction
-    non_manifold,  ///< three faces or more
+    convex = 0,
+    concave = 1,
+    flat = 2,          ///< its two faces lie in one plane
+    boundary = 3,      ///< one face
+    unoriented = 4,    ///< two faces that run along it in the same direction
+    non_manifold = 5,  ///< three faces or more
 };
 inline constexpr std::size_t edge_kinds = 6;
 
 enum class VertexKind : std::uint8_t {
-    convex,   ///< convex edges, and no concave one
-    concave,  ///< concave edges, and no convex one
-    flat,     ///< neither
-    saddle,   ///< both
-    boundary,
-    non_manifold,  ///< an edge that is unoriented or not manifold, or several fans of faces
-    unused,        ///< no face
+    convex = 0,   ///< convex edges, and no concave one
+    concave = 1,  ///< concave edges, and no convex one
+    flat = 2,     ///< neither
+    saddle = 3,   ///< both
+    boundary = 4,
+    non_manifold = 5,  ///< an edge that is unoriented or not manifold, or several fans of faces
+    unused = 6,        ///< no face
 };
 inline constexpr std::size_t vertex_kinds = 7;
 
@@ -113,7 +113,7 @@ struct Classification {
     std::array<std::size_t, vertex_kinds> vertex_counts{};  ///< equal vertices count as one
 };
 
-CLSDF_EXPORT Classification classify(const Mesh& mesh);
+CLSDF_EXPORT Classification classify_convexity(const Mesh& mesh);
 
 /// Findings at the saddle vertices, the lower vertex first.
 struct SaddleReport {
@@ -179,10 +179,10 @@ CLSDF_EXPORT SoftwareScanCounts software_scan(const Mesh& mesh, const Grid& grid
 // Bounding polyhedra as closed meshes, to look at.
 
 enum class SolidPart : std::uint8_t {
-    both_sides,  ///< of the triangle
-    front,       ///< the side from which the triangle is counter-clockwise
-    back,
-    point_site,  ///< of a vertex whose triangles' polyhedra leave a gap
+    both_sides = 0,  ///< of the triangle
+    front = 1,       ///< the side from which the triangle is counter-clockwise
+    back = 2,
+    point_site = 3,  ///< of a vertex whose triangles' polyhedra leave a gap
 };
 
 /// A polyhedron without the slack that the device's rounding takes.

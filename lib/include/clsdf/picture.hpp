@@ -17,7 +17,7 @@
 namespace clsdf::picture {
 
 /// The axis that a slice is perpendicular to.
-enum class Axis { x, y, z };
+enum class Axis : std::int32_t { x = 0, y = 1, z = 2 };
 
 /// "x", "y", "z". parse_axis() throws Error(invalid_argument) for anything else.
 CLSDF_EXPORT const char* name_of(Axis axis);
@@ -111,7 +111,7 @@ struct SurfaceOptions {
 
 /// The first point that the ray through a pixel's centre meets.
 struct Hit {
-    enum class Kind { nothing, surface, cut, border };
+    enum class Kind : std::int32_t { nothing = 0, surface = 1, cut = 2, border = 3 };
     Kind kind = Kind::nothing;
     Vec3 position{};      ///< in the mesh's units
     Vec3 gradient{};      ///< of the distance there: about a unit vector, outwards

@@ -3,7 +3,10 @@
 #include <clsdf/export.hpp>
 #include <clsdf/field.hpp>
 #include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,7 +20,7 @@
 /// CGAL's AABB tree is under the GPL.
 namespace clsdf::reference {
 
-enum class Site : std::uint8_t { vertex0, vertex1, vertex2, edge0, edge1, edge2, face };
+enum class Site : std::uint8_t { vertex0 = 0, vertex1 = 1, vertex2 = 2, edge0 = 3, edge1 = 4, edge2 = 5, face = 6 };
 
 struct Nearest {
     double distance = 0;
@@ -107,17 +110,20 @@ struct CheckReport {
     std::size_t wrong_signs = 0;
     std::size_t missed = 0;  ///< in the band, but with the fill value
     std::size_t leaked = 0;  ///< beyond the band, but not with the fill value
-    /// For each output but the distance, the samples that break its contract (docs/accuracy.md): for instance a
-    /// triangle or a site that is not nearest, or a closest point off the surface.
-    PerOutput<detail::CountOf> wrong_outputs{};
+    /// The samples that break an output's contract (docs/accuracy.md), by the output's number: for instance a triangle
+    /// or a site that is not nearest, or a closest point off the surface. The distance has the counts above.
+    std::array<std::size_t, detail::most_outputs> wrong_outputs{};
     double max_error_voxels = 0;  ///< over all band samples; infinite if a value is
     double max_error_ulp = 0;     ///< over band samples farther than one voxel from the surface
     double rms_error_voxels = 0;
     std::vector<Finding> findings;  ///< the first ten
 
+    /// The samples that break the contract of an output other than the distance.
+    std::size_t wrong(Output output) const { return wrong_outputs[detail::index_of(output)]; }
+
     bool passed() const {
         std::size_t wrong = wrong_values + wrong_signs + missed + leaked;
-        visit_outputs([&](const char*, std::size_t count) { wrong += count; }, wrong_outputs);
+        for (const std::size_t count : wrong_outputs) wrong += count;
         return wrong == 0;
     }
 };

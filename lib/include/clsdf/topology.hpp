@@ -9,12 +9,12 @@
 
 namespace clsdf {
 
-/// The rule that decides which points are inside; inside is negative.
-enum class SignRule {
-    automatic,  ///< balanced: nonzero; closed: parity; else unsigned (with a warning for the last two)
-    nonzero,    ///< inside if the winding number is not zero; needs a balanced mesh
-    parity,     ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
-    none,       ///< no sign: the distance alone
+/// The rule that decides which points are inside; inside is negative. The values of the enumerators never change.
+enum class SignRule : std::int32_t {
+    automatic = 0,  ///< balanced: nonzero; closed: parity; else unsigned (with a warning for the last two)
+    nonzero = 1,    ///< inside if the winding number is not zero; needs a balanced mesh
+    parity = 2,     ///< inside if a ray crosses the surface an odd number of times; needs a closed mesh
+    none = 3,       ///< no sign: the distance alone
 };
 
 /// "auto", "nonzero", "parity", "none".

@@ -10,7 +10,7 @@
 
 namespace clsdf {
 
-enum class TripleKind { positions, indices };
+enum class ArrayKind { positions, indices };
 
 /// Bytes [begin, end) of memory.
 struct ByteRange {
@@ -22,20 +22,20 @@ struct ByteRange {
 
 /// Throws Error(code) if numbers have another type than the kind, strides are no multiples of a number's bytes, or host
 /// memory is missing or too small. what: the name in messages, a plural.
-void check_triples(const Triples& triples, TripleKind kind, const char* what, ErrorCode code);
+void check_array(const InputArray& triples, ArrayKind kind, const char* what, ErrorCode code);
 
-/// The bytes that triples take of `bytes` bytes of memory. Throws as check_triples() does.
-ByteRange range_of(const Triples& triples, std::size_t bytes, const char* what, ErrorCode code);
+/// The bytes that triples take of `bytes` bytes of memory. Throws as check_array() does.
+ByteRange range_of(const InputArray& triples, std::size_t bytes, const char* what, ErrorCode code);
 
 /// Copies of what host memory has. Throw Error(unsupported) for memory of the device, and Error(invalid_mesh) that
 /// names the triangle of an index that 32 bits cannot hold.
-std::vector<Vec3> read_positions(const Triples& positions);
-std::vector<Triangle> read_triangles(const Triples& triangles, const std::string& mesh_name);
+std::vector<Vec3> read_positions(const InputArray& positions);
+std::vector<Triangle> read_triangles(const InputArray& triangles, const std::string& mesh_name);
 
 /// Positions in host memory, in the caller's array if it is one of Vec3, else in a copy.
 class PositionArray {
 public:
-    explicit PositionArray(const Triples& positions);
+    explicit PositionArray(const InputArray& positions);
     PositionArray(const PositionArray&) = delete;
     PositionArray& operator=(const PositionArray&) = delete;
 

@@ -1,4 +1,4 @@
-#include "mesh/triples.hpp"
+#include "mesh/input_arrays.hpp"
 
 #include "core/parallel.hpp"
 
@@ -21,18 +21,19 @@ struct Steps {
     std::ptrdiff_t number = 0;
 };
 
-Steps steps_of(const Triples& triples) {
-    const auto width = static_cast<std::ptrdiff_t>(triples.number_bytes());
-    return {triples.stride != 0 ? triples.stride : 3 * width,
-            triples.number_stride != 0 ? triples.number_stride : width};
+Steps steps_of(const InputArray& triples) {
+    const auto width = static_cast<std::ptrdiff_t>(bytes_of(triples.type));
+    const std::ptrdiff_t number = triples.component_stride != 0 ? triples.component_stride : width;
+    // Components that lie elsewhere leave no room between the items.
+    return {triples.strides[0] != 0 ? triples.strides[0] : number == width ? 3 * width : width, number};
 }
 
-bool is_of_vec3(const Triples& triples) {
+bool is_of_vec3(const InputArray& triples) {
     const Steps steps = steps_of(triples);
-    return triples.type == NumberType::float64 && steps.triple == sizeof(Vec3) && steps.number == sizeof(double);
+    return triples.type == ElementType::float64 && steps.triple == sizeof(Vec3) && steps.number == sizeof(double);
 }
 
-const std::byte* first_of(const Triples& triples) {
+const std::byte* first_of(const InputArray& triples) {
     if (triples.device != nullptr)
         throw Error(ErrorCode::unsupported,
                     "the mesh's arrays are memory of the device, which a Mesh cannot read; make a DistanceTransform of "
@@ -42,7 +43,7 @@ const std::byte* first_of(const Triples& triples) {
 
 /// Calls f(index, numbers) for each triple, on all cores.
 template <typename Number, typename Function>
-void for_each_triple(const Triples& triples, const Function& f) {
+void for_each_triple(const InputArray& triples, const Function& f) {
     if (triples.count == 0) return;
     const std::byte* const first = first_of(triples);
     const Steps steps = steps_of(triples);
@@ -58,7 +59,7 @@ void for_each_triple(const Triples& triples, const Function& f) {
 constexpr std::uint32_t no_index = std::numeric_limits<std::uint32_t>::max();
 
 /// Throws an error that names the first index that is out of range.
-void refuse_triangle(const Triples& triangles, std::size_t triangle, const std::string& mesh_name) {
+void refuse_triangle(const InputArray& triangles, std::size_t triangle, const std::string& mesh_name) {
     const Steps steps = steps_of(triangles);
     const std::byte* const at = first_of(triangles) + static_cast<std::ptrdiff_t>(triangle) * steps.triple;
     for (std::ptrdiff_t k = 0; k < 3; ++k) {
@@ -73,34 +74,40 @@ void refuse_triangle(const Triples& triangles, std::size_t triangle, const std::
 
 }  // namespace
 
-void check_triples(const Triples& triples, TripleKind kind, const char* what, ErrorCode code) {
-    const bool is_real = triples.type == NumberType::float32 || triples.type == NumberType::float64;
-    if (is_real != (kind == TripleKind::positions))
-        throw Error(code, fmt::format("the {} are {}; give {}", what, is_real ? "floats or doubles" : "integers",
-                                      is_real ? "integers of 32 or 64 bits" : "floats or doubles"));
-    const auto width = static_cast<std::ptrdiff_t>(triples.number_bytes());
-    if (static_cast<std::ptrdiff_t>(triples.offset % triples.number_bytes()) != 0 || triples.stride % width != 0 ||
-        triples.number_stride % width != 0)
+void check_array(const InputArray& triples, ArrayKind kind, const char* what, ErrorCode code) {
+    if (triples.count == 0 && triples.host == nullptr && triples.device == nullptr) return;
+    const bool is_real = triples.type == ElementType::float32 || triples.type == ElementType::float64;
+    const bool is_known = is_real || (bytes_of(triples.type) >= 4 && triples.type <= ElementType::uint64);
+    if (!is_known || is_real != (kind == ArrayKind::positions))
+        throw Error(code, fmt::format("the {} are of type {}; give {}", what, name_of(triples.type),
+                                      kind == ArrayKind::indices ? "integers of 32 or 64 bits" : "floats or doubles"));
+    const auto width = static_cast<std::ptrdiff_t>(bytes_of(triples.type));
+    if (triples.strides[1] != 0 || triples.strides[2] != 0)
+        throw Error(code, fmt::format("the {} have strides along y and z, {} and {}; an array of them has one stride, "
+                                      "strides[0]",
+                                      what, triples.strides[1], triples.strides[2]));
+    if (static_cast<std::ptrdiff_t>(triples.offset % bytes_of(triples.type)) != 0 || triples.strides[0] % width != 0 ||
+        triples.component_stride % width != 0)
         throw Error(code,
                     fmt::format("the offset {} and the strides {} and {} of the {} are not all multiples of their "
                                 "numbers' {} bytes",
-                                triples.offset, triples.stride, triples.number_stride, what, width));
+                                triples.offset, triples.strides[0], triples.component_stride, what, width));
     if (triples.device != nullptr) return;
     if (triples.count > 0 && triples.host == nullptr)
         throw Error(code, fmt::format("there are {} {} and no memory for them", triples.count, what));
-    if (triples.bytes == Triples::unknown_size) return;
-    const std::size_t numbers = triples.bytes / triples.number_bytes();
-    if (triples.offset == 0 && triples.stride == 0 && triples.number_stride == 0 && numbers % 3 != 0)
+    if (triples.bytes == ArrayLayout::unknown_size) return;
+    const std::size_t numbers = triples.bytes / bytes_of(triples.type);
+    if (triples.offset == 0 && triples.strides[0] == 0 && triples.component_stride == 0 && numbers % 3 != 0)
         throw Error(code, fmt::format("the array of {} has {} numbers, which is no multiple of three", what, numbers));
     range_of(triples, triples.bytes, what, code);
 }
 
-ByteRange range_of(const Triples& triples, std::size_t bytes, const char* what, ErrorCode code) {
+ByteRange range_of(const InputArray& triples, std::size_t bytes, const char* what, ErrorCode code) {
     if (triples.count == 0) return {};
     const Steps steps = steps_of(triples);
     // In double, which no sum of such products overflows.
     double lowest = static_cast<double>(triples.offset);
-    double highest = lowest + static_cast<double>(triples.number_bytes());
+    double highest = lowest + static_cast<double>(bytes_of(triples.type));
     const auto extend = [&](std::ptrdiff_t stride, double count) {
         (stride < 0 ? lowest : highest) += static_cast<double>(stride) * count;
     };
@@ -113,7 +120,7 @@ ByteRange range_of(const Triples& triples, std::size_t bytes, const char* what, 
     return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
 }
 
-std::vector<Vec3> read_positions(const Triples& positions) {
+std::vector<Vec3> read_positions(const InputArray& positions) {
     if (positions.count == 0) return {};
     if (is_of_vec3(positions)) {
         const std::byte* const first = first_of(positions);
@@ -125,16 +132,16 @@ std::vector<Vec3> read_positions(const Triples& positions) {
     const auto store = [&](std::size_t i, const auto& numbers) {
         result[i] = {static_cast<double>(numbers[0]), static_cast<double>(numbers[1]), static_cast<double>(numbers[2])};
     };
-    if (positions.type == NumberType::float32)
+    if (positions.type == ElementType::float32)
         for_each_triple<float>(positions, store);
     else
         for_each_triple<double>(positions, store);
     return result;
 }
 
-std::vector<Triangle> read_triangles(const Triples& triangles, const std::string& mesh_name) {
+std::vector<Triangle> read_triangles(const InputArray& triangles, const std::string& mesh_name) {
     std::vector<Triangle> result(triangles.count);
-    if (triangles.type == NumberType::uint32) {
+    if (bytes_of(triangles.type) == 4) {
         for_each_triple<std::uint32_t>(triangles, [&](std::size_t i, const auto& numbers) { result[i] = numbers; });
         return result;
     }
@@ -150,7 +157,7 @@ std::vector<Triangle> read_triangles(const Triples& triangles, const std::string
     return result;
 }
 
-PositionArray::PositionArray(const Triples& positions) {
+PositionArray::PositionArray(const InputArray& positions) {
     if (positions.count == 0) return;
     const std::byte* const first = first_of(positions);
     if (is_of_vec3(positions) && reinterpret_cast<std::uintptr_t>(first) % alignof(Vec3) == 0) {

@@ -1,0 +1,47 @@
+#pragma once
+
+/// Files of meshes and points, in a separate target, clsdf::meshes. It links no other library than the core does: a
+/// program with its own HDF5, for instance the parallel one, may link it. clsdf/io.hpp has the files of fields, too.
+#include <clsdf/export.hpp>
+#include <clsdf/field.hpp>
+#include <clsdf/mesh.hpp>
+#include <clsdf/outputs.hpp>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace clsdf {
+
+/// Reads .off, .obj, .stl (ASCII and binary) or .ply (ASCII and binary, both byte orders); polygons are triangulated as
+/// fans, and vertices of equal coordinates in an STL file become one. Throws Error(unreadable_input or invalid_mesh)
+/// that names the file, the line or element and the value; Error(unsupported) for an unknown ending.
+CLSDF_EXPORT Mesh read_mesh(const std::string& path);
+
+/// Red, green and blue, sRGB.
+using FaceColour = std::array<std::uint8_t, 3>;
+
+/// Writes .off, .obj, .stl (binary) or .ply (binary, little endian) by the file's ending; complete or not at all.
+/// `colours`: one for each triangle, or none; only .ply stores them. Throws Error(invalid_argument) for another number
+/// of them, Error(unsupported) for an unknown ending, Error(output_failure).
+CLSDF_EXPORT void write_mesh(const Mesh& mesh, const std::string& path, std::span<const FaceColour> colours = {});
+
+/// Reads points from .npy (shape (n, 3), float32 or float64, in C or Fortran order), .csv (a header row with the
+/// columns x, y and z; other columns are skipped) or .ply (its vertices, with or without faces). Throws
+/// Error(unreadable_input) that names the file, the row and the value; Error(unsupported) for an unknown ending.
+CLSDF_EXPORT std::vector<Vec3> read_points(const std::string& path);
+
+/// Writes what DistanceTransform::query() found, a row for each point, by the file's ending: .npy (a structured array
+/// of the outputs), .csv or .ply (binary; both with x, y and z before them); complete or not at all. The columns are
+/// the distance, the outputs in `wanted`, and every other output whose array is not empty; docs/formats.md describes
+/// them. `wanted` is needed only without points. Throws Error(invalid_argument) if an array does not fit the points,
+/// Error(unsupported) for an unknown ending, Error(output_failure).
+CLSDF_EXPORT void write_points(std::span<const Vec3> points, const FieldSlab& results, const std::string& path,
+                               OutputSet wanted = {});
+
+/// Throws the error that write_points() would throw for the ending or the folder. Leaves no file.
+CLSDF_EXPORT void check_points_path(const std::string& path);
+
+}  // namespace clsdf

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <clsdf/export.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// For those who test, measure or extend the method. A program that computes fields does not need this header.
+namespace clsdf {
+
+namespace tuning {
+
+/// Makes this process obey three environment variables, which the library does not read otherwise. For programs of
+/// tests and tools: call it first in main(). It cannot be undone. Thread-safe; throws nothing.
+///
+/// - CLSDF_MAX_ALLOCATION=BYTES: the most bytes of one allocation of a device; read when a device is listed or opened.
+/// - CLSDF_MAX_FLOAT_WIDTH=FLOATS: the most floats in a vector of a device; read at the same time.
+/// - CLSDF_SELF_TEST=0: the programs of a device are not tested; read when a program is first used.
+CLSDF_EXPORT void read_environment() noexcept;
+
+}  // namespace tuning
+
+/// Which form of the kernels computes the samples. Both give exact results; a form gives the same bytes on every run.
+enum class KernelBody : std::int32_t {
+    automatic = 0,  ///< by_vector on processors, by_group elsewhere
+    by_vector = 1,  ///< a work-item computes vectors of samples, one after the other: for processors
+    by_group = 2,   ///< a work-group computes a brick, a work-item some of its samples: for GPUs
+};
+
+/// A count that only a method beside the core has (clsdf/papers.hpp).
+struct MethodCount {
+    std::string name;
+    std::size_t value = 0;
+    bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
+};
+
+/// How much work a computation was: TransformStatistics::work.
+struct WorkCounts {
+    std::size_t triangles = 0;
+    std::size_t polyhedra = 0;        ///< of the triangles and point sites
+    std::size_t box_polyhedra = 0;    ///< faces so degenerate that their polyhedron is a box
+    std::size_t saddle_vertices = 0;  ///< with convex and concave edges; about: nearly flat edges may count as both
+    std::size_t point_sites = 0;      ///< gaps closed by a polyhedron of the vertex's own
+    std::size_t coarse_pairs = 0;     ///< (polyhedron, coarse brick)
+    std::size_t coarse_bricks = 0;    ///< coarse bricks that a polyhedron overlaps
+
+    // Counted on the device with CallOptions::count_work.
+    std::size_t brick_pairs = 0;      ///< (polyhedron, brick), or (slender polyhedron, coarse brick)
+    std::size_t lanes_evaluated = 0;  ///< distances computed, of a triangle or a site
+    std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
+    std::size_t band_samples = 0;     ///< samples that carry their distance
+
+    std::vector<MethodCount> method_counts;
+};
+
+}  // namespace clsdf

@@ -1,0 +1,20 @@
+# Files of meshes and points: no HDF5, expat or JSON, so a program with a parallel HDF5 of its own may link it. clsdf::io
+# stands on it, and uses its private helpers.
+add_library(clsdf_meshes)
+add_library(clsdf::meshes ALIAS clsdf_meshes)
+set_target_properties(clsdf_meshes PROPERTIES EXPORT_NAME meshes)
+target_sources(
+  clsdf_meshes
+  PRIVATE ${CMAKE_CURRENT_LIST_DIR}/mesh_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/npy_header.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/point_files.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/raw_values.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/read_off_obj.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/read_ply.cpp
+          ${CMAKE_CURRENT_LIST_DIR}/read_stl.cpp)
+target_include_directories(clsdf_meshes PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_options(clsdf_meshes PRIVATE -ffp-contract=off -fno-math-errno -fno-semantic-interposition)
+target_link_libraries(
+  clsdf_meshes
+  PUBLIC clsdf::clsdf
+  PRIVATE $<BUILD_INTERFACE:clsdf_internals> TBB::tbb ${CLSDF_FMT} $<BUILD_INTERFACE:clsdf_warnings>)

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <array>
+
+/// Signs of determinants of coordinates, exact for the doubles as given: -1, 0 or 1.
+namespace clsdf {
+
+/// 1: d is on the side of a, b, c from which they run counterclockwise; 0: the four lie in a plane.
+int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// The same in a plane. 1: a, b, c run counterclockwise; 0: they lie on a line.
+int orientation(const std::array<double, 2>& a, const std::array<double, 2>& b, const std::array<double, 2>& c);
+
+bool are_collinear(const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace clsdf
