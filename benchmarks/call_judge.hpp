@@ -19,7 +19,9 @@ struct FieldWithOutputs {
     Field field;
     FieldArray<float> closest, gradient;
 
-    OutputTargets targets() { return {.distance = field.distance, .closest = closest, .gradient = gradient}; }
+    OutputTargets targets() {
+        return {{Output::distance, field.distance()}, {Output::closest, closest}, {Output::gradient, gradient}};
+    }
 };
 
 /// Compares random samples of fields with the reference.
@@ -28,13 +30,13 @@ public:
     CallJudge(const Mesh& mesh, std::uint64_t seed) : oracle_(mesh), random_(seed) {}
 
     void look_at(const Field& field, std::size_t samples, CallCost& cost) {
-        std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
+        std::uniform_int_distribution<std::size_t> any(0, field.distance().size() - 1);
         for (std::size_t n = 0; n < samples; ++n) look_at_sample(field, any(random_), cost);
     }
 
     /// A sample with an output that breaks its contract is wrong, too.
     void look_at(const FieldWithOutputs& outputs, std::size_t samples, CallCost& cost) {
-        std::uniform_int_distribution<std::size_t> any(0, outputs.field.distance.size() - 1);
+        std::uniform_int_distribution<std::size_t> any(0, outputs.field.distance().size() - 1);
         for (std::size_t n = 0; n < samples; ++n) {
             const std::size_t offset = any(random_), wrong = cost.wrong;
             look_at_sample(outputs.field, offset, cost);
@@ -64,7 +66,7 @@ public:
             for (std::size_t axis = 0; axis < 3; ++axis)
                 point[axis] = std::lerp(lower[axis], upper[axis], part(random_));
             ++cost.judged;
-            if (places[i] == BoxPlace::near) continue;
+            if (places[i] == BoxPlace::within) continue;
             const std::optional<int> winding = oracle_.winding_number(point);
             const BoxPlace expected = winding.has_value() && *winding != 0 ? BoxPlace::inside : BoxPlace::outside;
             if (places[i] != expected || oracle_.nearest(point).distance <= half_width) ++cost.wrong;
@@ -87,7 +89,7 @@ private:
     bool has_right_outputs(const FieldWithOutputs& outputs, std::size_t offset) const {
         const Field& field = outputs.field;
         const Vec3 sample = position_of(field.grid, offset);
-        const auto signed_distance = static_cast<double>(field.distance[offset]);
+        const auto signed_distance = static_cast<double>(field.distance()[offset]);
         const double distance = std::abs(signed_distance), voxel = field.grid.voxel();
         double squared = 0, along = 0, squared_gradient = 0;
         Vec3 point{};
@@ -109,7 +111,7 @@ private:
     }
 
     void look_at_sample(const Field& field, std::size_t offset, CallCost& cost) {
-        look_at_value(position_of(field.grid, offset), static_cast<double>(field.distance[offset]), field.band,
+        look_at_value(position_of(field.grid, offset), static_cast<double>(field.distance()[offset]), field.band,
                       field.grid.voxel(), cost);
     }
 

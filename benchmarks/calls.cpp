@@ -70,9 +70,9 @@ CallCost measure_again(const Job& job, CallJudge& judge) {
     CallCost cost{"again", "the same grid and band on a kept transform / its first call"};
     cost.limit = 0.75;
     const Grid grid = job.grid(256);
-    Field field = job.transform()(grid, Job::band(grid));
+    Field field = job.transform().compute(grid, Job::band(grid));
     std::unique_ptr<DistanceTransform> transform;
-    const auto compute = [&] { transform->compute(grid, Job::band(grid), {field.distance, {}}); };
+    const auto compute = [&] { transform->compute(grid, Job::band(grid), field.distance()); };
     job.measure(
         cost, [&] { return seconds_of(compute); },
         [&] {
@@ -94,7 +94,7 @@ CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
     const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
     const Grid grid = Grid::around(job.mesh, job.scaled(256), wide);
     const DistanceTransform kept = job.transform();
-    FieldWithOutputs outputs{kept(grid, wide), {}, {}};
+    FieldWithOutputs outputs{kept.compute(grid, wide), {}, {}};
     Field alone = outputs.field;
     outputs.closest.resize(3 * grid.sample_count());
     outputs.gradient.resize(3 * grid.sample_count());
@@ -107,7 +107,7 @@ CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
         });
     };
     job.measure(
-        cost, [&] { return compute(outputs.targets()); }, [&] { return compute({.distance = alone.distance}); });
+        cost, [&] { return compute(outputs.targets()); }, [&] { return compute(alone.distance()); });
     judge.look_at(outputs, job.options.samples_judged, cost);
     return cost;
 }
@@ -115,11 +115,11 @@ CallCost measure_outputs(const Job& job, CallJudge& judge, bool is_kept) {
 /// Samples of a field, half of them in its band.
 std::vector<Index3> chosen_samples(const Field& field, std::size_t count, std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    std::uniform_int_distribution<std::size_t> any(0, field.distance.size() - 1);
+    std::uniform_int_distribution<std::size_t> any(0, field.distance().size() - 1);
     std::vector<Index3> chosen;
     while (chosen.size() < count) {
         const std::size_t offset = any(random);
-        const bool in_band = std::abs(static_cast<double>(field.distance[offset])) < 0.999 * field.band.outside;
+        const bool in_band = std::abs(static_cast<double>(field.distance()[offset])) < 0.999 * field.band.outside;
         if (in_band != (chosen.size() < count / 2)) continue;
         const auto nx = static_cast<std::size_t>(field.grid.size[0]), ny = static_cast<std::size_t>(field.grid.size[1]);
         chosen.push_back({static_cast<std::int64_t>(offset % nx), static_cast<std::int64_t>(offset / nx % ny),
@@ -136,12 +136,12 @@ CallCost measure_one_sample(const Job& job, CallJudge& judge) {
     const Grid grid = job.grid(256);
     const DistanceTransform transform = job.transform();
     // Other samples each time, because the plans of earlier calls are kept.
-    const Field field = transform(grid, Job::band(grid));
+    const Field field = transform.compute(grid, Job::band(grid));
     std::uint64_t seed = job.options.seed;
     std::vector<Index3> samples;
     const Band wide = Band::symmetric(0.1 * job.mesh.box().longest_side());
     const Grid around = Grid::around(job.mesh, job.scaled(256), wide);
-    Field whole = transform(around, wide);
+    Field whole = transform.compute(around, wide);
     job.measure(
         cost,
         [&] {
@@ -150,16 +150,14 @@ CallCost measure_one_sample(const Job& job, CallJudge& judge) {
             for (const Index3& sample : samples) {
                 float distance = 0;
                 const Grid one = grid.part(sample, {1, 1, 1});
-                seconds.push_back(seconds_of(
-                    [&] { transform.compute(one, Job::band(grid), {.distance = std::span(&distance, 1)}); }));
+                seconds.push_back(
+                    seconds_of([&] { transform.compute(one, Job::band(grid), std::span(&distance, 1)); }));
             }
             return spread_of(seconds).median;
         },
-        [&] { return seconds_of([&] {
-                  job.transform().compute(around, wide, {whole.distance, {}});
-              }); });
+        [&] { return seconds_of([&] { job.transform().compute(around, wide, whole.distance()); }); });
     for (const Index3& sample : samples)
-        judge.look_at(transform(grid.part(sample, {1, 1, 1}), Job::band(grid)), 1, cost);
+        judge.look_at(transform.compute(grid.part(sample, {1, 1, 1}), Job::band(grid)), 1, cost);
     return cost;
 }
 
@@ -175,7 +173,7 @@ std::vector<Grid> patches_of(const Field& level, std::int64_t ghosts) {
                 for (std::int64_t n = 0; n < side * side * side && !meets_band; ++n) {
                     const std::int64_t i = x + n % side, j = y + n / side % side, k = z + n / (side * side);
                     const auto offset = static_cast<std::size_t>((k * grid.size[1] + j) * grid.size[0] + i);
-                    meets_band = std::abs(static_cast<double>(level.distance[offset])) < 0.999 * level.band.outside;
+                    meets_band = std::abs(static_cast<double>(level.distance()[offset])) < 0.999 * level.band.outside;
                 }
                 if (!meets_band) continue;
                 patches.push_back(grid.part({x, y, z}, {side, side, side}).grown(ghosts));
@@ -201,8 +199,7 @@ struct Patches {
     }
     std::vector<Request> requests() {
         std::vector<Request> result;
-        for (std::size_t n = 0; n < grids.size(); ++n)
-            result.push_back({grids[n], Job::band(grids[n]), {.distance = distances[n]}});
+        for (std::size_t n = 0; n < grids.size(); ++n) result.push_back({grids[n], Job::band(grids[n]), distances[n]});
         return result;
     }
 };
@@ -228,14 +225,12 @@ CallCost measure_boxes(const Job& job, CallJudge& judge, CallCost cost, Patches&
         [&] {
             renew();
             return seconds_of([&] {
-                for (Field& level : levels) transform->compute(level.grid, level.band, {.distance = level.distance});
+                for (Field& level : levels) transform->compute(level.grid, level.band, level.distance());
             });
         });
     for (std::size_t n = 0; n < patches.grids.size(); ++n) {
-        Field field;
-        field.grid = patches.grids[n];
-        field.band = Job::band(field.grid);
-        field.distance = std::move(patches.distances[n]);
+        Field field({.grid = patches.grids[n], .band = Job::band(patches.grids[n]), .mesh_name = {}});
+        std::ranges::copy(patches.distances[n], field.distance().begin());
         judge.look_at(field, std::max<std::size_t>(1, job.options.samples_judged / patches.grids.size()), cost);
     }
     return cost;
@@ -252,7 +247,7 @@ CallCost measure_patches(const Job& job, CallJudge& judge, bool in_one_call) {
     Patches patches;
     for (const std::int64_t resolution : {128, 256, 512}) {
         const Grid grid = job.grid(resolution);
-        levels.push_back(job.transform()(grid, Job::band(grid)));
+        levels.push_back(job.transform().compute(grid, Job::band(grid)));
         patches.take(patches_of(levels.back(), 2));
     }
     patches.shuffle_and_keep(512, job.options.seed);
@@ -266,7 +261,7 @@ CallCost measure_band_boxes(const Job& job, CallJudge& judge) {
     cost.limit = 1.5;
     const Grid grid = job.grid(512);
     std::vector<Field> level;
-    level.push_back(job.transform()(grid, Job::band(grid)));
+    level.push_back(job.transform().compute(grid, Job::band(grid)));
     Patches patches;
     patches.take(patches_of(level.front(), 0));
     patches.shuffle_and_keep(4096, job.options.seed);
@@ -291,22 +286,22 @@ CallCost measure_moved(const Job& job, const char* name, std::int64_t resolution
     const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
     const Grid grid = job.grid(resolution);
     const Band band = Job::band(grid);
-    Field field = job.transform()(grid, band);
+    Field field = job.transform().compute(grid, band);
     DistanceTransform transform = job.transform();
     job.measure(
         cost,
         [&] {
-            transform.move(job.mesh.vertices());
-            transform.compute(grid, band, {field.distance, {}});
+            transform.set_positions(job.mesh.vertices());
+            transform.compute(grid, band, field.distance());
             return seconds_of([&] {
-                transform.move(moved.vertices());
-                transform.compute(grid, band, {field.distance, {}});
+                transform.set_positions(moved.vertices());
+                transform.compute(grid, band, field.distance());
             });
         },
         [&] {
-            return seconds_of([&] { DistanceTransform(job.device, moved).compute(grid, band, {field.distance, {}}); });
+            return seconds_of([&] { DistanceTransform(job.device, moved).compute(grid, band, field.distance()); });
         });
-    CallJudge(moved, job.options.seed).look_at(transform(grid, band), job.options.samples_judged, cost);
+    CallJudge(moved, job.options.seed).look_at(transform.compute(grid, band), job.options.samples_judged, cost);
     return cost;
 }
 
@@ -316,7 +311,7 @@ CallCost measure_moved_points(const Job& job) {
     const std::vector<Vec3> points = points_around(moved, job.is_quick ? 20'000 : 1'000'000, job.options.seed);
     std::vector<float> distance(points.size());
     const auto query = [&](const DistanceTransform& transform) {
-        transform.query(points, std::numeric_limits<double>::infinity(), {.distance = distance});
+        transform.query(points, std::numeric_limits<double>::infinity(), distance);
     };
     DistanceTransform transform = job.transform();
     const DistanceTransform kept(job.device, moved);
@@ -326,10 +321,10 @@ CallCost measure_moved_points(const Job& job) {
     job.measure(
         cost,
         [&] {
-            transform.move(job.mesh.vertices());
+            transform.set_positions(job.mesh.vertices());
             query(transform);
             return seconds_of([&] {
-                transform.move(moved.vertices());
+                transform.set_positions(moved.vertices());
                 query(transform);
             });
         },
@@ -347,20 +342,22 @@ CallCost measure_plan_move(const Job& job) {
     const Mesh moved(twisted(job.mesh), job.mesh.triangles(), job.mesh.name());
     const Grid grid = job.grid(256);
     const Band band = Job::band(grid);
-    Field field = job.transform()(grid, band);
+    Field field = job.transform().compute(grid, band);
     DistanceTransform transform = job.transform(), on_host = job.transform();
     Plan plan = transform.plan(grid, band);
     const cl::Buffer buffer(cl::Context(job.device.context(), true), CL_MEM_READ_WRITE,
-                            field.distance.size() * sizeof(float));
+                            field.distance().size() * sizeof(float));
     const cl::CommandQueue queue(job.device.queue(), true);
     const auto run = [&](const Mesh& mesh) {
-        transform.move(mesh.vertices());
-        plan.move(transform);
-        cl::Event(plan.enqueue(queue(), {.distance = buffer()})).wait();
+        transform.set_positions(mesh.vertices());
+        plan.update(transform);
+        cl_event done = nullptr;
+        plan.enqueue(queue(), buffer(), {}, &done);
+        cl::Event(done).wait();
     };
     const auto compute = [&](const Mesh& mesh) {
-        on_host.move(mesh.vertices());
-        on_host.compute(grid, band, {.distance = field.distance});
+        on_host.set_positions(mesh.vertices());
+        on_host.compute(grid, band, field.distance());
     };
     job.measure(
         cost,
@@ -372,7 +369,7 @@ CallCost measure_plan_move(const Job& job) {
             compute(job.mesh);
             return seconds_of([&] { compute(moved); });
         });
-    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, field.distance.size() * sizeof(float), field.distance.data());
+    queue.enqueueReadBuffer(buffer, CL_TRUE, 0, field.distance().size() * sizeof(float), field.distance().data());
     CallJudge(moved, job.options.seed).look_at(field, job.options.samples_judged, cost);
     return cost;
 }
@@ -383,19 +380,17 @@ CallCost measure_small_meshes(const Job& job) {
     const Band band = Band::symmetric(0.2);
     const Grid grid = Grid::around(small, 32, band);
     const Grid large = job.grid(256);
-    Field field = DistanceTransform(job.device, small)(grid, band);
-    Field whole = job.transform()(large, Job::band(large));
+    Field field = DistanceTransform(job.device, small).compute(grid, band);
+    Field whole = job.transform().compute(large, Job::band(large));
     job.measure(
         cost,
         [&] {
             return seconds_of([&] {
                 for (int n = 0; n < (job.is_quick ? 100 : 1000); ++n)
-                    DistanceTransform(job.device, small).compute(grid, band, {field.distance, {}});
+                    DistanceTransform(job.device, small).compute(grid, band, field.distance());
             });
         },
-        [&] { return seconds_of([&] {
-                  job.transform().compute(large, Job::band(large), {whole.distance, {}});
-              }); });
+        [&] { return seconds_of([&] { job.transform().compute(large, Job::band(large), whole.distance()); }); });
     CallJudge(small, job.options.seed).look_at(field, job.options.samples_judged, cost);
     return cost;
 }
@@ -439,7 +434,7 @@ CallCost measure_classify(const Job& job, CallJudge& judge) {
                 count += cells.size();
                 near.clear();
                 for (std::size_t n = 0; n < cells.size(); ++n)
-                    if (places[n] == BoxPlace::near) near.push_back(cells[n]);
+                    if (places[n] == BoxPlace::within) near.push_back(cells[n]);
             }
             return seconds * 1e6 / static_cast<double>(count);
         },

@@ -70,15 +70,15 @@ struct Kept {
 Kept make_whole(const Mesh& mesh, const Device& device, std::int64_t resolution) {
     const Grid domain = domain_of(mesh, resolution);
     DistanceTransform whole(device, mesh);
-    Field field = whole(domain, Band::symmetric(band_voxels * domain.voxel()));
+    Field field = whole.compute(domain, Band::symmetric(band_voxels * domain.voxel()));
     return {std::move(whole), std::move(field)};
 }
 
 Kept make_restricted(const Mesh& mesh, const Device& device, std::int64_t resolution) {
     const Grid eighth = eighth_of(domain_of(mesh, resolution));
     const Band band = Band::symmetric(band_voxels * eighth.voxel());
-    DistanceTransform part = DistanceTransform(device, mesh).restrict_to(eighth.box(), band.widest(), eighth.voxel());
-    Field field = part(eighth, band);
+    DistanceTransform part = DistanceTransform(device, mesh).restrict_to({eighth.box(), band.widest(), eighth.voxel()});
+    Field field = part.compute(eighth, band);
     return {std::move(part), std::move(field)};
 }
 
@@ -95,8 +95,8 @@ std::size_t differences(const Field& part, const Field& whole) {
     for (std::int64_t k = 0; k < size[2]; ++k)
         for (std::int64_t j = 0; j < size[1]; ++j)
             for (std::int64_t i = 0; i < size[0]; ++i) {
-                const float& here = part.distance[part.grid.offset(i, j, k)];
-                const float& there = whole.distance[whole.grid.offset(i + shift[0], j + shift[1], k + shift[2])];
+                const float& here = part.distance()[part.grid.offset(i, j, k)];
+                const float& there = whole.distance()[whole.grid.offset(i + shift[0], j + shift[1], k + shift[2])];
                 if (std::memcmp(&here, &there, sizeof here) != 0) ++count;
             }
     return count;
@@ -116,7 +116,7 @@ RestrictedMemory measure_restricted_memory(const std::function<Mesh()>& load, co
     {
         Kept kept = make_restricted(load(), device, resolution);
         of_part = std::move(kept.field);
-        const std::size_t bytes_of_field = of_part.distance.size() * sizeof(float);
+        const std::size_t bytes_of_field = of_part.distance().size() * sizeof(float);
         result.restricted = resident_bytes() - bytes_of_field;
         result.restricted_kept = kept_bytes(kept.transform);
     }
@@ -127,11 +127,11 @@ RestrictedMemory measure_restricted_memory(const std::function<Mesh()>& load, co
             return make_whole(mesh, device, resolution);
         }();
         of_whole = std::move(kept.field);
-        const std::size_t bytes_of_fields = (of_part.distance.size() + of_whole.distance.size()) * sizeof(float);
+        const std::size_t bytes_of_fields = (of_part.distance().size() + of_whole.distance().size()) * sizeof(float);
         result.whole = resident_bytes() - bytes_of_fields;
         result.whole_kept = kept_bytes(kept.transform);
     }
-    result.samples = of_part.distance.size();
+    result.samples = of_part.distance().size();
     result.different = differences(of_part, of_whole);
     return result;
 }

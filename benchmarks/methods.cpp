@@ -17,11 +17,11 @@ public:
         // A small grid of the same kind compiles the kernels.
         Grid small = workload.grid;
         for (std::int64_t& size : small.size) size = std::min<std::int64_t>(size, 16);
-        (*transform_)(small, workload.band);
+        transform_->compute(small, workload.band);
     }
 
     Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
-        transform_->compute(workload.grid, workload.band, {distance, {}});
+        transform_->compute(workload.grid, workload.band, distance);
         return {};
     }
 
@@ -41,7 +41,7 @@ public:
     bool gets_every_call() const override { return true; }
 
     Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
-        DistanceTransform(device_, workload.mesh).compute(workload.grid, workload.band, {distance, {}});
+        DistanceTransform(device_, workload.mesh).compute(workload.grid, workload.band, distance);
         return {};
     }
 

@@ -36,37 +36,35 @@ private:
 class Scanned final : public PapersMethod {
 public:
     Scanned(Device device, std::string name, Polyhedra polyhedra, Scan scan)
-        : device_(std::move(device)), name_(std::move(name)) {
-        options_.method = papers_method({.polyhedra = polyhedra, .scan = scan});
-    }
+        : device_(std::move(device)), name_(std::move(name)), method_{.polyhedra = polyhedra, .scan = scan} {}
 
     std::string name() const override { return name_; }
     std::string note() const override { return "the transform is kept between calls, its polyhedra are not"; }
 
     void prepare(const Workload& workload) override {
-        transform_ = std::make_unique<DistanceTransform>(device_, workload.mesh, options_);
+        transform_ = std::make_unique<DistanceTransform>(make_transform(device_, workload.mesh, method_));
         // A small grid of the same kind compiles the kernels.
         Grid small = workload.grid;
         for (std::int64_t& size : small.size) size = std::min<std::int64_t>(size, 16);
-        (*transform_)(small, workload.band);
+        transform_->compute(small, workload.band);
     }
 
     Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
-        transform_->compute(workload.grid, workload.band, {distance, {}});
+        transform_->compute(workload.grid, workload.band, distance);
         return {};
     }
 
     Work work(const Workload& workload) override {
         TransformStatistics counted;
-        DistanceTransform(device_, workload.mesh, options_)(workload.grid, workload.band, {},
-                                                            {.count = true, .statistics = &counted});
-        return {counted.polyhedra, counted.samples_covered};
+        make_transform(device_, workload.mesh, method_)
+            .compute(workload.grid, workload.band, {}, {.count_work = true}, &counted);
+        return {counted.work->polyhedra, counted.work->samples_covered};
     }
 
 private:
     Device device_;
     std::string name_;
-    TransformOptions options_;
+    PapersOptions method_;
     std::unique_ptr<DistanceTransform> transform_;
 };
 

@@ -159,7 +159,7 @@ public:
 
     void add_ours(const PointCost& cost, std::span<const Vec3> points, bool is_new_each_time = false) {
         const auto ask = [&](std::span<const Vec3> part, std::span<float> results) {
-            transform_->query(part, no_limit, {.distance = results});
+            transform_->query(part, no_limit, results);
         };
         measure(ask, cost, points, options_.repetitions, [&] {
             if (is_new_each_time) renew();

@@ -1,5 +1,7 @@
 // The errors of Peikert & Sigg's polyhedra, measured on the device: fields of each mesh at three half widths, compared
-// with the tree at random samples of the band. Prints the rows of docs/peikert-sigg.md.
+// with the tree at random samples of the band. Prints the rows of docs/papers.md.
+
+#include "options.hpp"
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
@@ -9,7 +11,6 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -43,8 +44,8 @@ clsdf::Mesh mesh_of(const std::string& name) {
 /// Random samples that are in the band by the default field and by the tree, or all of them.
 std::vector<Sample> choose_samples(const clsdf::Mesh& mesh, const Field& field, std::size_t count, std::uint64_t seed) {
     std::vector<Sample> samples;
-    for (std::size_t at = 0; at < field.distance.size(); ++at)
-        if (std::abs(field.distance[at]) < static_cast<float>(field.band.outside)) samples.push_back({at, 0});
+    for (std::size_t at = 0; at < field.distance().size(); ++at)
+        if (std::abs(field.distance()[at]) < static_cast<float>(field.band.outside)) samples.push_back({at, 0});
     std::mt19937_64 random(seed);
     std::shuffle(samples.begin(), samples.end(), random);
     samples.resize(std::min(samples.size(), count));
@@ -66,12 +67,12 @@ std::vector<Sample> choose_samples(const clsdf::Mesh& mesh, const Field& field, 
 Errors errors_of(const Field& field, const std::vector<Sample>& samples, double tolerance) {
     Errors errors;
     for (const Sample& sample : samples) {
-        if (field.triangle[sample.at] == clsdf::no_triangle) {
+        if (field.triangle()[sample.at] == clsdf::no_triangle) {
             // A distance of the half width, but for its rounding, may be beyond the band.
             errors.without_value += sample.distance < field.band.outside - tolerance;
             continue;
         }
-        const double error = std::abs(std::abs(static_cast<double>(field.distance[sample.at])) - sample.distance);
+        const double error = std::abs(std::abs(static_cast<double>(field.distance()[sample.at])) - sample.distance);
         errors.wrong += error > tolerance;
         errors.greatest = std::max(errors.greatest, error);
     }
@@ -81,55 +82,19 @@ Errors errors_of(const Field& field, const std::vector<Sample>& samples, double 
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App program{"Errors of Peikert & Sigg's polyhedra, as rows of a table"};
+    Parser program("benchmark_polyhedra_errors", "Errors of Peikert & Sigg's polyhedra, as rows of a table");
     std::vector<std::string> meshes;
     std::int64_t resolution = 192;
     std::size_t sample_count = 100000;
     std::uint64_t seed = 1;
-    program.add_option("MESH", meshes, "files, or names of shapes")->required();
-    program.add_option("--resolution", resolution)->capture_default_str();
-    program.add_option("--samples", sample_count)->capture_default_str();
-    program.add_option("--seed", seed)->capture_default_str();
-    CLI11_PARSE(program, argc, argv);
+    program.add("MESH", meshes, "files, or names of shapes").required();
+    program.add("--resolution", resolution, "samples on the longest side").takes("N");
+    program.add("--samples", sample_count, "samples that are compared").takes("N");
+    program.add("--seed", seed, "of the random choice of samples").takes("N");
 
     try {
-        const clsdf::Device device = clsdf::Device::preferred();
-        for (const std::string& name : meshes) {
-            const clsdf::Mesh mesh = mesh_of(name);
-            const double extent = mesh.box().longest_side();
-            for (const double share : {0.01, 0.03, 0.1}) {
-                const clsdf::Band band = clsdf::Band::symmetric(share * extent);
-                const clsdf::Grid grid = clsdf::Grid::around(mesh, resolution, band);
-                const auto field_by = [&](Polyhedra polyhedra, Scan scan, bool close_gaps = true) {
-                    clsdf::DistanceTransform transform(
-                        device, mesh,
-                        {.method =
-                             clsdf::papers_method({.polyhedra = polyhedra, .scan = scan, .close_gaps = close_gaps})});
-                    return transform(grid, band, {.triangle = true});
-                };
-                const Field bricks = field_by(Polyhedra::leaned, Scan::bricks);
-                const std::vector<Sample> samples = choose_samples(mesh, bricks, sample_count, seed);
-                const auto errors = [&](const Field& field) { return errors_of(field, samples, 1e-6 * extent); };
-                const Errors paper = errors(field_by(Polyhedra::peikert_sigg, Scan::slices));
-                const Errors open = errors(field_by(Polyhedra::peikert_sigg, Scan::slices, false));
-                const Errors by_bricks = errors(bricks);
-                const Errors by_slices = errors(field_by(Polyhedra::leaned, Scan::slices));
-                const auto percent = [&](std::size_t part) {
-                    return 100.0 * static_cast<double>(part) / static_cast<double>(samples.size());
-                };
-                const auto row = [&](const Errors& of_kind) {
-                    return fmt::format("{:.3f} | {:.3f} | {:.2f}", percent(of_kind.without_value),
-                                       percent(of_kind.wrong), of_kind.greatest / band.outside);
-                };
-                fmt::print("| {} | {}% | {} | {} | {} | {} | {} |\n", std::filesystem::path(name).stem().string(),
-                           100 * share, samples.size(), row(open), row(paper),
-                           by_bricks.wrong + by_bricks.without_value, by_slices.wrong + by_slices.without_value);
-                std::fflush(stdout);
-            }
+        if (const auto page = program.parse(argc, argv)) {
+            fmt::print("{}", *page);
+            return 0;
         }
-    } catch (const clsdf::Error& error) {
-        fmt::print(stderr, "{}\n", error.what());
-        return 1;
-    }
-    return 0;
-}
+        const clsdf::Device device = clsdf::Device::automatic();

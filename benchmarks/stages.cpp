@@ -6,7 +6,7 @@ namespace {
 
 TransformStatistics count(const Workload& workload, const Device& device) {
     TransformStatistics counted;
-    DistanceTransform(device, workload.mesh)(workload.grid, workload.band, {}, {.count = true, .statistics = &counted});
+    DistanceTransform(device, workload.mesh).compute(workload.grid, workload.band, {}, {.count_work = true}, &counted);
     return counted;
 }
 
@@ -15,13 +15,12 @@ TransformStatistics count(const Workload& workload, const Device& device) {
 Stages measure_stages(const Workload& workload, const Device& device, const Floors& floors,
                       const MeasureOptions& options) {
     const Device profiled = with_profiling(device);
-    Field field = DistanceTransform(profiled, workload.mesh)(workload.grid, workload.band);
+    Field field = DistanceTransform(profiled, workload.mesh).compute(workload.grid, workload.band);
     std::vector<double> whole, polyhedra, lists, sign, bricks, fill, transfer, rest;
     for (std::size_t n = 0; n < options.repetitions; ++n) {
         const DistanceTransform transform(profiled, workload.mesh);
-        TransformStatistics s;
         const CostWatch watch;
-        transform.compute(workload.grid, workload.band, {field.distance, {}}, {.statistics = &s});
+        const TransformStatistics s = transform.compute(workload.grid, workload.band, field.distance());
         const double seconds = watch.cost().wall;
         whole.push_back(seconds);
         polyhedra.push_back(s.polyhedra_seconds);
@@ -43,7 +42,7 @@ Stages measure_stages(const Workload& workload, const Device& device, const Floo
     stages.transfer = median(transfer);
     stages.rest = median(rest);
     stages.counts = count(workload, device);
-    stages.judgement = Truth(workload, options.samples_judged, options.seed).judge(field.distance, false, 1);
+    stages.judgement = Truth(workload, options.samples_judged, options.seed).judge(field.distance(), false, 1);
     stages.store_floor = static_cast<double>(workload.grid.sample_count() * sizeof(float)) / floors.best_store();
     stages.evaluation_floor =
         static_cast<double>(workload.list.samples.size()) * operations_of_a_distance / floors.fma_per_second;

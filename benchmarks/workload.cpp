@@ -29,7 +29,7 @@ void append_brick(const Field& field, const Index3& brick, std::vector<std::uint
                 const std::int64_t j = back_y ? first[1] + last[1] - m : m;
                 const std::int64_t i = back_x ? first[0] + last[0] - n : n;
                 const std::size_t offset = field.grid.offset(i, j, k);
-                if (std::abs(field.distance[offset]) < limit) samples.push_back(static_cast<std::uint32_t>(offset));
+                if (std::abs(field.distance()[offset]) < limit) samples.push_back(static_cast<std::uint32_t>(offset));
             }
 }
 
@@ -83,12 +83,12 @@ Workload make_workload(const Layout& layout, const std::string& mesh_name, const
                     fmt::format("{}: a benchmark's grid has at most 2^32 samples, and {} x {} x {} are more",
                                 layout.name, grid.size[0], grid.size[1], grid.size[2]));
     workload.band = Band::symmetric(layout.half_width.resolve(grid.voxel(), mesh.box().longest_side()));
-    const Field field = DistanceTransform(device, mesh)(grid, workload.band);
+    const Field field = DistanceTransform(device, mesh).compute(grid, workload.band);
     workload.sign = field.sign;
     workload.list = list_of(field);
     for (const std::uint32_t sample : workload.list.samples)
         workload.largest_distance =
-            std::max(workload.largest_distance, static_cast<double>(std::abs(field.distance[sample])));
+            std::max(workload.largest_distance, static_cast<double>(std::abs(field.distance()[sample])));
     return workload;
 }
 

@@ -18,7 +18,6 @@
 using clsdf::bench::Judgement;
 using clsdf::bench::Measurement;
 using clsdf::bench::Workload;
-using nlohmann::ordered_json;
 
 std::string BenchTable::text() const {
     const std::size_t columns = rows_.front().size();
@@ -45,8 +44,8 @@ std::string BenchTable::text() const {
     return text;
 }
 
-ordered_json describe_run(const char* benchmark, const BenchOptions& options, const clsdf::Device& device) {
-    const clsdf::bench::Machine machine = clsdf::bench::this_machine(options.threads);
+Json describe_run(const char* benchmark, const BenchOptions& options, const clsdf::Device& device) {
+    const clsdf::bench::Machine machine = clsdf::bench::this_machine(options.threads.value_or(0));
     return {{"benchmark", benchmark},
             {"version", clsdf::version()},
             {"commit", options.commit},
@@ -62,7 +61,7 @@ ordered_json describe_run(const char* benchmark, const BenchOptions& options, co
             {"seed", options.measure.seed}};
 }
 
-ordered_json describe(const Workload& workload) {
+Json describe(const Workload& workload) {
     return {{"workload", workload.name},
             {"mesh", workload.mesh_name},
             {"triangles", workload.mesh.triangles().size()},
@@ -72,7 +71,7 @@ ordered_json describe(const Workload& workload) {
             {"band_samples", workload.list.samples.size()}};
 }
 
-ordered_json describe(const Judgement& judgement) {
+Json describe(const Judgement& judgement) {
     return {{"exact", judgement.exact()},
             {"samples", judgement.samples},
             {"max_error_voxels", judgement.max_error_voxels},
@@ -82,8 +81,8 @@ ordered_json describe(const Judgement& judgement) {
             {"leaked", judgement.leaked}};
 }
 
-ordered_json describe(const Measurement& measurement) {
-    const auto spread = [](const std::vector<double>& values) -> ordered_json {
+Json describe(const Measurement& measurement) {
+    const auto spread = [](const std::vector<double>& values) -> Json {
         const clsdf::bench::Spread s = clsdf::bench::spread_of(values);
         return {{"least", s.least}, {"median", s.median}, {"most", s.most}, {"each", values}};
     };
@@ -92,7 +91,7 @@ ordered_json describe(const Measurement& measurement) {
             {"stride", measurement.stride},
             {"wall_seconds", spread(measurement.wall)},
             {"processor_seconds", spread(measurement.processor)},
-            {"peak_bytes", measurement.peak_bytes ? ordered_json(*measurement.peak_bytes) : ordered_json()},
+            {"peak_bytes", measurement.peak_bytes},
             {"judgement", describe(measurement.judgement)}};
 }
 
@@ -203,7 +202,7 @@ const char* const examples =
 struct Benchmark {
     std::string name;
     const char* what;
-    nlohmann::ordered_json (*run)(const BenchOptions&);
+    Json (*run)(const BenchOptions&);
     std::vector<std::string> takes;  ///< the options that this benchmark takes, but not every one
 };
 
@@ -225,10 +224,10 @@ const std::vector<Benchmark> benchmarks{
      run_bench_memory,
      {}}};
 
-void check_options(const Benchmark& chosen, const CLI::App& parser) {
+void check_options(const Benchmark& chosen, const Parser& parser) {
     for (const Benchmark& other : benchmarks)
         for (const std::string& option : other.takes)
-            if (parser.count(option) > 0 && !contains(chosen.takes, option))
+            if (parser.has(option) && !contains(chosen.takes, option))
                 throw clsdf::Error(clsdf::ErrorCode::invalid_argument,
                                    fmt::format("{} is no option of bench {}, which takes {}{} those of all benchmarks\n"
                                                "\"clsdf bench --help\" lists the options.",
@@ -237,11 +236,11 @@ void check_options(const Benchmark& chosen, const CLI::App& parser) {
 }
 
 /// --quick does not override options of the command line.
-void make_quick(const CLI::App& parser, BenchOptions& options) {
+void make_quick(const Parser& parser, BenchOptions& options) {
     if (!options.quick) return;
-    if (parser.count("--repetitions") == 0) options.measure.repetitions = 2;
-    if (parser.count("--samples") == 0) options.measure.samples_judged = 2000;
-    if (parser.count("--seconds-per-call") == 0) options.measure.seconds_per_call = 0.5;
+    if (!parser.has("--repetitions")) options.measure.repetitions = 2;
+    if (!parser.has("--samples")) options.measure.samples_judged = 2000;
+    if (!parser.has("--seconds-per-call")) options.measure.seconds_per_call = 0.5;
 }
 
 void show_progress(BenchOptions& options) {
@@ -251,71 +250,54 @@ void show_progress(BenchOptions& options) {
 
 }  // namespace
 
-Command add_bench(CLI::App& program) {
+Command add_bench(Parser& program) {
     const auto options = std::make_shared<BenchOptions>();
-    CLI::App* parser = program.add_subcommand("bench", "Measure speed, and the errors of the fields that were timed");
+    Parser parser = program.add_subcommand("bench", "Measure speed, and the errors of the fields that were timed");
     std::vector<std::string> names;
     names.reserve(benchmarks.size());
     for (const Benchmark& benchmark : benchmarks) names.push_back(benchmark.name);
-    takes_one_of(parser->add_option("BENCHMARK", options->benchmark, "the measurement")->required(), names);
-    parser->add_option("MESHES", options->meshes,
-                       "files, or names: bunny00, armadillo, fandisk_large, refined_elephant (from --meshes), "
-                       "noisy_sphere, and those of \"clsdf shape\"");
-    parser->add_option("--meshes", options->folder, "the folder of the meshes of scripts/fetch-meshes")
-        ->type_name("FOLDER")
-        ->capture_default_str();
-    takes_some_of(parser->add_option("--workload", options->workloads,
-                                     "of peers and floors, separated by commas [all; W4 of the first mesh]"),
-                  {"W1", "W2", "W3", "W4"});
-    takes_some_of(parser->add_option("--method", options->methods,
-                                     "of peers and scaling, separated by commas [peers: all, scaling: clsdf]"),
-                  {"clsdf", "again", "embree", "openvdb", "cgal"});
-    takes_some_of(parser->add_option("--series", options->series, "of scaling, separated by commas [all]"),
-                  {"N", "d", "triangles", "threads"});
-    parser->add_option("--points", options->points, "of points: a file, .npy, .csv or .ply, for random ones")
-        ->type_name("FILE");
+    parser.add("BENCHMARK", options->benchmark, "the measurement").takes_one_of(names).required();
+    parser.add("MESHES", options->meshes,
+               "files, or names: bunny00, armadillo, fandisk_large, refined_elephant (from --meshes), "
+               "noisy_sphere, and those of \"clsdf shape\"");
+    parser.add("--meshes", options->folder, "the folder of the meshes of scripts/fetch-meshes").takes("FOLDER");
+    parser.add("--workload", options->workloads, "of peers and floors, separated by commas [all; W4 of the first mesh]")
+        .takes_some_of({"W1", "W2", "W3", "W4"});
+    parser.add("--method", options->methods, "of peers and scaling, separated by commas [peers: all, scaling: clsdf]")
+        .takes_some_of({"clsdf", "again", "embree", "openvdb", "cgal"});
+    parser.add("--series", options->series, "of scaling, separated by commas [all]")
+        .takes_some_of({"N", "d", "triangles", "threads"});
+    parser.add("--points", options->points, "of points: a file, .npy, .csv or .ply, for random ones").takes("FILE");
+    parser.add("--repetitions", options->measure.repetitions, "timed calls of each method, after those that warm up")
+        .takes_whole_number("N", 1, 10000);
     parser
-        ->add_option("--repetitions", options->measure.repetitions,
-                     "timed calls of each method, after those that warm up")
-        ->transform(whole_number(1, 10000))
-        ->type_name("N")
-        ->capture_default_str();
-    parser
-        ->add_option("--seconds-per-call", options->measure.seconds_per_call,
-                     "of peers and scaling: a method that is asked sample by sample computes only so many bricks that "
-                     "a call takes about "
-                     "this long; its row says so")
-        ->check(finite_number_of_0_or_more())
-        ->type_name("S")
-        ->capture_default_str();
-    parser->add_option("--samples", options->measure.samples_judged, "samples held against the reference; 0: all")
-        ->transform(whole_number(0, 1'000'000'000))
-        ->type_name("N")
-        ->capture_default_str();
-    parser->add_option("--seed", options->measure.seed, "of those samples, and of the noisy sphere")
-        ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-        ->type_name("N")
-        ->capture_default_str();
-    add_device_option(*parser, options->device, "what computes");
-    parser->add_option("--threads", options->threads, "of the processor, for all methods [all]")
-        ->transform(whole_number(1, 4096))
-        ->type_name("N");
-    parser->add_option("--commit", options->commit, "text that the record carries")->type_name("TEXT");
-    parser->add_flag("--quick", options->quick, "small grids and few calls: to see that it works, not to measure");
+        .add("--seconds-per-call", options->measure.seconds_per_call,
+             "of peers and scaling: a method that is asked sample by sample computes only so many bricks that a call "
+             "takes about this long; its row says so")
+        .takes_number_of_0_or_more("S");
+    parser.add("--samples", options->measure.samples_judged, "samples held against the reference; 0: all")
+        .takes_whole_number("N", 0, 1'000'000'000);
+    parser.add("--seed", options->measure.seed, "of those samples, and of the noisy sphere")
+        .takes_whole_number("N", 0, std::numeric_limits<std::uint64_t>::max());
+    add_device_option(parser, options->device, "what computes");
+    parser.add("--threads", options->threads, "of the processor, for all methods [all]")
+        .takes_whole_number("N", 1, 4096);
+    parser.add("--commit", options->commit, "text that the record carries").takes("TEXT");
+    parser.add("--quick", options->quick, "small grids and few calls: to see that it works, not to measure");
     std::string explanation;
     for (const Benchmark& benchmark : benchmarks)
         explanation += fmt::format("{}: {}.\n", benchmark.name, benchmark.what);
-    parser->footer(explanation + '\n' + examples);
+    parser.set_footer(explanation + '\n' + examples);
     return {parser, [options, parser](Report& report) {
                 const auto chosen = std::find_if(benchmarks.begin(), benchmarks.end(), [&](const Benchmark& benchmark) {
                     return benchmark.name == options->benchmark;
                 });
-                check_options(*chosen, *parser);
-                make_quick(*parser, *options);
+                check_options(*chosen, parser);
+                make_quick(parser, *options);
                 options->quiet = report.quiet;
                 show_progress(*options);
                 std::optional<clsdf::bench::ThreadLimit> limit;
-                if (options->threads > 0) limit.emplace(options->threads);
+                if (options->threads) limit.emplace(*options->threads);
                 report.result = chosen->run(*options);
                 return ExitStatus::done;
             }};

@@ -1,15 +1,15 @@
 #pragma once
 
+#include "json.hpp"
+
 #include "benchmarks/measure.hpp"
 #include "benchmarks/meshes.hpp"
 
 #include <clsdf/clsdf.hpp>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +28,7 @@ struct BenchOptions {
     std::vector<std::string> series;
     std::string points;  ///< empty: random ones
     clsdf::bench::MeasureOptions measure;
-    std::size_t threads = 0;  ///< 0: all
+    std::optional<std::size_t> threads;  ///< otherwise all
     std::string device;
     std::string commit;
     bool quick = false;
@@ -72,10 +72,10 @@ private:
 };
 
 /// The description of a run that every result has: benchmark, version, machine, device and date.
-nlohmann::ordered_json describe_run(const char* benchmark, const BenchOptions& options, const clsdf::Device& device);
-nlohmann::ordered_json describe(const clsdf::bench::Workload& workload);
-nlohmann::ordered_json describe(const clsdf::bench::Judgement& judgement);
-nlohmann::ordered_json describe(const clsdf::bench::Measurement& measurement);
+Json describe_run(const char* benchmark, const BenchOptions& options, const clsdf::Device& device);
+Json describe(const clsdf::bench::Workload& workload);
+Json describe(const clsdf::bench::Judgement& judgement);
+Json describe(const clsdf::bench::Measurement& measurement);
 
 /// "12.3", in milliseconds, with three digits at least.
 std::string milliseconds(double seconds);
@@ -84,10 +84,10 @@ std::vector<std::string> cells_of(const clsdf::bench::Judgement& judgement);
 std::string title_of(const clsdf::bench::Workload& workload);
 
 // The benchmarks; each prints its table, and returns what --json prints.
-nlohmann::ordered_json run_bench_peers(const BenchOptions& options);
-nlohmann::ordered_json run_bench_scaling(const BenchOptions& stated);
-nlohmann::ordered_json run_bench_floors(const BenchOptions& options);
-nlohmann::ordered_json run_bench_papers(const BenchOptions& options);
-nlohmann::ordered_json run_bench_calls(const BenchOptions& options);
-nlohmann::ordered_json run_bench_points(const BenchOptions& options);
-nlohmann::ordered_json run_bench_memory(const BenchOptions& options);
+Json run_bench_peers(const BenchOptions& options);
+Json run_bench_scaling(const BenchOptions& stated);
+Json run_bench_floors(const BenchOptions& options);
+Json run_bench_papers(const BenchOptions& options);
+Json run_bench_calls(const BenchOptions& options);
+Json run_bench_points(const BenchOptions& options);
+Json run_bench_memory(const BenchOptions& options);

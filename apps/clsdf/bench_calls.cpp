@@ -11,39 +11,38 @@
 using clsdf::bench::CallCost;
 using clsdf::bench::PointCost;
 using clsdf::bench::RestrictedMemory;
-using nlohmann::ordered_json;
 
 // The benchmarks of calls beside the whole one: of a time step, of points, and of a part of the domain.
 
 namespace {
 
-ordered_json describe(const clsdf::bench::Spread& spread) {
+Json describe(const clsdf::bench::Spread& spread) {
     return {{"least", spread.least}, {"median", spread.median}, {"most", spread.most}};
 }
 
-ordered_json describe(const CallCost& cost, const std::string& mesh) {
-    ordered_json row{{"name", cost.name},
-                     {"mesh", mesh},
-                     {"what", cost.what},
-                     {"ratio", cost.ratio},
-                     {"limit", nullptr},
-                     {"seconds", describe(cost.seconds)},
-                     {"base_seconds", describe(cost.base_seconds)},
-                     {"samples_judged", cost.judged},
-                     {"wrong", cost.wrong},
-                     {"max_error_voxels", cost.max_error_voxels}};
+Json describe(const CallCost& cost, const std::string& mesh) {
+    Json row{{"name", cost.name},
+             {"mesh", mesh},
+             {"what", cost.what},
+             {"ratio", cost.ratio},
+             {"limit", nullptr},
+             {"seconds", describe(cost.seconds)},
+             {"base_seconds", describe(cost.base_seconds)},
+             {"samples_judged", cost.judged},
+             {"wrong", cost.wrong},
+             {"max_error_voxels", cost.max_error_voxels}};
     if (cost.limit) row["limit"] = *cost.limit;
     return row;
 }
 
 }  // namespace
 
-ordered_json run_bench_calls(const BenchOptions& options) {
+Json run_bench_calls(const BenchOptions& options) {
     const std::vector<NamedMesh> meshes =
         options.load_meshes({options.quick ? std::string("sphere4") : std::string("bunny00")});
     const clsdf::Device device = options.open_device();
-    ordered_json result = describe_run("calls", options, device);
-    result["rows"] = ordered_json::array();
+    Json result = describe_run("calls", options, device);
+    result["rows"] = Json::array();
     BenchTable table({"calls", "mesh", "ms (median)", "of, ms", "ratio", "limit", "wrong", "max error, voxel"});
     for (const NamedMesh& mesh : meshes)
         for (const CallCost& cost : measure_calls(mesh.mesh, device, options.measure, options.quick)) {
@@ -52,38 +51,38 @@ ordered_json run_bench_calls(const BenchOptions& options) {
                        fmt::format("{} of {}", cost.wrong, cost.judged), fmt::format("{:.2g}", cost.max_error_voxels)});
             result["rows"].push_back(describe(cost, mesh.name));
         }
-    options.say("\n" + table.text());
+    options.say('\n' + table.text());
     return result;
 }
 
 namespace {
 
-ordered_json describe(const PointCost& cost, const std::string& mesh) {
-    ordered_json row{{"name", cost.name},
-                     {"method", cost.method},
-                     {"mesh", mesh},
-                     {"what", cost.what},
-                     {"points", cost.points},
-                     {"calls", cost.calls},
-                     {"seconds", describe(cost.seconds)},
-                     {"processor_seconds", describe(cost.processor_seconds)},
-                     {"points_per_second", cost.points_per_second()},
-                     {"judged", cost.judged},
-                     {"wrong", cost.wrong},
-                     {"wrong_signs", cost.wrong_signs},
-                     {"max_error_voxels", cost.max_error_voxels}};
+Json describe(const PointCost& cost, const std::string& mesh) {
+    Json row{{"name", cost.name},
+             {"method", cost.method},
+             {"mesh", mesh},
+             {"what", cost.what},
+             {"points", cost.points},
+             {"calls", cost.calls},
+             {"seconds", describe(cost.seconds)},
+             {"processor_seconds", describe(cost.processor_seconds)},
+             {"points_per_second", cost.points_per_second()},
+             {"judged", cost.judged},
+             {"wrong", cost.wrong},
+             {"wrong_signs", cost.wrong_signs},
+             {"max_error_voxels", cost.max_error_voxels}};
     if (cost.limit) row["limit"] = *cost.limit;
     return row;
 }
 
 }  // namespace
 
-ordered_json run_bench_points(const BenchOptions& options) {
+Json run_bench_points(const BenchOptions& options) {
     const std::vector<NamedMesh> meshes =
         options.load_meshes({options.quick ? std::string("sphere4") : std::string("bunny00")});
     const clsdf::Device device = options.open_device();
-    ordered_json result = describe_run("points", options, device);
-    result["rows"] = ordered_json::array();
+    Json result = describe_run("points", options, device);
+    result["rows"] = Json::array();
     std::vector<clsdf::Vec3> points;
     if (!options.points.empty()) points = clsdf::read_points(options.points);
     if (!options.points.empty() && points.empty())
@@ -103,15 +102,15 @@ ordered_json run_bench_points(const BenchOptions& options) {
                        fmt::format("{:.2g}", cost.max_error_voxels)});
             result["rows"].push_back(describe(cost, mesh.name));
         }
-    options.say("\n" + table.text());
+    options.say('\n' + table.text());
     return result;
 }
 
-ordered_json run_bench_memory(const BenchOptions& options) {
+Json run_bench_memory(const BenchOptions& options) {
     const std::vector<std::string> names = options.names_of_meshes({options.quick ? "sphere5" : "sphere9"});
     const clsdf::Device device = options.open_device();
-    ordered_json result = describe_run("memory", options, device);
-    result["rows"] = ordered_json::array();
+    Json result = describe_run("memory", options, device);
+    result["rows"] = Json::array();
     BenchTable table({"mesh", "triangles", "whole, MB", "an eighth, MB", "share", "without a mesh, MB",
                       "share beside that", "share of memory()", "samples", "different"});
     for (const std::string& name : names) {
@@ -135,6 +134,6 @@ ordered_json run_bench_memory(const BenchOptions& options) {
                                   {"samples", memory.samples},
                                   {"different", memory.different}});
     }
-    options.say("\n" + table.text());
+    options.say('\n' + table.text());
     return result;
 }

@@ -15,7 +15,6 @@ using clsdf::bench::PapersCase;
 using clsdf::bench::PapersMethod;
 using clsdf::bench::Work;
 using clsdf::bench::Workload;
-using nlohmann::ordered_json;
 
 namespace {
 
@@ -36,10 +35,10 @@ const clsdf::Mesh* find_mesh(const std::vector<NamedMesh>& meshes, const std::st
     return found == meshes.end() ? nullptr : &found->mesh;
 }
 
-ordered_json count_saddles(const std::vector<NamedMesh>& meshes, const BenchOptions& options) {
+Json count_saddles(const std::vector<NamedMesh>& meshes, const BenchOptions& options) {
     BenchTable table({"mesh", "paper: vertices", "saddles", "gaps", "here: vertices", "saddles", "gaps, adjacent pairs",
                       "gaps, all pairs"});
-    ordered_json rows = ordered_json::array();
+    Json rows = Json::array();
     for (const PapersRow& paper : table_1) {
         const clsdf::Mesh* const mesh = find_mesh(meshes, paper.mesh);
         if (mesh == nullptr) continue;
@@ -71,8 +70,8 @@ double wrong_percent(const clsdf::bench::Judgement& judgement) {
            static_cast<double>(std::max<std::size_t>(judgement.samples, 1));
 }
 
-ordered_json measure_case(const PapersCase& c, const Workload& workload,
-                          const std::vector<std::unique_ptr<PapersMethod>>& methods, const BenchOptions& options) {
+Json measure_case(const PapersCase& c, const Workload& workload,
+                  const std::vector<std::unique_ptr<PapersMethod>>& methods, const BenchOptions& options) {
     std::vector<clsdf::bench::Method*> timed;
     timed.reserve(methods.size());
     for (const auto& method : methods) timed.push_back(method.get());
@@ -83,7 +82,7 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
     BenchTable table({"method", "least, ms", "median", "most", "times software, 1 thread", "times software, all",
                       "polyhedra", "distances per band sample", "wrong or missed, %", "max error, voxel",
                       "wrong values", "wrong signs", "missed", "leaked", "judged"});
-    ordered_json rows = ordered_json::array();
+    Json rows = Json::array();
     for (std::size_t i = 0; i < methods.size(); ++i) {
         const Measurement& m = measurements[i];
         const Work work = methods[i]->work(workload);
@@ -100,7 +99,7 @@ ordered_json measure_case(const PapersCase& c, const Workload& workload,
                                        fmt::format("{:.3f}", wrong_percent(m.judgement))};
         for (std::string& cell : cells_of(m.judgement)) cells.push_back(std::move(cell));
         table.add(std::move(cells));
-        ordered_json row = ::describe(workload);
+        Json row = ::describe(workload);
         row.update(::describe(m));
         row["speed_up_over_software_one_thread"] = one_thread / wall.median;
         row["speed_up_over_software_all_threads"] = all_threads / wall.median;
@@ -131,12 +130,12 @@ std::vector<NamedMesh> load_papers_meshes(const BenchOptions& options) {
 
 }  // namespace
 
-ordered_json run_bench_papers(const BenchOptions& options) {
+Json run_bench_papers(const BenchOptions& options) {
     const std::vector<NamedMesh> meshes = load_papers_meshes(options);
     const clsdf::Device device = options.open_device();
-    ordered_json result = describe_run("papers", options, device);
+    Json result = describe_run("papers", options, device);
     result["table_1"] = count_saddles(meshes, options);
-    result["rows"] = ordered_json::array();
+    result["rows"] = Json::array();
     for (PapersCase c : clsdf::bench::papers_cases()) {
         const clsdf::Mesh* const mesh = find_mesh(meshes, c.mesh);
         if (mesh == nullptr) continue;
@@ -145,7 +144,8 @@ ordered_json run_bench_papers(const BenchOptions& options) {
         if (options.quick) c.remark.clear();
         const Workload workload = make_workload(c.layout(), c.mesh, *mesh, device);
         const auto methods = clsdf::bench::papers_methods(device, workload);
-        for (ordered_json& row : measure_case(c, workload, methods, options)) result["rows"].push_back(std::move(row));
+        const Json rows = measure_case(c, workload, methods, options);
+        for (const Json& row : rows.elements()) result["rows"].push_back(row);
     }
     return result;
 }

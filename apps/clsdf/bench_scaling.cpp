@@ -18,7 +18,6 @@ using clsdf::bench::Entry;
 using clsdf::bench::Layout;
 using clsdf::bench::Measurement;
 using clsdf::bench::Workload;
-using nlohmann::ordered_json;
 
 namespace {
 
@@ -60,7 +59,7 @@ std::vector<Point> points_of(const std::string& series, const std::optional<Name
     if (series == "d")
         for (const double percent : {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 100.0})
             add(percent, *mesh, resolution, Length::of_extent(percent / 100));
-    if (series == "threads") add(static_cast<double>(options.threads), *mesh, resolution, usual);
+    if (series == "threads") add(static_cast<double>(options.threads.value_or(0)), *mesh, resolution, usual);
     return points;
 }
 
@@ -96,12 +95,12 @@ std::string output_of(std::vector<std::string> arguments) {
 
 /// OpenCL and the host's loops set their number of threads once in a process, so each number is measured in a new
 /// process.
-ordered_json rows_of_threads(const BenchOptions& options) {
+Json rows_of_threads(const BenchOptions& options) {
     std::vector<std::size_t> counts;
     const std::size_t all = std::max(1U, std::thread::hardware_concurrency());
     for (std::size_t count = 1; count < all; count *= 2) counts.push_back(count);
     counts.push_back(all);
-    ordered_json rows = ordered_json::array();
+    Json rows = Json::array();
     for (const std::size_t count : counts) {
         std::vector<std::string> arguments{"bench",
                                            "scaling",
@@ -129,19 +128,19 @@ ordered_json rows_of_threads(const BenchOptions& options) {
         };
         if (!options.methods.empty()) add("--method", fmt::format("{}", fmt::join(options.methods, ",")));
         if (!options.device.empty()) add("--device", options.device);
-        const ordered_json result = ordered_json::parse(output_of(std::move(arguments)));
-        for (const ordered_json& row : result["rows"]) rows.push_back(row);
+        const Json result = Json::parse(output_of(std::move(arguments)));
+        for (const Json& row : result["rows"].elements()) rows.push_back(row);
     }
     return rows;
 }
 
-ordered_json rows_here(const std::string& series, const std::optional<NamedMesh>& mesh, const BenchOptions& options,
-                       const clsdf::Device& device, const std::vector<clsdf::bench::Method*>& methods) {
-    ordered_json rows = ordered_json::array();
+Json rows_here(const std::string& series, const std::optional<NamedMesh>& mesh, const BenchOptions& options,
+               const clsdf::Device& device, const std::vector<clsdf::bench::Method*>& methods) {
+    Json rows = Json::array();
     for (const Point& point : points_of(series, mesh, options)) {
         const Workload workload = make_workload(point.layout, point.mesh.name, point.mesh.mesh, device);
         for (const Measurement& measurement : measure_in_turns(workload, methods, options.measure)) {
-            ordered_json row{{"series", point.series}, {"value", point.value}};
+            Json row{{"series", point.series}, {"value", point.value}};
             row.update(describe(workload));
             row.update(describe(measurement));
             rows.push_back(std::move(row));
@@ -150,28 +149,27 @@ ordered_json rows_here(const std::string& series, const std::optional<NamedMesh>
     return rows;
 }
 
-std::string table_of(const ordered_json& rows) {
+std::string table_of(const Json& rows) {
     BenchTable table({"series", "value", "mesh", "method", "with their distance", "least, ms", "median", "most",
                       "million samples/s", "max error, voxel", "wrong", "judged"});
-    for (const ordered_json& row : rows) {
-        const ordered_json &wall = row["wall_seconds"], &judged = row["judgement"];
-        const std::size_t wrong = judged["wrong_values"].get<std::size_t>() + judged["wrong_signs"].get<std::size_t>() +
-                                  judged["missed"].get<std::size_t>() + judged["leaked"].get<std::size_t>();
-        const double median = wall["median"].get<double>();
-        table.add({row["series"].get<std::string>(), fmt::format("{:.8g}", row["value"].get<double>()),
-                   row["mesh"].get<std::string>(), row["method"].get<std::string>(),
-                   std::to_string(row["band_samples"].get<std::size_t>()), milliseconds(wall["least"].get<double>()),
-                   milliseconds(median), milliseconds(wall["most"].get<double>()),
-                   fmt::format("{:.1f}", row["band_samples"].get<double>() / median / 1e6),
-                   fmt::format("{:.2g}", judged["max_error_voxels"].get<double>()), std::to_string(wrong),
-                   std::to_string(judged["samples"].get<std::size_t>())});
+    for (const Json& row : rows.elements()) {
+        const Json &wall = row["wall_seconds"], &judged = row["judgement"];
+        const double wrong = judged["wrong_values"].number() + judged["wrong_signs"].number() +
+                             judged["missed"].number() + judged["leaked"].number();
+        const double samples = row["band_samples"].number(), median = wall["median"].number();
+        table.add({row["series"].text(), fmt::format("{:.8g}", row["value"].number()), row["mesh"].text(),
+                   row["method"].text(), fmt::format("{:.0f}", samples), milliseconds(wall["least"].number()),
+                   milliseconds(median), milliseconds(wall["most"].number()),
+                   fmt::format("{:.1f}", samples / median / 1e6),
+                   fmt::format("{:.2g}", judged["max_error_voxels"].number()), fmt::format("{:.0f}", wrong),
+                   fmt::format("{:.0f}", judged["samples"].number())});
     }
     return table.text();
 }
 
 }  // namespace
 
-ordered_json run_bench_scaling(const BenchOptions& stated) {
+Json run_bench_scaling(const BenchOptions& stated) {
     BenchOptions options = stated;
     if (options.methods.empty()) options.methods = {"clsdf"};
     const std::vector<std::string> series =
@@ -181,16 +179,16 @@ ordered_json run_bench_scaling(const BenchOptions& stated) {
     const std::vector<Entry> entries = clsdf::bench::all_methods(device);
     const std::vector<clsdf::bench::Method*> methods = options.choose(entries);
 
-    ordered_json rows = ordered_json::array();
+    Json rows = Json::array();
     for (const std::string& one : series) {
-        const bool threads_elsewhere = one == "threads" && options.threads == 0;
+        const bool threads_elsewhere = one == "threads" && !options.threads;
         if (threads_elsewhere && !mesh) continue;
-        for (ordered_json& row :
-             threads_elsewhere ? rows_of_threads(options) : rows_here(one, mesh, options, device, methods))
-            rows.push_back(std::move(row));
+        const Json added =
+            threads_elsewhere ? rows_of_threads(options) : rows_here(one, mesh, options, device, methods);
+        for (const Json& row : added.elements()) rows.push_back(row);
     }
     options.say(table_of(rows));
-    ordered_json result = describe_run("scaling", options, device);
+    Json result = describe_run("scaling", options, device);
     result["rows"] = rows;
     return result;
 }

@@ -4,6 +4,8 @@
 #include "benchmarks/method.hpp"
 #include "benchmarks/stages.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +17,6 @@ using clsdf::bench::Measurement;
 using clsdf::bench::split_triangles;
 using clsdf::bench::Stages;
 using clsdf::bench::Workload;
-using nlohmann::ordered_json;
 
 // The benchmarks of the standard workloads: peers and floors.
 
@@ -61,29 +62,29 @@ std::string table_of(const std::vector<Measurement>& measurements) {
     return table.text();
 }
 
-ordered_json describe(const Entry& entry) {
+Json describe(const Entry& entry) {
     return {
         {"name", entry.name}, {"version", entry.version}, {"there", entry.method != nullptr}, {"remedy", entry.remedy}};
 }
 
 }  // namespace
 
-ordered_json run_bench_peers(const BenchOptions& options) {
+Json run_bench_peers(const BenchOptions& options) {
     const std::vector<NamedMesh> meshes = load_standard_meshes(options);
     const clsdf::Device device = options.open_device();
     const std::vector<Entry> entries = clsdf::bench::all_methods(device);
     const std::vector<clsdf::bench::Method*> methods = options.choose(entries);
-    ordered_json result = describe_run("peers", options, device);
-    result["methods"] = ordered_json::array();
+    Json result = describe_run("peers", options, device);
+    result["methods"] = Json::array();
     for (const Entry& entry : entries)
         if (options.methods.empty() || contains(options.methods, entry.name))
             result["methods"].push_back(describe(entry));
-    result["rows"] = ordered_json::array();
+    result["rows"] = Json::array();
     for_each_workload(options, meshes, device, [&](const Workload& workload) {
         const std::vector<Measurement> measurements = measure_in_turns(workload, methods, options.measure);
         options.say(fmt::format("\n{}\n\n{}", title_of(workload), table_of(measurements)));
         for (const Measurement& measurement : measurements) {
-            ordered_json row = ::describe(workload);
+            Json row = ::describe(workload);
             row.update(::describe(measurement));
             result["rows"].push_back(std::move(row));
         }
@@ -108,7 +109,7 @@ std::string describe_floors(const Floors& floors) {
         floors.fma_per_second / 1e9, 1e6 * floors.launch_seconds, 1e6 * floors.launch_in_row_seconds);
 }
 
-ordered_json describe(const Floors& floors) {
+Json describe(const Floors& floors) {
     return {{"store_bytes_per_second", floors.store_bytes_per_second},
             {"store_past_caches_bytes_per_second", floors.store_past_caches_bytes_per_second},
             {"fma_operations_per_second", floors.fma_per_second},
@@ -116,7 +117,7 @@ ordered_json describe(const Floors& floors) {
             {"launch_in_row_seconds", floors.launch_in_row_seconds}};
 }
 
-ordered_json describe(const Stages& stages, const Workload& workload) {
+Json describe(const Stages& stages, const Workload& workload) {
     const clsdf::TransformStatistics& counts = stages.counts;
     return {
         {"wall_seconds", {{"least", stages.whole.least}, {"median", stages.whole.median}, {"most", stages.whole.most}}},
@@ -131,14 +132,14 @@ ordered_json describe(const Stages& stages, const Workload& workload) {
         {"store_floor_seconds", stages.store_floor},
         {"evaluation_floor_seconds", stages.evaluation_floor},
         {"part_of_floor", stages.part_of_floor()},
-        {"coarse_bricks", counts.coarse_bricks},
-        {"coarse_pairs", counts.coarse_pairs},
-        {"brick_pairs", counts.brick_pairs},
-        {"lanes_evaluated", counts.lanes_evaluated},
-        {"lanes_evaluated_per_band_sample", per_band_sample(counts.lanes_evaluated, workload)},
-        {"samples_covered_per_band_sample", per_band_sample(counts.samples_covered, workload)},
-        {"box_polyhedra", counts.box_polyhedra},
-        {"point_sites", counts.point_sites},
+        {"coarse_bricks", counts.work->coarse_bricks},
+        {"coarse_pairs", counts.work->coarse_pairs},
+        {"brick_pairs", counts.work->brick_pairs},
+        {"lanes_evaluated", counts.work->lanes_evaluated},
+        {"lanes_evaluated_per_band_sample", per_band_sample(counts.work->lanes_evaluated, workload)},
+        {"samples_covered_per_band_sample", per_band_sample(counts.work->samples_covered, workload)},
+        {"box_polyhedra", counts.work->box_polyhedra},
+        {"point_sites", counts.work->point_sites},
         {"device_bytes", counts.device_bytes},
         {"judgement", ::describe(stages.judgement)}};
 }
@@ -157,33 +158,33 @@ std::vector<std::string> row_of(const Stages& stages, const Workload& workload) 
             milliseconds(stages.store_floor),
             milliseconds(stages.evaluation_floor),
             fmt::format("{:.1f}%", 100 * stages.part_of_floor()),
-            human_count(static_cast<double>(counts.coarse_pairs)),
-            human_count(static_cast<double>(counts.brick_pairs)),
-            fmt::format("{:.1f}", per_band_sample(counts.lanes_evaluated, workload)),
-            fmt::format("{:.2f}", per_band_sample(counts.samples_covered, workload)),
+            human_count(static_cast<double>(counts.work->coarse_pairs)),
+            human_count(static_cast<double>(counts.work->brick_pairs)),
+            fmt::format("{:.1f}", per_band_sample(counts.work->lanes_evaluated, workload)),
+            fmt::format("{:.2f}", per_band_sample(counts.work->samples_covered, workload)),
             fmt::format("{:.2g}", stages.judgement.max_error_voxels)};
 }
 
 }  // namespace
 
-ordered_json run_bench_floors(const BenchOptions& options) {
+Json run_bench_floors(const BenchOptions& options) {
     const std::vector<NamedMesh> meshes = load_standard_meshes(options);
     const clsdf::Device device = options.open_device();
-    ordered_json result = describe_run("floors", options, device);
+    Json result = describe_run("floors", options, device);
     const Floors floors = clsdf::bench::measure_floors(device);
     result["floors"] = describe(floors);
     options.say(describe_floors(floors));
     BenchTable table({"job", "mesh", "whole, ms", "polyhedra", "lists", "sign", "bricks", "fill", "rest", "store floor",
                       "evaluation floor", "of the floor", "coarse pairs", "brick pairs", "evaluations per sample",
                       "within polyhedra", "max error, voxel"});
-    result["rows"] = ordered_json::array();
+    result["rows"] = Json::array();
     for_each_workload(options, meshes, device, [&](const Workload& workload) {
         const Stages stages = measure_stages(workload, device, floors, options.measure);
         table.add(row_of(stages, workload));
-        ordered_json row = ::describe(workload);
+        Json row = ::describe(workload);
         row.update(describe(stages, workload));
         result["rows"].push_back(std::move(row));
     });
-    options.say("\n" + table.text());
+    options.say('\n' + table.text());
     return result;
 }

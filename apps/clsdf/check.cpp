@@ -18,7 +18,6 @@
 namespace {
 
 using clsdf::reference::CheckReport;
-using nlohmann::ordered_json;
 
 struct Options {
     std::string mesh;
@@ -27,18 +26,16 @@ struct Options {
     bool complete = false;
 };
 
-ordered_json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
-    ordered_json findings = ordered_json::array();
+Json describe_report(const CheckReport& report, const clsdf::Grid& grid) {
+    Json findings = Json::array();
     for (const CheckReport::Finding& finding : report.findings) {
         const auto& [i, j, k] = finding.sample;
-        ordered_json described = {
-            {"what", finding.what}, {"sample", finding.sample}, {"position", grid.position(i, j, k)}};
+        Json described = {{"what", finding.what}, {"sample", finding.sample}, {"position", grid.position(i, j, k)}};
         if (finding.of_distance) described.update({{"expected", finding.expected}, {"found", finding.found}});
         findings.push_back(std::move(described));
     }
-    ordered_json wrong_outputs;
-    clsdf::visit_extras([&](const char* name, std::size_t count) { wrong_outputs[name] = count; },
-                        report.wrong_outputs);
+    Json wrong_outputs;
+    for (const clsdf::OutputInfo& info : extra_outputs()) wrong_outputs[info.name] = report.wrong(info.output);
     return {{"passed", report.passed()},
             {"samples", report.samples},
             {"band_samples", report.band_samples},
@@ -74,11 +71,9 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
         "the root mean square\n",
         report.max_error_voxels, report.max_error_ulp, report.rms_error_voxels);
     std::string outputs;
-    clsdf::visit_extras(
-        [&](const char* name, const auto& values, std::size_t count) {
-            if (!values.empty()) outputs += fmt::format(", {} wrong in {}", count, name);
-        },
-        field, report.wrong_outputs);
+    for (const clsdf::OutputInfo& info : extra_outputs())
+        if (!field.bytes(info.output).empty())
+            outputs += fmt::format(", {} wrong in {}", report.wrong(info.output), info.name);
     print_text("found     {} wrong values, {} wrong signs, {} missed, {} leaked{}\n", report.wrong_values,
                report.wrong_signs, report.missed, report.leaked, outputs);
     for (const CheckReport::Finding& finding : report.findings) {
@@ -95,7 +90,7 @@ void print_human(const CheckReport& report, const clsdf::Field& field, double se
 ExitStatus run(const Options& options, Report& report) {
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
     clsdf::Field field = clsdf::read_field(options.field);
-    if (const std::vector<std::string> missing = clsdf::missing_files(options.field); !missing.empty())
+    if (const std::vector<std::string> missing = clsdf::missing_field_files(options.field); !missing.empty())
         throw clsdf::Error(
             clsdf::ErrorCode::unreadable_input,
             fmt::format("{}: it names '{}', which cannot be found; copy all files of the field, or compute it again",
@@ -127,29 +122,23 @@ ExitStatus run(const Options& options, Report& report) {
 
 }  // namespace
 
-Command add_check(CLI::App& program) {
+Command add_check(Parser& program) {
     const auto options = std::make_shared<Options>();
-    CLI::App* parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
-    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser->add_option("FIELD", options->field, "its field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")->required();
-    auto* samples = parser
-                        ->add_option("--samples", options->check.samples,
-                                     "samples to check, half of them near the band's limits, edges and vertices")
-                        ->transform(whole_number(1, 1'000'000'000'000'000))
-                        ->type_name("N")
-                        ->capture_default_str();
-    parser->add_flag("--complete", options->complete, "check every sample")->excludes(samples);
-    parser->add_option("--seed", options->check.seed, "of the random choice of samples")
-        ->transform(whole_number(0, std::numeric_limits<std::uint64_t>::max()))
-        ->type_name("N")
-        ->capture_default_str();
+    Parser parser = program.add_subcommand("check", "Compare a field with the reference, in double precision");
+    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    parser.add("FIELD", options->field, "its field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").required();
     parser
-        ->add_option("--tolerance-voxels", options->check.tolerance_voxels,
-                     "an error up to this, or up to 2 ulp, keeps the contract")
-        ->check(finite_number_of_0_or_more())
-        ->type_name("X")
-        ->capture_default_str();
-    parser->footer(
+        .add("--samples", options->check.samples,
+             "samples to check, half of them near the band's limits, edges and vertices")
+        .takes_whole_number("N", 1, 1'000'000'000'000'000);
+    parser.add("--complete", options->complete, "check every sample").excludes("--samples");
+    parser.add("--seed", options->check.seed, "of the random choice of samples")
+        .takes_whole_number("N", 0, std::numeric_limits<std::uint64_t>::max());
+    parser
+        .add("--tolerance-voxels", options->check.tolerance_voxels,
+             "an error up to this, or up to 2 ulp, keeps the contract")
+        .takes_number_of_0_or_more("X");
+    parser.set_footer(
         "Prints errors, wrong signs, samples of the band that are missed and samples beyond it that are not filled;\n"
         "the exit status is 1 if there is one.\n\n"
         "Examples:\n"

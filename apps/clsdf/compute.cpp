@@ -87,83 +87,57 @@ Grid parse_stated_grid(const ComputeOptions& options) {
     return grid;
 }
 
-void add_grid_options(CLI::App& parser, ComputeOptions& options) {
-    constexpr const char* group = "Grid";
-    CLI::Option* resolution =
-        parser.add_option("--resolution", options.resolution, "samples on the longest side, margin included")
-            ->transform(whole_number(2, most_samples_on_a_side))
-            ->type_name("N")
-            ->capture_default_str();
-    CLI::Option* spacing =
-        parser.add_option("--spacing", options.spacing, "instead: distance of the samples, for all axes or each")
-            ->type_name("H[,H,H]")
-            ->excludes(resolution);
-    CLI::Option* margin = parser
-                              .add_option("--margin", options.margin,
-                                          "room around the mesh [the band's width outside, 5% without an end]")
-                              ->type_name("LENGTH");
-    CLI::Option* cubic = parser.add_flag("--cubic", options.cubic, "as many samples on every axis");
-    CLI::Option* size = parser.add_option("--size", options.size, "with --origin and --spacing: a grid stated in full")
-                            ->type_name("NX,NY,NZ")
-                            ->excludes(resolution)
-                            ->excludes(margin)
-                            ->excludes(cubic);
-    CLI::Option* origin = parser.add_option("--origin", options.origin, "its first sample")->type_name("X,Y,Z");
-    CLI::Option* cell_centred = parser.add_flag("--cell-centred", options.cell_centred,
-                                                "samples at the centres of cells: all half a voxel further");
-    for (CLI::Option* option : {spacing, margin, size, origin}) option->check(not_empty());
-    for (CLI::Option* option : {resolution, spacing, margin, cubic, size, origin, cell_centred}) option->group(group);
+void add_grid_options(Parser& parser, ComputeOptions& options) {
+    parser.begin_group("Grid");
+    parser.add("--resolution", options.resolution, "samples on the longest side, margin included")
+        .takes_whole_number("N", 2, most_samples_on_a_side);
+    parser.add("--spacing", options.spacing, "instead: distance of the samples, for all axes or each")
+        .takes_text("H[,H,H]")
+        .excludes("--resolution");
+    parser.add("--margin", options.margin, "room around the mesh [the band's width outside, 5% without an end]")
+        .takes_text("LENGTH");
+    parser.add("--cubic", options.cubic, "as many samples on every axis");
+    parser.add("--size", options.size, "with --origin and --spacing: a grid stated in full")
+        .takes_text("NX,NY,NZ")
+        .excludes("--resolution")
+        .excludes("--margin")
+        .excludes("--cubic");
+    parser.add("--origin", options.origin, "its first sample").takes_text("X,Y,Z");
+    parser.add("--cell-centred", options.cell_centred, "samples at the centres of cells: all half a voxel further");
 }
 
-void add_field_options(CLI::App& parser, ComputeOptions& options) {
-    constexpr const char* group = "Field";
-    parser.add_option("--band", options.band, "half width of the band on both sides")
-        ->check(not_empty())
-        ->type_name("LENGTH")
-        ->capture_default_str()
-        ->group(group);
-    parser.add_option("--band-inside", options.band_inside, "half width inside [--band]")
-        ->check(not_empty())
-        ->type_name("LENGTH")
-        ->group(group);
-    parser.add_option("--band-outside", options.band_outside, "half width outside [--band]")
-        ->check(not_empty())
-        ->type_name("LENGTH")
-        ->group(group);
-    add_sign_option(parser, options.sign)->group(group);
-    add_outputs_option(parser, options.with)->group(group);
+void add_field_options(Parser& parser, ComputeOptions& options) {
+    parser.begin_group("Field");
+    parser.add("--band", options.band, "half width of the band on both sides").takes_text("LENGTH");
+    parser.add("--band-inside", options.band_inside, "half width inside [--band]").takes_text("LENGTH");
+    parser.add("--band-outside", options.band_outside, "half width outside [--band]").takes_text("LENGTH");
+    add_sign_option(parser, options.sign);
+    add_outputs_option(parser, options.with);
 }
 
-void add_method_options(CLI::App& parser, ComputeOptions& options) {
-    constexpr const char* group = "Method";
-    takes_one_of(
-        parser
-            .add_option("--polyhedra", options.polyhedra,
-                        "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, "
-                        "exact too, and peikert-sigg, which are not")
-            ->capture_default_str()
-            ->group(group),
-        {"leaned", "peikert-sigg", "mauch"});
-    takes_one_of(parser
-                     .add_option("--scan", options.scan,
-                                 "how their samples are found; auto: by bricks if the polyhedra allow it")
-                     ->capture_default_str()
-                     ->group(group),
-                 {"auto", "bricks", "slices", "brute-force"});
+void add_method_options(Parser& parser, ComputeOptions& options) {
+    parser.begin_group("Method");
+    parser
+        .add("--polyhedra", options.polyhedra,
+             "what bounds the samples of a triangle: leaned, which are exact; or, to compare, mauch, exact too, and "
+             "peikert-sigg, which are not")
+        .takes_one_of({"leaned", "peikert-sigg", "mauch"});
+    parser.add("--scan", options.scan, "how their samples are found; auto: by bricks if the polyhedra allow it")
+        .takes_one_of({"auto", "bricks", "slices", "brute-force"});
 }
 
 }  // namespace
 
-void add_options(CLI::App& parser, ComputeOptions& options) {
-    parser.add_option("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser.add_option("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")
-        ->type_name("FIELD");
+void add_options(Parser& parser, ComputeOptions& options) {
+    parser.add("MESH", options.mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    parser.add("-o,--output", options.output, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").takes("FIELD");
     add_grid_options(parser, options);
     add_field_options(parser, options);
     add_method_options(parser, options);
+    parser.begin_group("Options");
     add_device_option(parser, options.device, "what computes");
-    parser.add_flag("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
-    parser.footer(
+    parser.add("--dry-run", options.dry_run, "print the grid and the memory it needs, and stop");
+    parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels), 0.05 (the mesh's units) or\n"
         "full (without end). Samples beyond the band carry its half width, with the sign.\n\n"
         "Examples:\n"
@@ -185,16 +159,12 @@ ComputeRequest::ComputeRequest(const ComputeOptions& options)
                                                               clsdf::Scan::slices, clsdf::Scan::brute_force}))) {
     if (!options.band_inside.empty()) band_inside = parse_length("--band-inside", options.band_inside);
     if (!options.band_outside.empty()) band_outside = parse_length("--band-outside", options.band_outside);
-    if (scan != clsdf::Scan::bricks)
-        visit_extras(
-            [&](std::string_view name, bool wanted) {
-                if (wanted && name != "triangle")
-                    throw Error(ErrorCode::unsupported,
-                                fmt::format("--with: the scan {} does not know the output {}; use --polyhedra leaned "
-                                            "and --scan bricks, or leave the output out",
-                                            name_of(scan), name));
-            },
-            outputs);
+    for (const clsdf::OutputInfo& info : extra_outputs())
+        if (scan != clsdf::Scan::bricks && outputs.contains(info.output) && info.output != clsdf::Output::triangle)
+            throw Error(ErrorCode::unsupported,
+                        fmt::format("--with: the scan {} does not know the output {}; use --polyhedra leaned and "
+                                    "--scan bricks, or leave the output out",
+                                    name_of(scan), info.name));
     if (!options.size.empty() || !options.origin.empty()) {
         stated_grid = parse_stated_grid(options);
         return;
@@ -215,7 +185,8 @@ Grid ComputeRequest::grid_around(const Box& box) const {
 
 Band ComputeRequest::band_on(const Grid& samples, const Box& box) const {
     const double extent = box.longest_side();
-    const Band band{band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
+    Band band{band_inside.resolve(samples.voxel(), extent), band_outside.resolve(samples.voxel(), extent)};
+    band.has_signs_only = band.inside == 0 && band.outside == 0;
     for (const auto& [side, half_width] : {std::pair("inside", band.inside), std::pair("outside", band.outside)})
         if (std::isfinite(half_width) && half_width > static_cast<double>(std::numeric_limits<float>::max()))
             throw Error(ErrorCode::invalid_argument,
@@ -263,7 +234,7 @@ void check_size(const clsdf::Grid& grid) {
 
 /// The named device, or nothing if none is named. It is opened before the mesh is read, so that an error costs no time.
 std::optional<clsdf::Device> named_device(const ComputeOptions& options) {
-    if (options.device.empty() && clsdf::Device::environment_choice().empty()) return std::nullopt;
+    if (options.device.empty() && environment_choice().empty()) return std::nullopt;
     return open_device(options.device);
 }
 
@@ -274,22 +245,21 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
     ProgressBar progress(!report.quiet);
 
     const Stopwatch setup;
-    const clsdf::Device device = named ? *named : clsdf::Device::preferred();
+    const clsdf::Device device = named ? *named : open_device({});
     clsdf::TransformOptions transform_options;
     transform_options.sign = request.sign;
-    transform_options.method = clsdf::papers_method({.polyhedra = request.polyhedra, .scan = request.scan});
-    transform_options.log = [&](const std::string& message) {
+    clsdf::CallOptions call;
+    call.count_work = report.json;
+    call.should_stop = [&stop] { return stop.stop_requested(); };
+    call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+    call.log = [&](const std::string& message) {
         if (message == layout.sign_warning) return;  // has been said
         progress.clear();
         report.warn(message);
     };
-    clsdf::CallOptions call;
-    call.count = report.json;
-    call.should_stop = [&stop] { return stop.stop_requested(); };
-    call.progress = [&](double fraction) { progress.show(fraction); };
-    call.compiling = [&](const clsdf::Compilation& step) { progress.show(text_of(step)); };
-    const clsdf::DistanceTransform transform(device, layout.mesh, transform_options, call);
-    transform.compile(layout.grid, layout.band, layout.outputs, call);
+    const clsdf::DistanceTransform transform = make_transform(
+        device, layout.mesh, {.polyhedra = request.polyhedra, .scan = request.scan}, transform_options, call);
+    const clsdf::TransformStatistics compiled = transform.compile(layout.grid, layout.band, layout.outputs, call);
     result.device_name = device.name();
     result.device_platform = device.platform();
     const std::string folder = device.record_folder();
@@ -299,9 +269,8 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
 
     // Slab by slab: the next one is computed while one is written, so the memory does not limit the field.
     const Stopwatch compute;
-    call.statistics = &result.statistics;
     const clsdf::FieldDescription field = describe_field(layout);
-    transform.compute_slabs(
+    result.statistics = transform.compute(
         layout.grid, layout.band, layout.outputs,
         [&](const clsdf::Grid&, const clsdf::FieldSlab& slab) {
             result.compute_seconds = compute.seconds();
@@ -310,7 +279,9 @@ Computation compute(const ComputeRequest& request, const ComputeLayout& layout,
             writer.append(slab);
             result.write_seconds += write.seconds();
         },
-        {}, call);
+        {.sink_has_own_thread = true}, call);
+    result.statistics.compile_seconds += transform.statistics().compile_seconds + compiled.compile_seconds;
+    result.statistics.first_use |= compiled.first_use;
     result.setup_seconds = std::max(0.0, setup_seconds - result.statistics.compile_seconds);
     result.field_seconds = compute.seconds();
     return result;
@@ -338,7 +309,7 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
     const ComputeRequest request(options);
     keep_input(options.mesh, options.output, "mesh");
     if (!options.output.empty())
-        clsdf::check_output(options.output, request.outputs);
+        clsdf::check_field_path(options.output, request.outputs);
     else if (!options.dry_run)
         throw Error(ErrorCode::invalid_argument,
                     "state the output: -o FILE, with the ending .nrrd, .npy, .vti, .h5, .vdb or .sdf");
@@ -390,10 +361,10 @@ ExitStatus run(const ComputeOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_compute(CLI::App& program) {
+Command add_compute(Parser& program) {
     const auto options = std::make_shared<ComputeOptions>();
-    CLI::App* parser = program.add_subcommand("compute", "Compute the distance field of a mesh");
-    add_options(*parser, *options);
+    Parser parser = program.add_subcommand("compute", "Compute the distance field of a mesh");
+    add_options(parser, *options);
     return {parser, [options](Report& report) {
                 try {
                     return run(*options, report);

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "json.hpp"
+#include "options.hpp"
+
 #include <clsdf/clsdf.hpp>
 #include <clsdf/papers.hpp>
-
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -33,7 +33,7 @@ struct ComputeOptions {
     bool dry_run = false;
 };
 
-void add_options(CLI::App& parser, ComputeOptions& options);
+void add_options(Parser& parser, ComputeOptions& options);
 
 /// The request of the options, before the mesh is known.
 struct ComputeRequest {
@@ -43,7 +43,7 @@ struct ComputeRequest {
     clsdf::Length band_inside;
     clsdf::Length band_outside;
     clsdf::SignRule sign = clsdf::SignRule::automatic;
-    clsdf::Outputs outputs;
+    clsdf::OutputSet outputs;
     clsdf::Polyhedra polyhedra = clsdf::Polyhedra::leaned;
     clsdf::Scan scan = clsdf::Scan::bricks;  ///< not automatic
 
@@ -63,7 +63,7 @@ struct ComputeLayout {
     clsdf::Band band;
     clsdf::SignRule sign;
     std::string sign_warning;
-    clsdf::Outputs outputs;
+    clsdf::OutputSet outputs;
     clsdf::Polyhedra polyhedra;
     clsdf::Scan scan;
 };
@@ -100,5 +100,5 @@ void print_layout(const ComputeLayout& layout);
 void print_memory(const ComputeLayout& layout);
 void print_outcome(const ComputeLayout& layout, const Computation& computation);
 
-nlohmann::ordered_json describe_dry_run(const ComputeLayout& layout);
-nlohmann::ordered_json describe(const ComputeLayout& layout, const Computation& computation);
+Json describe_dry_run(const ComputeLayout& layout);
+Json describe(const ComputeLayout& layout, const Computation& computation);

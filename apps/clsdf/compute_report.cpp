@@ -1,6 +1,9 @@
 #include "compute.hpp"
 
+#include "option_values.hpp"
 #include "report.hpp"
+
+#include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
 
@@ -11,17 +14,15 @@
 #include <limits>
 #include <span>
 
-using nlohmann::ordered_json;
-
 namespace {
 
 namespace fs = std::filesystem;
 
 /// Bytes of all outputs of a sample.
 std::uint64_t sample_bytes(const ComputeLayout& layout) {
-    std::uint64_t all = clsdf::output_bytes.distance;
-    clsdf::visit_extras([&](const char*, bool wanted, std::size_t bytes) { all += wanted ? bytes : 0; }, layout.outputs,
-                        clsdf::output_bytes);
+    std::uint64_t all = info_of(clsdf::Output::distance).sample_bytes();
+    for (const clsdf::OutputInfo& info : extra_outputs())
+        if (layout.outputs.contains(info.output)) all += info.sample_bytes();
     return all;
 }
 
@@ -64,7 +65,7 @@ clsdf::Box box_of(const clsdf::Grid& grid) {
     return {grid.position(0, 0, 0), grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)};
 }
 
-ordered_json facts_of(const clsdf::Topology& topology) {
+Json facts_of(const clsdf::Topology& topology) {
     return {{"closed", topology.closed},
             {"balanced", topology.balanced},
             {"inside_out", topology.inside_out},
@@ -87,7 +88,7 @@ const char* meaning_of(clsdf::SignRule rule) {
     }
 }
 
-ordered_json describe_layout(const ComputeLayout& layout) {
+Json describe_layout(const ComputeLayout& layout) {
     return {{"mesh",
              {{"file", layout.mesh_file},
               {"name", fs::path(layout.mesh_file).filename().string()},
@@ -107,8 +108,8 @@ std::string human_slabs(std::size_t count) {
     return count == 1 ? "the whole field" : fmt::format("two of {} slabs", count);
 }
 
-ordered_json ratio(std::size_t part, std::size_t whole) {
-    return whole == 0 ? ordered_json() : ordered_json(static_cast<double>(part) / static_cast<double>(whole));
+Json ratio(std::size_t part, std::size_t whole) {
+    return whole == 0 ? Json() : Json(static_cast<double>(part) / static_cast<double>(whole));
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ std::size_t count_band_samples(const clsdf::FieldDescription& field, const clsdf
     const auto outside = static_cast<float>(field.band.outside);
     const auto inside = field.sign == clsdf::SignRule::none ? -infinity : -static_cast<float>(field.band.inside);
     std::size_t count = 0;
-    for (std::span<const float> rest = slab.distance; !rest.empty();) {
+    for (std::span<const float> rest = slab.distance(); !rest.empty();) {
         // Without branches, with counters as wide as the distances, and in blocks that do not overflow them, so that
         // compilers vectorise the loop.
         const auto some = rest.first(std::min(rest.size(), std::size_t{1} << 20));
@@ -163,16 +164,14 @@ std::string warning_of_format(const ComputeLayout& layout, const std::string& ou
 std::string warning_of_stale_outputs(const ComputeLayout& layout, const Computation& computation) {
     const fs::path output(computation.output);
     std::string warning;
-    clsdf::visit_extras(
-        [&](const char* name, bool wanted) {
-            const fs::path file =
-                output.parent_path() / (output.stem().string() + "_" + name + output.extension().string());
-            std::error_code ignored;
-            if (wanted || !fs::exists(file, ignored)) return;
-            warning += fmt::format("{}{} does not belong to this field, which has no {}; delete it",
-                                   warning.empty() ? "" : "; ", file.string(), name);
-        },
-        layout.outputs);
+    for (const clsdf::OutputInfo& info : extra_outputs()) {
+        const fs::path file =
+            output.parent_path() / (output.stem().string() + "_" + info.name + output.extension().string());
+        std::error_code ignored;
+        if (layout.outputs.contains(info.output) || !fs::exists(file, ignored)) continue;
+        warning += fmt::format("{}{} does not belong to this field, which has no {}; delete it",
+                               warning.empty() ? "" : "; ", file.string(), info.name);
+    }
     return warning;
 }
 
@@ -210,8 +209,8 @@ void print_outcome(const ComputeLayout& layout, const Computation& computation) 
     print_text("wrote   {} ({})\n", computation.output, human_bytes(static_cast<double>(field_bytes(layout))));
 }
 
-ordered_json describe_dry_run(const ComputeLayout& layout) {
-    ordered_json result = describe_layout(layout);
+Json describe_dry_run(const ComputeLayout& layout) {
+    Json result = describe_layout(layout);
     const SlabMemory memory = slab_memory(layout);
     result["memory"] = {{"field_bytes", field_bytes(layout)},
                         {"slabs", memory.slabs},
@@ -220,9 +219,10 @@ ordered_json describe_dry_run(const ComputeLayout& layout) {
     return result;
 }
 
-ordered_json describe(const ComputeLayout& layout, const Computation& computation) {
+Json describe(const ComputeLayout& layout, const Computation& computation) {
     const clsdf::TransformStatistics& statistics = computation.statistics;
-    ordered_json result = describe_layout(layout);
+    const clsdf::WorkCounts& work = *statistics.work;
+    Json result = describe_layout(layout);
     result["device"] = {{"name", computation.device_name}, {"platform", computation.device_platform}};
     result["seconds"] = {{"read", computation.read_seconds},
                          {"setup", computation.setup_seconds},
@@ -235,28 +235,27 @@ ordered_json describe(const ComputeLayout& layout, const Computation& computatio
                          {"compute_and_write", computation.field_seconds}};
     result["first_use"] = statistics.first_use;
     result["samples_per_second"] = static_cast<double>(layout.grid.sample_count()) / computation.compute_seconds;
-    result["statistics"] = {
-        {"samples", layout.grid.sample_count()},
-        {"band_samples", computation.band_samples},
-        {"triangles", statistics.triangles},
-        {"polyhedra", statistics.polyhedra},
-        {"box_polyhedra", statistics.box_polyhedra},
-        {"saddle_vertices", statistics.saddle_vertices},
-        {"point_sites", statistics.point_sites},
-        {"coarse_pairs", statistics.coarse_pairs},
-        {"coarse_bricks", statistics.coarse_bricks},
-        {"brick_pairs", statistics.brick_pairs},
-        {"samples_covered", statistics.samples_covered},
-        {"lanes_evaluated", statistics.lanes_evaluated},
-        {"slabs", statistics.slabs},
-        {"device_bytes", statistics.device_bytes},
-        {"host_bytes", statistics.host_bytes},
-        {"samples_covered_per_band_sample", ratio(statistics.samples_covered, computation.band_samples)},
-        {"lanes_evaluated_per_band_sample", ratio(statistics.lanes_evaluated, computation.band_samples)},
-        {"box_polyhedra_per_triangle", ratio(statistics.box_polyhedra, statistics.triangles)}};
+    result["statistics"] = {{"samples", layout.grid.sample_count()},
+                            {"band_samples", computation.band_samples},
+                            {"triangles", work.triangles},
+                            {"polyhedra", work.polyhedra},
+                            {"box_polyhedra", work.box_polyhedra},
+                            {"saddle_vertices", work.saddle_vertices},
+                            {"point_sites", work.point_sites},
+                            {"coarse_pairs", work.coarse_pairs},
+                            {"coarse_bricks", work.coarse_bricks},
+                            {"brick_pairs", work.brick_pairs},
+                            {"samples_covered", work.samples_covered},
+                            {"lanes_evaluated", work.lanes_evaluated},
+                            {"slabs", statistics.slabs},
+                            {"device_bytes", statistics.device_bytes},
+                            {"host_bytes", statistics.host_bytes},
+                            {"samples_covered_per_band_sample", ratio(work.samples_covered, computation.band_samples)},
+                            {"lanes_evaluated_per_band_sample", ratio(work.lanes_evaluated, computation.band_samples)},
+                            {"box_polyhedra_per_triangle", ratio(work.box_polyhedra, work.triangles)}};
     for (const char* name : {"closed_gaps", "active_pieces", "slice_intersections", "empty_intersections"}) {
-        const auto count = statistics.method_counts.find(name);
-        result["statistics"][name] = count != statistics.method_counts.end() ? count->second.value : 0;
+        const auto count = std::ranges::find(work.method_counts, name, &clsdf::MethodCount::name);
+        result["statistics"][name] = count != work.method_counts.end() ? count->value : 0;
     }
     result["output"] = computation.output;
     return result;

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -22,21 +23,34 @@
 using clsdf::DeviceInfo;
 using clsdf::DeviceKind;
 using clsdf::Stopwatch;
-using nlohmann::ordered_json;
 
-void add_device_option(CLI::App& parser, std::string& choice, const std::string& does) {
-    parser.add_option("--device", choice, does + ", see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
-        ->check(not_empty())
-        ->type_name("INDEX|NAME");
+void add_device_option(Parser& parser, std::string& choice, const std::string& does) {
+    parser.add("--device", choice, does + ", see \"clsdf devices\" [CLSDF_DEVICE, else the strongest]")
+        .takes_text("INDEX|NAME");
 }
 
-clsdf::Device open_device(const std::string& choice) {
-    if (choice.empty()) return clsdf::Device::preferred();
+namespace {
+
+clsdf::Device chosen_device(const std::string& choice) {
+    if (choice.empty()) return clsdf::Device::automatic();
     try {
         return clsdf::Device::select(choice);
     } catch (const clsdf::Error& error) {
         throw clsdf::Error(error.code(), fmt::format("--device {}: {}", choice, error.what()));
     }
+}
+
+}  // namespace
+
+clsdf::Device open_device(const std::string& choice) {
+    clsdf::Device device = chosen_device(choice);
+    device.keep_records(clsdf::Device::default_record_folder());
+    return device;
+}
+
+std::string environment_choice() {
+    const char* const choice = std::getenv("CLSDF_DEVICE");
+    return choice == nullptr ? "" : choice;
 }
 
 namespace {
@@ -66,25 +80,24 @@ public:
 
     /// Kernels that sweep large triangles are among these: the faces of a cube.
     Step compile(const Call& call) {
-        clsdf::TransformOptions options;
         clsdf::CallOptions watched;
-        watched.count = call.count;
+        watched.count_work = call.count;
         watched.should_stop = [this] { return stop_.stop_requested(); };
         ProgressBar progress(!report_.quiet);
-        watched.compiling = [&](const clsdf::Compilation& compilation) {
-            progress.show(fmt::format("{}: {}", call.name, text_of(compilation)));
+        watched.progress = [&](const clsdf::Progress& step) {
+            progress.show(fmt::format("{}: {}", call.name, text_of(step)));
         };
-        options.log = [&](const std::string& message) {
+        watched.log = [&](const std::string& message) {
             progress.clear();
             report_.warn(message);
         };
         const Stopwatch watch;
-        clsdf::DistanceTransform transform(device_, mesh_, options, watched);
-        const clsdf::Outputs outputs{.triangle = call.triangle};
+        const clsdf::DistanceTransform transform(device_, mesh_, {}, watched);
+        const clsdf::OutputSet outputs = call.triangle ? clsdf::Output::triangle : clsdf::OutputSet();
         const clsdf::Grid grid = clsdf::Grid::around(mesh_, 64, clsdf::Band::symmetric(0.1));
         Step step{call.name};
         for (const clsdf::Band& band : {clsdf::Band::symmetric(0.1), clsdf::Band::full()})
-            step.is_tested |= transform.compile(grid, band, outputs, watched);
+            step.is_tested |= transform.compile(grid, band, outputs, watched).first_use;
         step.seconds = watch.seconds();
         return step;
     }
@@ -93,7 +106,8 @@ public:
     Step render() {
         const Stopwatch watch;
         const clsdf::Band band = clsdf::Band::full();
-        const clsdf::Field field = clsdf::DistanceTransform(device_, mesh_)(clsdf::Grid::around(mesh_, 8, band), band);
+        const clsdf::Field field =
+            clsdf::DistanceTransform(device_, mesh_).compute(clsdf::Grid::around(mesh_, 8, band), band);
         clsdf::picture::SurfaceOptions options;
         options.width = options.height = 16;
         options.should_stop = [this] { return stop_.stop_requested(); };
@@ -103,29 +117,24 @@ public:
 
     /// Few points are looked up one by one, many points in groups, on processors by another program.
     Step query() {
-        clsdf::TransformStatistics statistics;
         clsdf::CallOptions watched;
-        watched.statistics = &statistics;
         watched.should_stop = [this] { return stop_.stop_requested(); };
         ProgressBar progress(!report_.quiet);
-        watched.compiling = [&](const clsdf::Compilation& compilation) {
-            progress.show(fmt::format("query: {}", text_of(compilation)));
+        watched.progress = [&](const clsdf::Progress& step) {
+            if (step.stage != clsdf::Progress::Stage::computing) progress.show(fmt::format("query: {}", text_of(step)));
         };
-        clsdf::TransformOptions options;
-        options.log = [&](const std::string& message) {
+        watched.log = [&](const std::string& message) {
             progress.clear();
             report_.warn(message);
         };
         const Stopwatch watch;
-        const clsdf::DistanceTransform transform(device_, mesh_, options, watched);
+        const clsdf::DistanceTransform transform(device_, mesh_, {}, watched);
         Step step{"query"};
         for (const std::size_t count : {std::size_t{1}, std::size_t{1} << 14U}) {
             const std::vector<clsdf::Vec3> points(count, clsdf::Vec3{0.25, 0.5, 0.75});
             std::vector<float> distance(count);
-            clsdf::OutputTargets targets;
-            targets.distance = distance;
-            transform.query(points, std::numeric_limits<double>::infinity(), targets, watched);
-            step.is_tested |= statistics.first_use;
+            step.is_tested |=
+                transform.query(points, std::numeric_limits<double>::infinity(), distance, watched).first_use;
         }
         step.seconds = watch.seconds();
         return step;
@@ -138,15 +147,15 @@ private:
     clsdf::Mesh mesh_;
 };
 
-ordered_json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const std::stop_token& stop) {
-    ordered_json steps = ordered_json::array();
+Json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, const std::stop_token& stop) {
+    Json steps = Json::array();
     const auto add = [&](const Step& step) {
         report.print("   {:<30}  {:6.2f} s{}\n", step.name, step.seconds, step.is_tested ? ", tested" : "");
         steps.push_back({{"name", step.name}, {"seconds", step.seconds}, {"tested", step.is_tested}});
     };
     report.print("{}  {} ({})\n", info.index, info.name, info.platform);
-    const clsdf::Device device = clsdf::Device::select(std::to_string(info.index));
-    if (again) device.forget_tests();
+    const clsdf::Device device = open_device(std::to_string(info.index));
+    if (again) device.forget_records();
     Preparation preparation(report, device, stop);
     for (const Call& call : calls) add(preparation.compile(call));
     add(preparation.query());
@@ -156,15 +165,23 @@ ordered_json prepare(Report& report, const clsdf::DeviceInfo& info, bool again, 
 
 }  // namespace
 
-std::string text_of(const clsdf::Compilation& compilation) {
-    if (compilation.is_waiting) return "waiting for another process that compiles the same kernels";
-    return fmt::format("compiling kernels {} of {}", compilation.step, compilation.steps);
+std::string text_of(const clsdf::Progress& compiling) {
+    if (compiling.stage == clsdf::Progress::Stage::waiting)
+        return "waiting for another process that compiles the same kernels";
+    return fmt::format("compiling kernels {} of {}", compiling.step, compiling.steps);
+}
+
+void show(ProgressBar& bar, const clsdf::Progress& progress) {
+    if (progress.stage == clsdf::Progress::Stage::computing)
+        bar.show(progress.fraction);
+    else
+        bar.show(text_of(progress));
 }
 
 void prepare(Report& report, const std::vector<clsdf::DeviceInfo>& devices, bool again) {
     const Interruption interruption;
     std::optional<clsdf::Error> failure;
-    report.result["prepared"] = ordered_json::array();
+    report.result["prepared"] = Json::array();
     for (const clsdf::DeviceInfo& info : devices) {
         try {
             report.result["prepared"].push_back(prepare(report, info, again, interruption.token()));
@@ -189,7 +206,7 @@ struct Devices {
     // The device is opened, not guessed: one that cannot be opened is passed over.
     Devices() : all(clsdf::Device::all()) {
         try {
-            const clsdf::Device device = clsdf::Device::preferred();
+            const clsdf::Device device = open_device("");
             for (const DeviceInfo& info : all)
                 if (info.id == device.id()) taken = &info;
         } catch (const clsdf::Error& error) {
@@ -201,7 +218,7 @@ struct Devices {
 };
 
 std::string reason_of_choice(const Devices& devices) {
-    const std::string choice = clsdf::Device::environment_choice();
+    const std::string choice = environment_choice();
     if (!choice.empty()) return fmt::format("CLSDF_DEVICE={} asks for it", choice);
     if (std::count_if(devices.all.begin(), devices.all.end(), [](const DeviceInfo& info) { return info.usable(); }) ==
         1)
@@ -216,9 +233,9 @@ bool is_known(const DeviceInfo& info) {
     return info.compute_units > 0;
 }
 
-ordered_json describe(const DeviceInfo& info) {
-    const auto known = [&](const auto& value) { return is_known(info) ? ordered_json(value) : ordered_json(); };
-    const auto not_empty = [](const std::string& text) { return text.empty() ? ordered_json() : ordered_json(text); };
+Json describe(const DeviceInfo& info) {
+    const auto known = [&](const auto& value) { return is_known(info) ? Json(value) : Json(); };
+    const auto not_empty = [](const std::string& text) { return text.empty() ? Json() : Json(text); };
     return {{"index", info.index},
             {"name", info.name},
             {"platform", not_empty(info.platform)},
@@ -236,10 +253,10 @@ ordered_json describe(const DeviceInfo& info) {
             {"why_not", not_empty(info.why_not)}};
 }
 
-ordered_json describe(const Devices& devices) {
-    ordered_json all = ordered_json::array();
+Json describe(const Devices& devices) {
+    Json all = Json::array();
     for (const DeviceInfo& info : devices.all) all.push_back(describe(info));
-    ordered_json taken;
+    Json taken;
     if (devices.taken != nullptr) taken = {{"index", devices.taken->index}, {"reason", reason_of_choice(devices)}};
     return {{"devices", all}, {"taken", taken}};
 }
@@ -297,20 +314,17 @@ ExitStatus run(const DevicesOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_devices(CLI::App& program) {
+Command add_devices(Parser& program) {
     const auto options = std::make_shared<DevicesOptions>();
-    CLI::App* parser = program.add_subcommand("devices", "List the devices of this machine, and the one that is taken");
-    CLI::Option* prepare = parser->add_flag("--prepare", options->prepare,
-                                            "instead: compile and test the kernels of usual calls, on all devices");
+    Parser parser = program.add_subcommand("devices", "List the devices of this machine, and the one that is taken");
+    parser.add("--prepare", options->prepare, "instead: compile and test the kernels of usual calls, on all devices");
     parser
-        ->add_flag("--again", options->again,
-                   "with --prepare: also programs that were tested before, or ended their process")
-        ->needs(prepare);
-    parser->add_option("--device", options->device, "with --prepare: this one alone [all]")
-        ->check(not_empty())
-        ->type_name("INDEX|NAME")
-        ->needs(prepare);
-    parser->footer(
+        .add("--again", options->again, "with --prepare: also programs that were tested before, or ended their process")
+        .needs("--prepare");
+    parser.add("--device", options->device, "with --prepare: this one alone [all]")
+        .takes_text("INDEX|NAME")
+        .needs("--prepare");
+    parser.set_footer(
         "\"clsdf compute\" takes the device that --device names, else the one that the environment variable\n"
         "CLSDF_DEVICE names, else the strongest GPU, else the strongest other device. A name is an index of\n"
         "this list, or a part of the name of one device or of its platform.\n\n"

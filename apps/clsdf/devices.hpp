@@ -1,23 +1,29 @@
 #pragma once
 
+#include "options.hpp"
 #include "report.hpp"
 
 #include <clsdf/clsdf.hpp>
-
-#include <CLI/CLI.hpp>
 
 #include <string>
 #include <vector>
 
 /// Adds --device, which sets `choice`; `does` describes the device's task: "what computes".
-void add_device_option(CLI::App& parser, std::string& choice, const std::string& does);
+void add_device_option(Parser& parser, std::string& choice, const std::string& does);
 
-/// The device that --device names, else Device::preferred(). Throws Error(no_device), which names the option if it
-/// was given.
+/// The device that --device names, else Device::automatic(), with records in the user's folder. Throws
+/// Error(no_device), which names the option if it was given.
 clsdf::Device open_device(const std::string& choice);
 
+/// The value of CLSDF_DEVICE; empty if it is not set.
+std::string environment_choice();
+
 /// "compiling kernels 3 of 11", for a ProgressBar.
-std::string text_of(const clsdf::Compilation& compilation);
+std::string text_of(const clsdf::Progress& compiling);
+
+class ProgressBar;
+/// The bar of a call that computes, or the text of one that compiles.
+void show(ProgressBar& bar, const clsdf::Progress& progress);
 
 /// Compiles and tests the default kernels of the subcommands on each device: those of compute, with and without --json
 /// (which counts) and --with, in narrow and wide bands, those of query and those of render. `again`: also kernels that

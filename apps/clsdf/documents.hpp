@@ -1,6 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "options.hpp"
 
 #include <string>
 #include <vector>
@@ -44,7 +44,7 @@ struct ProgramDescription {
     std::vector<SubcommandDescription> subcommands;  ///< those that the help page lists
 };
 
-ProgramDescription describe(const CLI::App& program);
+ProgramDescription describe(const Parser& program);
 
 /// A manual page, in the macros of man(7).
 struct ManualPage {

@@ -33,13 +33,12 @@ std::vector<std::string> typed_words(std::string_view takes) {
     return words;
 }
 
-std::vector<std::string> known_words(const std::string& takes, const CLI::App& program) {
+std::vector<std::string> known_words(const std::string& takes, const Parser& program) {
     std::vector<std::string> words = typed_words(takes);
     if (takes == "SHAPE")
         for (const clsdf::ShapeName& shape : clsdf::shape_names()) words.push_back(shape.name);
     if (takes == "SUBCOMMAND")
-        for (const CLI::App* subcommand : program.get_subcommands([](const CLI::App*) { return true; }))
-            if (!subcommand->get_group().empty()) words.push_back(subcommand->get_name());
+        for (const Parser& subcommand : program.subcommands()) words.push_back(subcommand.name());
     return words;
 }
 
@@ -55,25 +54,21 @@ std::vector<std::string> endings_in(const std::string& text) {
     return endings;
 }
 
-OptionDescription describe(const CLI::Option& option, const CLI::App& program) {
+OptionDescription describe(const Option& option, const Parser& program) {
     OptionDescription result;
-    for (const std::string& name : option.get_snames()) result.names.push_back('-' + name);
-    for (const std::string& name : option.get_lnames()) result.names.push_back("--" + name);
-    if (option.get_positional())
-        result.takes = option.get_name(true);
-    else if (option.get_items_expected_max() > 0)
-        result.takes = option.get_type_name();
-    result.text = option.get_description();
-    result.default_text = option.get_default_str();
+    result.names = option.names();
+    result.takes = option.takes();
+    result.text = option.text();
+    result.default_text = option.default_text();
     // "the slice's index [the middle]": a default that is no value.
     if (const std::size_t bracket = result.text.rfind(" [");
         bracket != std::string::npos && result.text.back() == ']') {
         result.default_text = result.text.substr(bracket + 2, result.text.size() - bracket - 3);
         result.text.resize(bracket);
     }
-    result.required = option.get_required();
+    result.required = option.is_required();
     result.words = known_words(result.takes, program);
-    if (result.words.empty()) result.words = known_words(option.get_type_name(), program);
+    if (result.words.empty()) result.words = known_words(option.placeholder(), program);
     for (const char* file : file_placeholders) result.is_file = result.is_file || result.takes == file;
     if (result.is_file) result.endings = endings_in(result.text);
     return result;
@@ -102,25 +97,24 @@ std::vector<std::string> lines_of(const std::string& text) {
     return result;
 }
 
-SubcommandDescription describe_one(const CLI::App& parser, const CLI::App& program) {
+SubcommandDescription describe_one(const Parser& parser, const Parser& program) {
     static const std::string examples_begin = "Examples:\n";
     SubcommandDescription result;
-    result.name = parser.get_name();
-    result.text = parser.get_description();
-    for (const CLI::Option* option : parser.get_options()) {
-        if (option->get_group().empty()) continue;
-        if (option->get_positional()) {
-            result.arguments.push_back(describe(*option, program));
+    result.name = parser.name();
+    result.text = parser.text();
+    for (const Option& option : parser.options()) {
+        if (option.names().empty()) {
+            result.arguments.push_back(describe(option, program));
             continue;
         }
         const auto group = std::find_if(result.groups.begin(), result.groups.end(), [&](const OptionGroup& candidate) {
-            return candidate.title == option->get_group();
+            return candidate.title == option.group();
         });
         OptionGroup& place =
-            group == result.groups.end() ? result.groups.emplace_back(OptionGroup{option->get_group(), {}}) : *group;
-        place.options.push_back(describe(*option, program));
+            group == result.groups.end() ? result.groups.emplace_back(OptionGroup{option.group(), {}}) : *group;
+        place.options.push_back(describe(option, program));
     }
-    const std::string footer = parser.get_footer();
+    const std::string footer = parser.footer();
     const std::size_t examples = footer.find(examples_begin);
     result.explanation = paragraphs_of(footer.substr(0, std::min(examples, footer.find(exit_status_help()))));
     if (examples != std::string::npos) result.examples = lines_of(footer.substr(examples + examples_begin.size()));
@@ -135,10 +129,10 @@ std::vector<OptionDescription> SubcommandDescription::options() const {
     return result;
 }
 
-ProgramDescription describe(const CLI::App& program) {
+ProgramDescription describe(const Parser& program) {
     ProgramDescription result{describe_one(program, program), {}};
-    for (const CLI::App* subcommand : program.get_subcommands([](const CLI::App*) { return true; }))
-        if (!subcommand->get_group().empty()) result.subcommands.push_back(describe_one(*subcommand, program));
+    for (const Parser& subcommand : program.subcommands())
+        result.subcommands.push_back(describe_one(subcommand, program));
     return result;
 }
 
@@ -231,19 +225,16 @@ ExitStatus run(const GenerateOptions& options, const ProgramDescription& descrip
 }  // namespace
 
 /// For the build and for those who write the documents; no help page lists it.
-Command add_generate(CLI::App& program) {
+Command add_generate(Parser& program) {
     const auto options = std::make_shared<GenerateOptions>();
-    CLI::App* parser = program.add_subcommand("generate", "Make manual pages, completions and tables from the options");
-    parser->group("");
-    parser->add_option("--manual", options->manual, "the folder of the manual pages")->type_name("FOLDER");
-    parser
-        ->add_option("--completions", options->completions,
-                     "the folder of the completions: clsdf (bash), _clsdf, clsdf.fish")
-        ->type_name("FOLDER");
-    parser->add_option("--tables", options->tables, "a document whose tables of options are made anew")
-        ->type_name("DOCUMENT");
-    parser->footer(
+    Parser parser = program.add_subcommand("generate", "Make manual pages, completions and tables from the options");
+    parser.hide();
+    parser.add("--manual", options->manual, "the folder of the manual pages").takes("FOLDER");
+    parser.add("--completions", options->completions, "the folder of the completions: clsdf (bash), _clsdf, clsdf.fish")
+        .takes("FOLDER");
+    parser.add("--tables", options->tables, "a document whose tables of options are made anew").takes("DOCUMENT");
+    parser.set_footer(
         "Examples:\n"
         "  clsdf generate --tables docs/command.md");
-    return {parser, [&program, options](Report&) { return run(*options, describe(program)); }};
+    return {parser, [program, options](Report&) { return run(*options, describe(program)); }};
 }

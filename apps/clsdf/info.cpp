@@ -14,7 +14,6 @@ namespace {
 
 using clsdf::EdgeKind;
 using clsdf::VertexKind;
-using nlohmann::ordered_json;
 
 struct InfoOptions {
     std::string mesh;
@@ -27,7 +26,7 @@ struct Info {
           triangles(mesh.triangles().size()),
           topology(describe_topology(mesh)),
           defects(find_defects(mesh)),
-          kinds(classify(mesh)),
+          kinds(classify_convexity(mesh)),
           saddles(examine_saddles(mesh)) {
         if (options.self_intersections) self_intersections = clsdf::reference::find_self_intersections(mesh).size();
     }
@@ -41,23 +40,23 @@ struct Info {
     std::optional<std::size_t> self_intersections;
 };
 
-ordered_json describe(const Info& info) {
+Json describe(const Info& info) {
     const auto edges = [&](EdgeKind kind) { return info.kinds.count(kind); };
     const auto vertices = [&](VertexKind kind) { return info.kinds.count(kind); };
-    ordered_json defects{{"closed", info.topology.closed},
-                         {"balanced", info.topology.balanced},
-                         {"inside_out", info.topology.inside_out},
-                         {"components", info.defects.components},
-                         {"boundary_edges", edges(EdgeKind::boundary)},
-                         {"non_manifold_edges", edges(EdgeKind::non_manifold)},
-                         {"unoriented_edges", edges(EdgeKind::unoriented)},
-                         {"boundary_vertices", vertices(VertexKind::boundary)},
-                         {"non_manifold_vertices", vertices(VertexKind::non_manifold)},
-                         {"unused_vertices", info.topology.unused_vertices},
-                         {"coincident_vertices", info.topology.coincident_vertices},
-                         {"repeated_vertex_faces", info.topology.repeated_vertex_faces},
-                         {"zero_area_faces", info.defects.zero_area_faces},
-                         {"duplicate_faces", info.defects.duplicate_faces}};
+    Json defects{{"closed", info.topology.closed},
+                 {"balanced", info.topology.balanced},
+                 {"inside_out", info.topology.inside_out},
+                 {"components", info.defects.components},
+                 {"boundary_edges", edges(EdgeKind::boundary)},
+                 {"non_manifold_edges", edges(EdgeKind::non_manifold)},
+                 {"unoriented_edges", edges(EdgeKind::unoriented)},
+                 {"boundary_vertices", vertices(VertexKind::boundary)},
+                 {"non_manifold_vertices", vertices(VertexKind::non_manifold)},
+                 {"unused_vertices", info.topology.unused_vertices},
+                 {"coincident_vertices", info.topology.coincident_vertices},
+                 {"repeated_vertex_faces", info.topology.repeated_vertex_faces},
+                 {"zero_area_faces", info.defects.zero_area_faces},
+                 {"duplicate_faces", info.defects.duplicate_faces}};
     if (info.self_intersections) defects["self_intersections"] = *info.self_intersections;
     return {{"vertices", info.vertices},
             {"triangles", info.triangles},
@@ -116,13 +115,12 @@ ExitStatus run(const InfoOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_info(CLI::App& program) {
+Command add_info(Parser& program) {
     const auto options = std::make_shared<InfoOptions>();
-    CLI::App* parser = program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects");
-    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser->add_flag("--self-intersections", options->self_intersections,
-                     "count the pairs of triangles that intersect, too");
-    parser->footer(
+    Parser parser = program.add_subcommand("info", "Count a mesh's saddle vertices, gaps and defects");
+    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    parser.add("--self-intersections", options->self_intersections, "count the pairs of triangles that intersect, too");
+    parser.set_footer(
         "Saddle vertices have convex and concave edges; at some of them the polyhedra of Peikert & Sigg leave gaps.\n"
         "Both are decided exactly on the coordinates as given.\n\n"
         "Examples:\n"

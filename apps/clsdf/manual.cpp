@@ -184,9 +184,9 @@ std::string page_of(const ProgramDescription& description) {
               "The device that computes without --device: an index of the list that clsdf devices prints, or "
               "a part of a name in it.");
     page.item(bold("CLSDF_CACHE_DIR"),
-              "The folder in which compiled programs are kept, so that only the first start is slow; "
-              "if it is set and empty, nothing is kept. Without it, the folder clsdf in $XDG_CACHE_HOME, or in "
-              "~/.cache; but with PoCL, which keeps programs itself, none.");
+              "The folder of records of tested programs and, but for PoCL, which keeps them itself, of compiled "
+              "programs, so that only the first start is slow; if it is set and empty, nothing is kept. Without it, "
+              "the folder clsdf in $XDG_CACHE_HOME, or in ~/.cache.");
     page.item(bold("OCL_ICD_VENDORS"),
               "The folder in which the loader of OpenCL looks for drivers, instead of its own.");
     page.exit_status();

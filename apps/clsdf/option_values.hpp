@@ -1,15 +1,15 @@
 #pragma once
 
+#include "options.hpp"
+
 #include <clsdf/error.hpp>
 #include <clsdf/grid.hpp>
 #include <clsdf/outputs.hpp>
 #include <clsdf/topology.hpp>
 
-#include <CLI/CLI.hpp>
-
-#include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,27 +20,6 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
 
 /// "; did you mean WORD?", or nothing if there is no word.
 std::string did_you_mean(const std::string& word);
-
-// An option's type name, or an argument's name, states its values. Small letters are literal, "x|y|z"; capitals are
-// placeholders. Those of file_placeholders are files with the endings that the description names: "the mesh: .off,
-// .obj, .stl or .ply". SHAPE is a name of "clsdf shape --list".
-
-inline constexpr std::array file_placeholders{"MESH", "FIELD", "PICTURE", "POINTS", "RESULT", "FILE"};
-
-/// The value must be one of the words, which become the type name. The error for another one names the nearest.
-void takes_one_of(CLI::Option* option, const std::vector<std::string>& words);
-/// The same for an option that takes several, separated by commas.
-void takes_some_of(CLI::Option* option, const std::vector<std::string>& words);
-
-/// Conditions on the text of an option's value. They are checked before the conversion, so that the message quotes the
-/// text, and neither "1e3" nor "-1" becomes another number. whole_number() is for transform(): it removes leading
-/// zeros, which CLI11 would take for the mark of octal digits.
-CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
-CLI::Validator finite_number_of_0_or_more();
-/// An empty text would count as an absent option.
-CLI::Validator not_empty();
-/// Not empty, and not "-": a file's ending chooses its format, and no incomplete file may appear.
-CLI::Validator file_name();
 
 /// Throws Error(invalid_argument) if the output is the input under this or another name. `what` is "mesh".
 void keep_input(const std::string& input, const std::string& output, const std::string& what);
@@ -59,10 +38,12 @@ Value value_named(const std::string& text, std::initializer_list<Value> values) 
 }
 
 /// The outputs of --with.
-clsdf::Outputs parse_outputs(const std::vector<std::string>& names);
+clsdf::OutputSet parse_outputs(const std::vector<std::string>& names);
+/// All outputs but the distance.
+std::span<const clsdf::OutputInfo> extra_outputs();
 /// Adds --with and --sign.
-CLI::Option* add_outputs_option(CLI::App& parser, std::vector<std::string>& names);
-CLI::Option* add_sign_option(CLI::App& parser, std::string& rule);
+void add_outputs_option(Parser& parser, std::vector<std::string>& names);
+void add_sign_option(Parser& parser, std::string& rule);
 clsdf::SignRule parse_sign(const std::string& rule);
 
 /// "10%", "3v", "0.05" or "full". Throws Error(invalid_argument) that names the option and quotes the text.

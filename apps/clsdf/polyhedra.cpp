@@ -23,7 +23,6 @@ using clsdf::ErrorCode;
 using clsdf::FaceColour;
 using clsdf::Mesh;
 using clsdf::SolidPart;
-using nlohmann::ordered_json;
 
 struct PolyhedraOptions {
     std::string mesh;
@@ -88,7 +87,7 @@ double volume(const Mesh& mesh) {
 std::uint32_t interesting_vertex(const Mesh& mesh) {
     const std::vector<std::uint32_t> gaps = examine_saddles(mesh).gaps;
     if (!gaps.empty()) return gaps.front();
-    const std::vector<clsdf::VertexKind> kinds = classify(mesh).vertices;
+    const std::vector<clsdf::VertexKind> kinds = classify_convexity(mesh).vertices;
     const auto saddle = std::find(kinds.begin(), kinds.end(), clsdf::VertexKind::saddle);
     if (saddle != kinds.end()) return static_cast<std::uint32_t>(saddle - kinds.begin());
     return mesh.triangles().front().front();
@@ -161,7 +160,7 @@ ExitStatus run(const PolyhedraOptions& options, Report& report) {
     report.print("{}{} polyhedra of {} triangles, {} vertices, {} faces -> {}\n",
                  vertex ? fmt::format("vertex {}: ", *vertex) : "", solids.size(), triangles.size(),
                  joined.mesh.vertices().size(), joined.mesh.triangles().size(), options.output);
-    ordered_json list = ordered_json::array();
+    Json list = Json::array();
     for (const BoundingSolid& solid : solids)
         list.push_back({{"triangle", solid.triangle},
                         {"part", name_of(solid.part)},
@@ -176,32 +175,26 @@ ExitStatus run(const PolyhedraOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_polyhedra(CLI::App& program) {
+Command add_polyhedra(Parser& program) {
     const auto options = std::make_shared<PolyhedraOptions>();
-    CLI::App* parser = program.add_subcommand("polyhedra", "Write the bounding polyhedra of some triangles as a mesh");
-    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser->add_option("-o,--output", options->output, "the polyhedra: .ply, which has colours, .off, .obj or .stl")
-        ->type_name("FILE")
-        ->required();
-    CLI::Option* const around =
-        parser->add_option("--around", options->around, "the triangles at this vertex, from 0; else one with a gap")
-            ->transform(whole_number(0, std::numeric_limits<std::uint32_t>::max()))
-            ->type_name("VERTEX");
-    parser->add_option("--triangles", options->triangles, "these triangles, from 0, and no others")
-        ->transform(whole_number(0, std::numeric_limits<std::uint32_t>::max()))
-        ->type_name("I,J,...")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->excludes(around);
-    takes_one_of(
-        parser->add_option("--polyhedra", options->polyhedra, "leaned, which are exact, or peikert-sigg, the paper's")
-            ->capture_default_str(),
-        {"leaned", "peikert-sigg"});
-    parser->add_option("--half-width", options->half_width, "of the band: 10% of the mesh's longest side, or 0.05")
-        ->type_name("LENGTH")
-        ->capture_default_str();
-    parser->add_flag("--no-closing", options->no_closing, "the paper's polyhedra before their gaps are closed");
-    parser->footer(
+    Parser parser = program.add_subcommand("polyhedra", "Write the bounding polyhedra of some triangles as a mesh");
+    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    parser.add("-o,--output", options->output, "the polyhedra: .ply, which has colours, .off, .obj or .stl")
+        .takes("FILE")
+        .required();
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    parser.add("--around", options->around, "the triangles at this vertex, from 0; else one with a gap")
+        .takes_whole_number("VERTEX", 0, most);
+    parser.add("--triangles", options->triangles, "these triangles, from 0, and no others")
+        .takes_whole_number("I,J,...", 0, most)
+        .separated_by_commas()
+        .excludes("--around");
+    parser.add("--polyhedra", options->polyhedra, "leaned, which are exact, or peikert-sigg, the paper's")
+        .takes_one_of({"leaned", "peikert-sigg"});
+    parser.add("--half-width", options->half_width, "of the band: 10% of the mesh's longest side, or 0.05")
+        .takes("LENGTH");
+    parser.add("--no-closing", options->no_closing, "the paper's polyhedra before their gaps are closed");
+    parser.set_footer(
         "Every triangle has a colour; the back of a leaned polyhedron is darker, and a point site grey. Without "
         "--around\n"
         "and --triangles the vertex is the first at which the paper's polyhedra leave a gap, else the first saddle.\n\n"

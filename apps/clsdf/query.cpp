@@ -34,15 +34,9 @@ struct QueryOptions {
     std::string device;
 };
 
-namespace detail {
-template <typename Element>
-using ArrayOf = std::vector<Element>;
-}
-
 /// The outputs of all points, and what making them took.
 struct Found {
-    clsdf::PerOutput<detail::ArrayOf> values;
-    clsdf::FieldSlab slab;
+    clsdf::Field values;  ///< of a grid of one row
     clsdf::TransformStatistics statistics;
     clsdf::SignRule sign = clsdf::SignRule::none;
     std::string device_name;
@@ -56,40 +50,26 @@ double limit_of(const QueryOptions& options, const clsdf::Mesh& mesh) {
     return parse_length("--within", options.within).resolve(longest > 0 ? longest / 256 : 1, longest);
 }
 
-clsdf::OutputTargets make_room(const clsdf::Outputs& outputs, std::size_t points, Found& found) {
-    clsdf::OutputTargets targets;
-    found.values.distance.resize(points);
-    targets.distance = found.values.distance;
-    clsdf::visit_extras(
-        [&](const char*, bool wanted, auto& values, clsdf::OutputTarget& target, std::size_t bytes) {
-            if (!wanted) return;
-            values.resize(points * bytes / sizeof(values[0]));
-            target = values;
-        },
-        outputs, found.values, targets, clsdf::output_bytes);
-    clsdf::visit_outputs([](const char*, const auto& values, auto& span) { span = values; }, found.values, found.slab);
-    return targets;
-}
-
 void find(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
           std::span<const Vec3> points, double within, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
     clsdf::TransformOptions transform_options;
     transform_options.sign = parse_sign(options.sign);
-    transform_options.log = [&](const std::string& message) {
+    clsdf::CallOptions call;
+    call.log = [&](const std::string& message) {
         progress.clear();
         report.warn(message);
     };
-    clsdf::CallOptions call;
     call.should_stop = [&stop] { return stop.stop_requested(); };
-    call.progress = [&](double fraction) { progress.show(fraction); };
-    call.compiling = [&](const clsdf::Compilation& step) { progress.show(text_of(step)); };
-    call.statistics = &found.statistics;
-    const clsdf::OutputTargets targets = make_room(parse_outputs(options.with), points.size(), found);
+    call.progress = [&](const clsdf::Progress& step) { show(progress, step); };
+    for (const clsdf::OutputInfo& info : clsdf::output_table())
+        if (info.output == clsdf::Output::distance || parse_outputs(options.with).contains(info.output))
+            found.values.resize(info.output, points.size());
     const Stopwatch watch;
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
-    transform.query(points, within, targets, call);
+    found.statistics = transform.query(points, within, found.values.targets(), call);
+    found.statistics.compile_seconds += transform.statistics().compile_seconds;
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
     found.device_platform = device.platform();
@@ -112,7 +92,7 @@ Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& 
 }
 
 ExitStatus run(const QueryOptions& options, Report& report) {
-    clsdf::check_points_output(options.output);
+    clsdf::check_points_path(options.output);
     keep_input(options.mesh, options.output, "mesh");
     keep_input(options.points, options.output, "file of points");
     const clsdf::Device device = open_device(options.device);
@@ -124,11 +104,11 @@ ExitStatus run(const QueryOptions& options, Report& report) {
 
     const Found found = find_unless_interrupted(options, device, mesh, points, within, report);
     const Stopwatch write;
-    clsdf::write_points(points, found.slab, options.output, parse_outputs(options.with));
+    clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with));
     output_is_written();
     const double write_seconds = write.seconds();
 
-    const std::vector<float>& distance = found.values.distance;
+    const std::span<const float> distance = found.values.slab().distance();
     const auto inside = static_cast<std::size_t>(
         std::count_if(distance.begin(), distance.end(), [](float d) { return std::signbit(d); }));
     if (!report.quiet) {
@@ -141,7 +121,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     report.result = {{"mesh", options.mesh},
                      {"points", options.points},
                      {"count", points.size()},
-                     {"within", std::isinf(within) ? nlohmann::ordered_json() : nlohmann::ordered_json(within)},
+                     {"within", within},
                      {"sign", name_of(found.sign)},
                      {"inside", inside},
                      {"device", {{"name", found.device_name}, {"platform", found.device_platform}}},
@@ -160,22 +140,17 @@ ExitStatus run(const QueryOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_query(CLI::App& program) {
+Command add_query(Parser& program) {
     const auto options = std::make_shared<QueryOptions>();
-    CLI::App* parser = program.add_subcommand("query", "Compute distances at points");
-    parser->add_option("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply")->required();
-    parser->add_option("POINTS", options->points, "the points: .npy, .csv or .ply")->required();
-    parser->add_option("-o,--output", options->output, "a row for each point: .npy, .csv or .ply")
-        ->type_name("RESULT")
-        ->required();
-    parser->add_option("--within", options->within, "how far the surface is looked for")
-        ->check(not_empty())
-        ->type_name("LENGTH")
-        ->capture_default_str();
-    add_outputs_option(*parser, options->with);
-    add_sign_option(*parser, options->sign);
-    add_device_option(*parser, options->device, "what computes");
-    parser->footer(
+    Parser parser = program.add_subcommand("query", "Compute distances at points");
+    parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
+    parser.add("POINTS", options->points, "the points: .npy, .csv or .ply").required();
+    parser.add("-o,--output", options->output, "a row for each point: .npy, .csv or .ply").takes("RESULT").required();
+    parser.add("--within", options->within, "how far the surface is looked for").takes_text("LENGTH");
+    add_outputs_option(parser, options->with);
+    add_sign_option(parser, options->sign);
+    add_device_option(parser, options->device, "what computes");
+    parser.set_footer(
         "A LENGTH is 10% (of the longest side of the mesh's box), 3v (voxels of 1/256 of that side), 0.05 (the\n"
         "mesh's units) or full (without end). Farther points have the distance LENGTH, with their sign.\n\n"
         "Examples:\n"

@@ -139,51 +139,38 @@ ExitStatus run(RenderOptions options, Report& report) {
 
 }  // namespace
 
-Command add_render(CLI::App& program) {
+Command add_render(Parser& program) {
     const auto options = std::make_shared<RenderOptions>();
-    CLI::App* parser = program.add_subcommand("render", "Draw a field's surface, shaded, whole or cut open");
-    parser->add_option("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .sdf or .vdb")->required();
-    parser->add_option("-o,--output", options->output, "the picture: .png")->type_name("PICTURE")->required();
+    Parser parser = program.add_subcommand("render", "Draw a field's surface, shaded, whole or cut open");
+    parser.add("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .sdf or .vdb").required();
+    parser.add("-o,--output", options->output, "the picture: .png").takes("PICTURE").required();
     parser
-        ->add_option("--view", options->view,
-                     "direction of the viewer: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION "
-                     "in degrees")
-        ->type_name("VIEW")
-        ->capture_default_str();
+        .add("--view", options->view,
+             "direction of the viewer: front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION "
+             "in degrees")
+        .takes("VIEW");
     parser
-        ->add_option(
-            "--up", options->up,
-            "the axis that points upwards: auto (z if the solid stands firmly on it and y is not clearly firmer, else "
-            "y), x, y, z, -x, -y or -z")
-        ->type_name("AXIS")
-        ->capture_default_str();
-    parser->add_option("--perspective", options->picture.view.perspective, "angle of view in degrees; 0: parallel rays")
-        ->check(finite_number_of_0_or_more())
-        ->type_name("DEGREES")
-        ->capture_default_str();
+        .add("--up", options->up,
+             "the axis that points upwards: auto (z if the solid stands firmly on it and y is not clearly firmer, else "
+             "y), x, y, z, -x, -y or -z")
+        .takes("AXIS");
+    parser.add("--perspective", options->picture.view.perspective, "angle of view in degrees; 0: parallel rays")
+        .takes_number_of_0_or_more("DEGREES");
     parser
-        ->add_option("--cut", options->cuts,
-                     "open the solid at a position on an axis, as x=0.3, or in its middle, as x; once an axis at most")
-        ->type_name("AXIS[=X]")
-        ->allow_extra_args(false);
+        .add("--cut", options->cuts,
+             "open the solid at a position on an axis, as x=0.3, or in its middle, as x; once an axis at most")
+        .takes("AXIS[=X]");
     parser
-        ->add_option("--offset", options->offset,
-                     "draw the surface at this distance, < 0: inside [0; without a sign, one voxel]")
-        ->type_name("D");
-    parser->add_option("--size", options->size, "pixels: WxH, or N for the longer side")
-        ->type_name("SIZE")
-        ->capture_default_str();
-    parser->add_option("--colour", options->colour, "of the surface: six hexadecimal digits")
-        ->type_name("RRGGBB")
-        ->capture_default_str();
-    parser->add_option("--rays", options->picture.rays, "in each direction of a pixel, 1 to 8")
-        ->transform(whole_number(1, 8))
-        ->type_name("N")
-        ->capture_default_str();
-    parser->add_flag("--transparent", options->picture.transparent, "no background; implies --bare");
-    parser->add_flag("--bare", options->picture.bare, "no title and no colour bar beside a cut");
-    add_device_option(*parser, options->device, "what traces the rays");
-    parser->footer(
+        .add("--offset", options->offset,
+             "draw the surface at this distance, < 0: inside [0; without a sign, one voxel]")
+        .takes("D");
+    parser.add("--size", options->size, "pixels: WxH, or N for the longer side").takes("SIZE");
+    parser.add("--colour", options->colour, "of the surface: six hexadecimal digits").takes("RRGGBB");
+    parser.add("--rays", options->picture.rays, "in each direction of a pixel, 1 to 8").takes_whole_number("N", 1, 8);
+    parser.add("--transparent", options->picture.transparent, "no background; implies --bare");
+    parser.add("--bare", options->picture.bare, "no title and no colour bar beside a cut");
+    add_device_option(parser, options->device, "what traces the rays");
+    parser.set_footer(
         "A cut removes the part on the viewer's side of a plane, several cuts the part on that side of all planes.\n"
         "The opened inside shows the distances, coloured as by \"clsdf slice\".\n\n"
         "Examples:\n"

@@ -22,6 +22,7 @@ ExitStatus status_of(clsdf::ErrorCode code) {
             return ExitStatus::invalid_input;
         case ErrorCode::no_device:
         case ErrorCode::device_failure:
+        case ErrorCode::wrong_results:
         case ErrorCode::out_of_memory:
             return ExitStatus::device;
         case ErrorCode::output_failure:
@@ -69,7 +70,6 @@ void write_to_standard_error(std::string_view text) noexcept {
 
 using clsdf::Band;
 using clsdf::Grid;
-using nlohmann::ordered_json;
 
 namespace {
 
@@ -88,16 +88,15 @@ void print_result(const std::string& text) {
             fmt::format("standard output: the result cannot be written: {}", std::generic_category().message(errno)));
 }
 
-void print_result(const ordered_json& result) {
-    // Names of files need not be UTF-8.
-    print_result(result.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n');
+void print_result(const Json& result) {
+    print_result(result.dump() + '\n');
 }
 
-ordered_json describe(const Grid& grid) {
+Json describe(const Grid& grid) {
     return {{"origin", grid.position(0, 0, 0)}, {"spacing", grid.spacing}, {"size", grid.size}};
 }
 
-ordered_json describe(const Band& band) {
+Json describe(const Band& band) {
     // JSON has no infinity: it becomes null.
     return {{"inside", band.inside}, {"outside", band.outside}};
 }
@@ -153,33 +152,9 @@ ExitStatus Report::fail(ErrorCode code, const std::string& message) {
 
 void Report::finish() const {
     if (!json) return;
-    nlohmann::ordered_json object = result;
+    Json object = result;
     object["warnings"] = warnings_;
     print_result(object);
-}
-
-const char* name_of(ErrorCode code) {
-    switch (code) {
-        case ErrorCode::invalid_mesh:
-            return "invalid_mesh";
-        case ErrorCode::unreadable_input:
-            return "unreadable_input";
-        case ErrorCode::invalid_argument:
-            return "invalid_argument";
-        case ErrorCode::no_device:
-            return "no_device";
-        case ErrorCode::device_failure:
-            return "device_failure";
-        case ErrorCode::out_of_memory:
-            return "out_of_memory";
-        case ErrorCode::unsupported:
-            return "unsupported";
-        case ErrorCode::cancelled:
-            return "cancelled";
-        case ErrorCode::output_failure:
-            return "output_failure";
-    }
-    return "internal";
 }
 
 namespace {

@@ -1,10 +1,11 @@
 #pragma once
 
+#include "json.hpp"
+
 #include <clsdf/clsdf.hpp>
 #include <clsdf/error.hpp>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <span>
@@ -58,12 +59,12 @@ void print_text(fmt::format_string<const Values&...> format, const Values&... va
 }
 
 /// Prints a result on standard output. Throws clsdf::Error(output_failure).
-void print_result(const nlohmann::ordered_json& result);
+void print_result(const Json& result);
 void print_result(const std::string& text);
 
-nlohmann::ordered_json describe(const clsdf::Grid& grid);
+Json describe(const clsdf::Grid& grid);
 /// A half width is null if it is infinite.
-nlohmann::ordered_json describe(const clsdf::Band& band);
+Json describe(const clsdf::Band& band);
 
 /// "51.5 MB".
 std::string human_bytes(double bytes);
@@ -80,7 +81,7 @@ struct Report {
     bool quiet = false;  ///< warnings and errors only
 
     /// One object, printed at the end of the subcommand, also after an error, which becomes its member "error".
-    nlohmann::ordered_json result = nlohmann::ordered_json::object();
+    Json result = Json::object();
 
     /// Human text; nothing with --quiet.
     template <class... Values>
@@ -100,9 +101,6 @@ struct Report {
 private:
     std::vector<std::string> warnings_;
 };
-
-/// "invalid_mesh" and so on: the member "code" of an error in JSON.
-const char* name_of(clsdf::ErrorCode code);
 
 /// "4 s", "2 min 10 s", "3 h 5 min".
 std::string human_duration(double seconds);

@@ -48,13 +48,13 @@ ExitStatus run(const ShapeOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_shape(CLI::App& program) {
+Command add_shape(Parser& program) {
     const auto options = std::make_shared<ShapeOptions>();
-    CLI::App* parser = program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot and others");
-    parser->add_option("SHAPE", options->name, "the shape; see --list");
-    parser->add_option("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply")->type_name("FILE");
-    parser->add_flag("--list", options->list, "print the names and their descriptions");
-    parser->footer(
+    Parser parser = program.add_subcommand("shape", "Write a mesh made by code: sphere6, torus, knot and others");
+    parser.add("SHAPE", options->name, "the shape; see --list");
+    parser.add("-o,--output", options->output, "the mesh file: .off, .obj, .stl or .ply").takes("FILE");
+    parser.add("--list", options->list, "print the names and their descriptions");
+    parser.set_footer(
         "Examples:\n"
         "  clsdf shape --list\n"
         "  clsdf shape sphere6 -o sphere6.off\n"

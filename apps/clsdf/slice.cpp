@@ -85,32 +85,22 @@ ExitStatus run(const SliceOptions& options, Report& report) {
 
 }  // namespace
 
-Command add_slice(CLI::App& program) {
+Command add_slice(Parser& program) {
     const auto options = std::make_shared<SliceOptions>();
-    CLI::App* parser = program.add_subcommand("slice", "Draw a field: colours, iso-lines, axes and a colour bar");
-    parser->add_option("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf")->required();
-    parser->add_option("-o,--output", options->output, "the picture: .png, or .pdf for print")
-        ->type_name("PICTURE")
-        ->required();
-    auto* axis = parser->add_option("--axis", options->axis, "perpendicular to the slice")->capture_default_str();
-    takes_one_of(axis, {"x", "y", "z"});
-    auto* index =
-        parser->add_option("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")
-            ->transform(whole_number(0, most_samples_on_a_side))
-            ->type_name("K");
-    auto* all = parser->add_flag("--all", options->all, "every slice, as FILE_000.png, FILE_001.png, ...");
-    parser->add_flag("--mosaic", options->mosaic, "the middle slices of the three axes in one picture")
-        ->excludes(axis)
-        ->excludes(index)
-        ->excludes(all);
-    all->excludes(index);
-    parser
-        ->add_option("--pixels", options->picture.pixels,
-                     "of the longer side, without axes and colour bar: 100 to 10000")
-        ->transform(whole_number(100, 10000))
-        ->type_name("N")
-        ->capture_default_str();
-    parser->footer(
+    Parser parser = program.add_subcommand("slice", "Draw a field: colours, iso-lines, axes and a colour bar");
+    parser.add("FIELD", options->field, "the field: .nrrd, .npy, .vti, .h5, .vdb or .sdf").required();
+    parser.add("-o,--output", options->output, "the picture: .png, or .pdf for print").takes("PICTURE").required();
+    parser.add("--axis", options->axis, "perpendicular to the slice").takes_one_of({"x", "y", "z"});
+    parser.add("--index", options->index, "the slice's sample along the axis, from 0 [the middle]")
+        .takes_whole_number("K", 0, most_samples_on_a_side);
+    parser.add("--all", options->all, "every slice, as FILE_000.png, FILE_001.png, ...").excludes("--index");
+    parser.add("--mosaic", options->mosaic, "the middle slices of the three axes in one picture")
+        .excludes("--axis")
+        .excludes("--index")
+        .excludes("--all");
+    parser.add("--pixels", options->picture.pixels, "of the longer side, without axes and colour bar: 100 to 10000")
+        .takes_whole_number("N", 100, 10000);
+    parser.set_footer(
         "Inside is blue, outside orange, and the zero line is the strong one; beyond the band the colours are flat "
         "and\n"
         "pale. A field without a sign has colours from yellow to blue and no zero line.\n\n"
