@@ -25,7 +25,7 @@ constexpr std::int64_t side = 16, ghosts = 2;
 /// The best device, with this rank's share of the cores if it is a processor. The library's own loops on the host are
 /// oneTBB's: a program that links oneTBB limits them with tbb::global_control.
 clsdf::Device device_of_rank() {
-    const clsdf::Device device = clsdf::Device::best();
+    const clsdf::Device device = clsdf::Device::automatic();
     MPI_Comm node = MPI_COMM_NULL;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
     int ranks = 1;
@@ -57,7 +57,7 @@ std::vector<clsdf::Grid> blocks_near(const clsdf::DistanceTransform& transform, 
     transform.classify(boxes, band.outside, places);
     std::vector<clsdf::Grid> near;
     for (std::size_t n = 0; n < blocks.size(); ++n)
-        if (places[n] == clsdf::BoxPlace::near) near.push_back(blocks[n]);
+        if (places[n] == clsdf::BoxPlace::within) near.push_back(blocks[n]);
     return near;
 }
 
@@ -107,12 +107,12 @@ int main(int argument_count, char** arguments) {
         std::vector<std::vector<float>> distances(own.size());
         if (!own.empty()) {
             // The part of the mesh that the rank's blocks need. The rest ends with the whole transform.
-            const clsdf::DistanceTransform part = whole->restrict_to(box_around(own), band.widest(), domain.voxel());
+            const clsdf::DistanceTransform part = whole->restrict_to({box_around(own), band.widest(), domain.voxel()});
             whole.reset();
             std::vector<clsdf::Request> requests;
             for (std::size_t n = 0; n < own.size(); ++n) {
                 distances[n].resize(own[n].sample_count());
-                requests.push_back({own[n], band, {.distance = distances[n]}});
+                requests.push_back({own[n], band, distances[n]});
             }
             part.compute(requests);
         }

@@ -16,6 +16,7 @@
 
 namespace {
 
+using clsdf::Output;
 using clsdf::Vec3;
 
 struct Particles {
@@ -77,34 +78,35 @@ int main(int argument_count, char** arguments) {
         const std::size_t count = argument_count > 1 ? std::strtoul(arguments[1], nullptr, 10) : 20000;
         const int steps = argument_count > 2 ? std::atoi(arguments[2]) : 20;
         const clsdf::Mesh mesh = clsdf::make_shape("knot");
-        clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
+        clsdf::DistanceTransform transform(clsdf::Device::automatic(), mesh);
         Particles particles = drop(count, mesh.box());
         const double side = mesh.box().longest_side(), radius = 0.004 * side;
 
         std::size_t all_contacts = 0, inside = 0;
         std::chrono::duration<double> seconds{};
         const auto contacts_of_step = [&](int step) {
-            transform.move(turned(0.05 * step), {0, 0, 0});
+            transform.set_motion(turned(0.05 * step), {0, 0, 0});
             // In one step no particle enters the solid deeper than a few hundredths of its longest side.
-            transform.query(
-                particles.position, 0.1 * side,
-                {.distance = particles.distance, .triangle = particles.triangle, .gradient = particles.normal});
+            transform.query(particles.position, 0.1 * side,
+                            {{Output::distance, particles.distance},
+                             {Output::triangle, particles.triangle},
+                             {Output::gradient, particles.normal}});
         };
         contacts_of_step(0);  // compiles the programs, and tests them the first time on this device
         for (int step = 0; step < steps; ++step) {
             fall(particles, 0.02 * std::sqrt(side));
-            // The time includes the move, and making anew what a query needs of the moved mesh.
+            // The time includes the motion, and making anew what a query needs of the moved mesh.
             const auto begin = std::chrono::steady_clock::now();
             contacts_of_step(step);
             seconds += std::chrono::steady_clock::now() - begin;
             all_contacts += bounce(particles, radius);
         }
-        transform.query(particles.position, 0.1 * side, {.distance = particles.distance});
+        transform.query(particles.position, 0.1 * side, particles.distance);
         for (const float distance : particles.distance)
             inside += static_cast<double>(distance) < 0.99 * radius ? 1U : 0U;
         std::printf("%zu particles, %d steps: %zu contacts; %zu particles overlap the solid at the end\n", count, steps,
                     all_contacts, inside);
-        std::printf("%.1f ms a step for the move and the query: %.2f million points a second\n",
+        std::printf("%.1f ms a step for the motion and the query: %.2f million points a second\n",
                     1e3 * seconds.count() / steps, 1e-6 * static_cast<double>(count) * steps / seconds.count());
         return all_contacts > 0 && inside * 100 < count ? 0 : 1;
     } catch (const clsdf::Error& error) {

@@ -26,9 +26,9 @@ clsdf::Grid block_of(const clsdf::Grid& domain, std::int64_t rank, std::int64_t 
 
 /// The transform of a rank, which ends with the part that its block needs.
 clsdf::DistanceTransform transform_for(const clsdf::Grid& block, const clsdf::Band& band, const clsdf::Mesh& mesh) {
-    const clsdf::DistanceTransform whole(clsdf::Device::best(), mesh);
+    const clsdf::DistanceTransform whole(clsdf::Device::automatic(), mesh);
     const double longest = *std::max_element(block.spacing.begin(), block.spacing.end());
-    return whole.restrict_to(block.box(), band.widest(), longest);
+    return whole.restrict_to({block.box(), band.widest(), longest});
 }
 
 /// The number of samples that differ between the block and the whole.
@@ -39,7 +39,7 @@ std::size_t differences(const clsdf::Grid& grid, std::span<const float> distance
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
             for (std::int64_t i = 0; i < grid.size[0]; ++i) {
                 const float& here = distance[grid.offset(i, j, k)];
-                const float& there = whole.distance[whole.grid.offset(i + shift, j, k)];
+                const float& there = whole.distance()[whole.grid.offset(i + shift, j, k)];
                 count += std::memcmp(&here, &there, sizeof here) != 0 ? 1 : 0;
             }
     return count;
@@ -54,8 +54,8 @@ int main() {
         const clsdf::Grid domain = clsdf::Grid::around(mesh, 100, band);
 
         // This example is one process; in a simulation every rank makes its own transform.
-        const clsdf::DistanceTransform all(clsdf::Device::best(), mesh);
-        const clsdf::Field whole = all(domain, band);
+        const clsdf::DistanceTransform all(clsdf::Device::automatic(), mesh);
+        const clsdf::Field whole = all.compute(domain, band);
         constexpr std::int64_t ranks = 3;
         std::size_t wrong = 0;
         for (std::int64_t rank = 0; rank < ranks; ++rank) {
@@ -64,7 +64,7 @@ int main() {
 
             // Memory of the simulation.
             std::vector<float> distance(block.sample_count());
-            transform.compute(block, band, {.distance = distance});
+            transform.compute(block, band, distance);
 
             const std::size_t different = differences(block, distance, whole);
             std::printf("rank %lld: samples %lld to %lld of x, %zu of them different from the whole's\n",

@@ -104,8 +104,9 @@ double volume_on_the_device(const Simulation& simulation, const clsdf::DistanceT
     // plan() may block and allocate: polyhedra, lists, the sign. The next calls do neither.
     clsdf::Plan plan = transform.plan(grid, band);
 
-    // This queue is in order, so the kernels run after the field. Another queue would have to wait for the event.
-    cl_event computed = plan.enqueue(simulation.queue, {.distance = distance});
+    // This queue is in order, so the kernels run after the field. Another queue would have to wait for the event that
+    // enqueue() can give.
+    plan.enqueue(simulation.queue, distance);
     const auto width = static_cast<float>(band.outside);
     const double cell = grid.spacing[0] * grid.spacing[1] * grid.spacing[2];
     simulation.enqueue("sum_rows", static_cast<std::size_t>(rows), distance, row_length, width, sums);
@@ -114,7 +115,6 @@ double volume_on_the_device(const Simulation& simulation, const clsdf::DistanceT
     double result = 0;
     require(clEnqueueReadBuffer(simulation.queue, volume, CL_TRUE, 0, sizeof result, &result, 0, nullptr, nullptr),
             "clEnqueueReadBuffer");
-    clReleaseEvent(computed);
     for (cl_mem memory : {volume, sums, distance}) clReleaseMemObject(memory);
     return result;
 }

@@ -16,6 +16,7 @@
 
 namespace {
 
+using clsdf::Output;
 using clsdf::Vec3;
 
 /// The velocity that a simulation has on the surface: here of a body that turns around z.
@@ -85,8 +86,10 @@ int main(int argument_count, char** arguments) {
         const clsdf::Grid grid = clsdf::Grid::around(mesh.box(), options);
         LevelSet set(grid, clsdf::Band::symmetric(4 * grid.voxel()));
 
-        const clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
-        transform.compute(set.grid, set.band, {.distance = set.phi, .closest = set.closest, .gradient = set.normal});
+        const clsdf::DistanceTransform transform(clsdf::Device::automatic(), mesh);
+        transform.compute(
+            set.grid, set.band,
+            {{Output::distance, set.phi}, {Output::closest, set.closest}, {Output::gradient, set.normal}});
 
         const std::vector<float> speed = extended_speed(set);
         const auto fastest = std::ranges::max(speed);

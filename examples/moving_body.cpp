@@ -54,21 +54,21 @@ int main(int argument_count, char** arguments) {
         const clsdf::Band band = clsdf::Band::symmetric(3 * grid.voxel());
         std::vector<float> distance(grid.sample_count());
 
-        clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
-        transform.compute(grid, band, {.distance = distance});
+        clsdf::DistanceTransform transform(clsdf::Device::automatic(), mesh);
+        transform.compute(grid, band, distance);
         const std::vector<float> first = distance;
         const double first_volume = volume(grid, distance);
         double largest_change = 0;
         for (int step = 1; step <= steps; ++step) {
             const Motion motion = motion_at(static_cast<double>(step) / steps);
-            transform.move(motion.rotation, motion.translation);
-            transform.compute(grid, band, {.distance = distance});
+            transform.set_motion(motion.rotation, motion.translation);
+            transform.compute(grid, band, distance);
             largest_change = std::max(largest_change, std::abs(volume(grid, distance) / first_volume - 1));
         }
         const clsdf::KeptMemory memory = transform.memory();
 
-        transform.move({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0});
-        transform.compute(grid, band, {.distance = distance});
+        transform.set_motion({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0, 0, 0});
+        transform.compute(grid, band, distance);
         const bool is_as_before = distance == first;
         std::printf("%d steps: the volume changes by at most %.2f%%; %.1f MB kept on the host, %.1f MB on the device\n",
                     steps, 100 * largest_change, 1e-6 * static_cast<double>(memory.host_bytes),

@@ -2,8 +2,8 @@
 // is out of order.
 //
 // All patches lie in one buffer, each with ghost samples, x slowest, as in a code with arrays phi[patch][x][y][z]. A
-// Plan allocates everything once; move() prepares it for the next positions of the body. The kernel waits for
-// the event of the patches, and the next patches wait for the event of the kernel, which reads them.
+// Plan allocates everything once; update() prepares it for the next positions of the body. The kernel waits for the
+// event of the patches, and the next patches wait for the event of the kernel, which reads them.
 
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -46,11 +46,10 @@ std::vector<clsdf::Request> patches_of(const clsdf::Grid& grid, const clsdf::Ban
     for (std::int64_t z = 0; z < grid.size[2]; z += inner)
         for (std::int64_t y = 0; y < grid.size[1]; y += inner)
             for (std::int64_t x = 0; x < grid.size[0]; x += inner) {
-                clsdf::OutputTarget target = phi;
+                clsdf::OutputArray target = phi;
                 target.offset = requests.size() * patch_samples * sizeof(float);
                 target.strides = {4 * side * side, 4 * side, 4};
-                requests.push_back(
-                    {grid.block({x, y, z}, {inner, inner, inner}).grown(ghosts), band, {.distance = target}});
+                requests.push_back({grid.block({x, y, z}, {inner, inner, inner}).grown(ghosts), band, target});
             }
     return requests;
 }
@@ -59,7 +58,7 @@ std::vector<clsdf::Request> patches_of(const clsdf::Grid& grid, const clsdf::Ban
 
 int main() {
     try {
-        const clsdf::Device device = clsdf::Device::preferred();
+        const clsdf::Device device = clsdf::Device::automatic();
         cl_context context = device.context();
         cl_device_id id = nullptr;
         require(clGetContextInfo(context, CL_CONTEXT_DEVICES, sizeof id, &id, nullptr), "clGetContextInfo");
@@ -99,11 +98,11 @@ int main() {
         cl_event read = nullptr;  // the kernel's last run
         for (int step = 0; step < 5; ++step) {
             const double angle = 0.3 * step, c = std::cos(angle), s = std::sin(angle);
-            transform.move({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {0.02 * step, 0.01 * step, 0});
-            plan.move(transform);  // may block and allocate
+            transform.set_motion({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {0.02 * step, 0.01 * step, 0});
+            plan.update(transform);  // may block and allocate
             // Neither blocks nor allocates.
-            cl_event computed =
-                read == nullptr ? plan.enqueue(queue) : plan.enqueue(queue, std::span<const cl_event>(&read, 1));
+            cl_event computed = nullptr;
+            plan.enqueue(queue, std::span<const cl_event>(&read, read == nullptr ? 0 : 1), &computed);
             if (read != nullptr) clReleaseEvent(read);
             require(clEnqueueNDRangeKernel(queue, kernel, 1, nullptr, &patches, nullptr, 1, &computed, &read),
                     "clEnqueueNDRangeKernel");

@@ -13,6 +13,8 @@
 
 namespace {
 
+using clsdf::Output;
+
 constexpr std::int64_t side = 16, ghosts = 2, ratio = 2;
 
 /// A patch of samples at the centres of cells, with its memory in the simulation.
@@ -46,7 +48,8 @@ void compute(const clsdf::DistanceTransform& transform, std::vector<Level>& leve
     for (Level& level : levels) {
         const clsdf::Band band = clsdf::Band::symmetric(4 * level.lattice.voxel());
         for (Patch& patch : level.patches)
-            requests.push_back({patch.grid, band, {.distance = patch.distance, .gradient = patch.gradient}});
+            requests.push_back(
+                {patch.grid, band, {{Output::distance, patch.distance}, {Output::gradient, patch.gradient}}});
     }
     transform.compute(requests);
 }
@@ -67,7 +70,7 @@ std::set<clsdf::Index3> next_places(const clsdf::DistanceTransform& transform, c
     transform.classify(boxes, std::sqrt(0.75) * next.voxel(), answers);  // half the diagonal of a cell
     std::set<clsdf::Index3> near;
     for (std::size_t n = 0; n < boxes.size(); ++n)
-        if (answers[n] == clsdf::BoxPlace::near) near.insert(candidates[n]);
+        if (answers[n] == clsdf::BoxPlace::within) near.insert(candidates[n]);
     return near;
 }
 
@@ -98,7 +101,7 @@ std::size_t differences(const std::vector<Patch>& patches) {
 int main() {
     try {
         const clsdf::Mesh mesh = clsdf::make_shape("knot");
-        const clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
+        const clsdf::DistanceTransform transform(clsdf::Device::automatic(), mesh);
 
         // The coarsest level covers the mesh.
         clsdf::Grid lattice = clsdf::Grid::around(mesh, 48, clsdf::Band::full()).cell_centred();

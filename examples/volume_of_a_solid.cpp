@@ -58,21 +58,21 @@ int main() {
         // A view refers to the arrays; a mesh is a checked copy of them. One transform serves many grids.
         const clsdf::MeshView view(solid.vertices, solid.triangles);
         const clsdf::Mesh mesh(view, "torus");
-        const clsdf::Device device = clsdf::Device::best();
-        clsdf::TransformOptions options;
-        options.log = [](const std::string& message) { std::printf("clsdf says: %s\n", message.c_str()); };
-        clsdf::DistanceTransform transform(device, mesh, options);
+        const clsdf::Device device = clsdf::Device::automatic();
+        clsdf::CallOptions call;
+        call.log = [](const std::string& message) { std::printf("clsdf says: %s\n", message.c_str()); };
+        clsdf::DistanceTransform transform(device, mesh, {}, call);
 
         // 96 samples on the longest side, and distances up to a tenth of a unit on both sides of the surface.
         const clsdf::Band band = clsdf::Band::symmetric(0.1);
         const clsdf::Grid grid = clsdf::Grid::around(mesh, 96, band);
-        const clsdf::Field field = transform(grid, band, {.triangle = true});
+        const clsdf::Field field = transform.compute(grid, band, clsdf::Output::triangle);
 
         // A cell is solid if its centre is inside, in the band or beyond it. The distance gives the solid share of a
         // cell on the surface.
         const double h = grid.voxel();
         double cells = 0, solid_cells = 0;
-        for (const float distance : field.distance) {
+        for (const float distance : field.distance()) {
             cells += distance < 0 ? 1 : 0;
             solid_cells += std::clamp(0.5 - static_cast<double>(distance) / h, 0.0, 1.0);
         }
@@ -84,9 +84,9 @@ int main() {
         // A particle beside the tube's outer rim: its distance to the wall, and the nearest triangle.
         const auto sample = [&](std::size_t axis, double x) { return std::lround((x - grid.origin[axis]) / h); };
         const std::size_t particle = grid.offset(sample(0, 1.45), sample(1, 0), sample(2, 0));
-        const std::uint32_t triangle = field.triangle[particle];
+        const std::uint32_t triangle = field.triangle()[particle];
         std::printf("a particle %.5f from the wall, nearest to triangle %u\n",
-                    static_cast<double>(field.distance[particle]), triangle);
+                    static_cast<double>(field.distance()[particle]), triangle);
 
         const bool right = std::abs(by_counting - exact) < 0.01 * exact &&
                            std::abs(by_distance - exact) < 0.001 * exact && triangle < mesh.triangles().size();
