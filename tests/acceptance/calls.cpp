@@ -37,14 +37,14 @@ Grid block_of(const Grid& grid, std::int64_t place) {
 /// A sample of the band, counted from the field's first one: from a seeded place on, the first that is within a voxel
 /// of the surface, or else the first of the band. Nothing if the band has no sample.
 std::optional<Index3> band_sample(const Field& field) {
-    const std::size_t count = field.triangle.size();
+    const std::size_t count = field.triangle().size();
     const double voxel = *std::max_element(field.grid.spacing.begin(), field.grid.spacing.end());
     const std::size_t start = std::mt19937_64(1)() % count;
     std::optional<std::size_t> found;
     for (std::size_t n = 0; n < count; ++n) {
         const std::size_t i = (start + n) % count;
-        if (field.triangle[i] == no_triangle) continue;
-        const bool is_near = std::fabs(static_cast<double>(field.distance[i])) <= voxel;
+        if (field.triangle()[i] == no_triangle) continue;
+        const bool is_near = std::fabs(static_cast<double>(field.distance()[i])) <= voxel;
         if (is_near || !found) found = i;
         if (is_near) break;
     }
@@ -96,65 +96,40 @@ std::string nothing_in_band(const char* call) {
 }
 
 bool has_band_sample(const Field& part) {
-    return std::any_of(part.triangle.begin(), part.triangle.end(),
+    return std::any_of(part.triangle().begin(), part.triangle().end(),
                        [](std::uint32_t triangle) { return triangle != no_triangle; });
 }
 
 /// Values of a block, in any output, that differ from those of the whole field.
 std::size_t differences(const Field& field, const Field& part) {
     std::size_t count = 0;
-    visit_outputs(
-        [&](const char*, const auto& of_field, const auto& of_part) {
-            const std::size_t components = of_field.size() / field.distance.size();
-            const Grid& block = part.grid;
-            if (of_part.size() != components * block.sample_count()) {
-                ++count;
-                return;
-            }
-            std::size_t i = 0;
-            for (std::int64_t z = 0; z < block.size[2]; ++z)
-                for (std::int64_t y = 0; y < block.size[1]; ++y)
-                    for (std::int64_t x = 0; x < block.size[0]; ++x, i += components) {
-                        const std::size_t at = field.grid.offset(block.first[0] - field.grid.first[0] + x,
-                                                                 block.first[1] - field.grid.first[1] + y,
-                                                                 block.first[2] - field.grid.first[2] + z);
-                        if (components > 0 &&
-                            std::memcmp(&of_field[components * at], &of_part[i], components * sizeof(of_part[0])) != 0)
-                            ++count;
-                    }
-        },
-        field, part);
+    for (const OutputInfo& info : output_table()) {
+        const std::span<const std::byte> of_field = field.bytes(info.output), of_part = part.bytes(info.output);
+        const Grid& block = part.grid;
+        const std::size_t width = of_field.empty() ? 0 : info.sample_bytes();
+        if (of_part.size() != width * block.sample_count()) {
+            ++count;
+            continue;
+        }
+        if (width == 0) continue;
+        std::size_t i = 0;
+        for (std::int64_t z = 0; z < block.size[2]; ++z)
+            for (std::int64_t y = 0; y < block.size[1]; ++y)
+                for (std::int64_t x = 0; x < block.size[0]; ++x, i += width) {
+                    const std::size_t at = field.grid.offset(block.first[0] - field.grid.first[0] + x,
+                                                             block.first[1] - field.grid.first[1] + y,
+                                                             block.first[2] - field.grid.first[2] + z);
+                    if (std::memcmp(&of_field[width * at], &of_part[i], width) != 0) ++count;
+                }
+    }
     return count;
 }
 
 /// Room for the field's outputs on a block.
 Field like(const Field& field, const Grid& block) {
-    Field part;
-    part.grid = block;
-    part.band = field.band;
-    part.sign = field.sign;
-    visit_outputs(
-        [&](const char*, const auto& of_field, auto& of_part) {
-            of_part.resize(of_field.size() / field.distance.size() * block.sample_count());
-        },
-        field, part);
-    return part;
-}
-
-Outputs outputs_of(const Field& field) {
-    Outputs outputs;
-    visit_extras([](const char*, const auto& values, bool& wanted) { wanted = !values.empty(); }, field, outputs);
-    return outputs;
-}
-
-OutputTargets targets_of(Field& field) {
-    OutputTargets targets;
-    visit_outputs(
-        [](const char*, auto& values, OutputTarget& target) {
-            if (!values.empty()) target = values;
-        },
-        field, targets);
-    return targets;
+    FieldDescription description = field;
+    description.grid = block;
+    return Field(description, field.outputs());
 }
 
 std::string difference(const char* call, std::size_t count) {
@@ -173,7 +148,7 @@ std::string wrong_requests(const DistanceTransform& transform, const Problem& pr
     std::array<Field, 3> parts{like(field, block_of(problem.grid, 0)), like(field, band_block(field)),
                                like(field, block_of(problem.grid, 2))};
     std::vector<Request> requests;
-    for (Field& part : parts) requests.push_back({part.grid, problem.band, targets_of(part)});
+    for (Field& part : parts) requests.push_back({part.grid, problem.band, part.targets()});
     transform.compute(requests);
     if (!has_band_sample(parts[1])) return nothing_in_band("requests");
     std::size_t count = 0;
@@ -185,8 +160,8 @@ std::string wrong_part(const DistanceTransform& transform, const Problem& proble
     if (!std::isfinite(problem.band.widest())) return {};
     const Grid block = band_block(field);
     const double spacing = *std::max_element(block.spacing.begin(), block.spacing.end());
-    const DistanceTransform part = transform.restrict_to(block.box(), problem.band.widest(), spacing);
-    const Field found = part(block, problem.band, outputs_of(field));
+    const DistanceTransform part = transform.restrict_to({block.box(), problem.band.widest(), spacing});
+    const Field found = part.compute(block, problem.band, field.outputs());
     if (!has_band_sample(found)) return nothing_in_band("restricted");
     return difference("restricted", differences(field, found));
 }
@@ -200,7 +175,7 @@ std::string wrong_samples(const DistanceTransform& transform, const Problem& pro
     for (std::int64_t z = 0; z < field.grid.size[2]; ++z)
         for (std::int64_t y = 0; y < field.grid.size[1]; ++y)
             for (std::int64_t x = 0; x < field.grid.size[0]; ++x) points.push_back(field.grid.position(x, y, z));
-    transform.query(points, field.band.outside, targets_of(field));
+    transform.query(points, field.band.outside, field.targets());
     if (!has_band_sample(field)) return nothing_in_band("points at samples");
     // A voxel of points is 1/256 of the mesh.
     const double voxel = problem.mesh.box().longest_side() / 256;
@@ -233,45 +208,36 @@ std::vector<Vec3> points_of(const Mesh& mesh, double reach, std::size_t count) {
 }
 
 /// All outputs of points.
-Field query(const DistanceTransform& transform, std::span<const Vec3> points, double within) {
+Field query(const DistanceTransform& transform, std::span<const Vec3> points, double half_width) {
     Field field;
-    OutputTargets targets;
-    visit_outputs(
-        [&](const char*, auto& values, OutputTarget& target, std::size_t bytes) {
-            values.resize(points.size() * (bytes / sizeof(values[0])));
-            target = values;
-        },
-        field, targets, output_bytes);
-    transform.query(points, within, targets);
+    for (const OutputInfo& info : output_table()) field.resize(info.output, points.size());
+    transform.query(points, half_width, field.targets());
     return field;
 }
 
 /// Points that are looked up one by one are held against the reference. The same points among so many that they are
 /// scanned in groups have the same bytes.
 std::string wrong_points(const DistanceTransform& transform, const Problem& problem, std::size_t samples) {
-    const double within = problem.band.widest();
+    const double half_width = problem.band.widest();
     const Mesh& mesh = problem.mesh;
     constexpr std::size_t scanned = 16384;  // or as many as triangles: docs/library.md, 'Points'
-    const std::vector<Vec3> points =
-        points_of(mesh, std::min(within, 0.1 * mesh.box().longest_side()), std::max(scanned, mesh.triangles().size()));
+    const std::vector<Vec3> points = points_of(mesh, std::min(half_width, 0.1 * mesh.box().longest_side()),
+                                               std::max(scanned, mesh.triangles().size()));
     const std::size_t count = samples > 0 ? samples : 1024, step = points.size() / count;
     std::vector<Vec3> chosen(count);
     for (std::size_t i = 0; i < count; ++i) chosen[i] = points[step * i];
-    const Field few = query(transform, chosen, within), many = query(transform, points, within);
+    const Field few = query(transform, chosen, half_width), many = query(transform, points, half_width);
 
     std::size_t different = 0;
-    visit_outputs(
-        [&](const char*, const auto& of_few, const auto& of_many) {
-            const std::size_t components = of_few.size() / count;
-            for (std::size_t i = 0; i < count; ++i)
-                if (std::memcmp(&of_few[components * i], &of_many[components * step * i],
-                                components * sizeof(of_few[0])) != 0)
-                    ++different;
-        },
-        few, many);
+    for (const OutputInfo& info : output_table()) {
+        const std::size_t bytes = info.sample_bytes();
+        for (std::size_t i = 0; i < count; ++i)
+            if (std::memcmp(&few.bytes(info.output)[bytes * i], &many.bytes(info.output)[bytes * step * i], bytes) != 0)
+                ++different;
+    }
     if (different > 0) return fmt::format("points: {} values of many have other bytes than those of few", different);
     if (!has_band_sample(few)) return "points: none is in the band";
-    const test::PointContract contract(mesh, transform.sign(), within);
+    const test::PointContract contract(mesh, transform.sign(), half_width);
     for (std::size_t i = 0; i < count; ++i)
         if (const std::string fault = contract.fault(chosen[i], few, i); !fault.empty())
             return fmt::format("points: ({:.17g}, {:.17g}, {:.17g}): {}", chosen[i][0], chosen[i][1], chosen[i][2],
@@ -289,9 +255,9 @@ std::string wrong_move(DistanceTransform& transform, const Problem& problem, con
         p[1] += s * x + c * y - y;
     }
     Mesh turned = problem.mesh;
-    turned.move(positions);
-    transform.move(positions);
-    const Field field = transform(vertex_block(turned, problem.grid), problem.band, outputs_of(first));
+    turned.set_positions(positions);
+    transform.set_positions(positions);
+    const Field field = transform.compute(vertex_block(turned, problem.grid), problem.band, first.outputs());
     if (!has_band_sample(field)) return nothing_in_band("moved");
     reference::CheckOptions options;
     options.samples = samples;

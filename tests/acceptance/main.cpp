@@ -7,6 +7,7 @@
 #include "core/stopwatch.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -101,7 +102,7 @@ int run_all(const Options& options, std::string command) {
         for (const Case& example : cases) print_line(fmt::format("{:<24} {}", example.kind, example.name));
         return 0;
     }
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     record.device = fmt::format("{} ({})", device.name(), device.platform());
     print_line(fmt::format("{} fields on {}; * marks what is checked at every sample\n",
                            cases.size() * bodies.at(options.body).size(), record.device));
@@ -120,6 +121,7 @@ int run_all(const Options& options, std::string command) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
+    tuning::read_environment();
     CLI::App app("Computes the fields by which clsdf is accepted and holds them against the reference.");
     Options options;
     auto* const complete = app.add_flag("--complete", options.complete,

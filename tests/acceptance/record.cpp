@@ -29,7 +29,7 @@ std::string size_of(const Index3& size) {
 /// The wrong samples of all outputs beside the distance.
 std::size_t wrong_outputs_of(const reference::CheckReport& report) {
     std::size_t sum = 0;
-    visit_extras([&](const char*, std::size_t wrong) { sum += wrong; }, report.wrong_outputs);
+    for (const OutputInfo& info : output_table()) sum += report.wrong_outputs[detail::index_of(info.output)];
     return sum;
 }
 

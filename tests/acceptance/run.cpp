@@ -4,6 +4,7 @@
 #include "core/stopwatch.hpp"
 
 #include <clsdf/error.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
 
@@ -27,11 +28,10 @@ bool is_within_bound(reference::CheckReport report) {
 }
 
 /// All outputs of fields up to 2^26 samples; only the triangle of larger fields, to save memory.
-Outputs outputs_of(const Grid& grid) {
-    Outputs outputs;
-    const bool is_large = grid.sample_count() > std::size_t{1} << 26;
-    visit_extras([&](const char*, bool& wanted) { wanted = !is_large; }, outputs);
-    outputs.triangle = true;
+OutputSet outputs_of(const Grid& grid) {
+    OutputSet outputs = Output::triangle;
+    if (grid.sample_count() <= std::size_t{1} << 26)
+        for (const OutputInfo& info : output_table()) outputs.insert(info.output);
     return outputs;
 }
 
@@ -62,7 +62,7 @@ void compute_and_check(const Device& device, const Case& example, std::span<cons
         transforms.emplace_back(device, problem.mesh, TransformOptions{.sign = problem.sign, .body = bodies[i]});
         try {
             const Stopwatch computing;
-            fields.push_back(transforms[i](problem.grid, problem.band, outputs_of(problem.grid)));
+            fields.push_back(transforms[i].compute(problem.grid, problem.band, outputs_of(problem.grid)));
             results[i].compute_seconds = computing.seconds();
         } catch (const Error& error) {
             throw Error(error.code(), fmt::format("{}: {}", name_of(bodies[i]), error.what()));

@@ -273,9 +273,9 @@ BOOST_AUTO_TEST_CASE(finds_what_is_wrong_with_a_field_and_says_where) {
     const std::string path = folder.file("field.nrrd");
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "24"}).status == 0);
     clsdf::Field field = clsdf::read_field(path);
-    field.distance[field.grid.offset(6, 6, 6)] *= -1;
-    field.distance[field.grid.offset(0, 12, 5)] = 0;
-    write(field, path);
+    field.distance()[field.grid.offset(6, 6, 6)] *= -1;
+    field.distance()[field.grid.offset(0, 12, 5)] = 0;
+    write_field(field, path);
     const Outcome outcome = run_command({"check", mesh, path, "--complete", "--json"});
     BOOST_TEST(outcome.status == 1);
     BOOST_TEST(outcome.error.find("(6, 6, 6)") != std::string::npos);
@@ -304,8 +304,8 @@ BOOST_AUTO_TEST_CASE(names_no_distances_if_another_output_is_wrong) {
     const std::string path = folder.file("field.vti");
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", path, "--resolution", "12", "--with", "triangle"}).status == 0);
     clsdf::Field field = clsdf::read_field(path);
-    field.triangle[field.grid.offset(1, 6, 5)] ^= 1;
-    write(field, path);
+    field.triangle()[field.grid.offset(1, 6, 5)] ^= 1;
+    write_field(field, path);
     const Outcome outcome = run_command({"check", mesh, path, "--complete"});
     BOOST_TEST(outcome.status == 1);
     BOOST_TEST(outcome.error.find("(1, 6, 5)") != std::string::npos);

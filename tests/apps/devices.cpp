@@ -23,7 +23,7 @@ const std::string no_choice = "CLSDF_DEVICE=";
 
 /// The index of the device that is taken by default.
 DeviceInfo best_info() {
-    const Device best = Device::best();
+    const Device best = Device::strongest();
     for (const DeviceInfo& info : Device::all())
         if (info.id == best.id()) return info;
     BOOST_FAIL("the best device is not among all");

@@ -81,8 +81,8 @@ BOOST_AUTO_TEST_CASE(is_0_where_everything_was_done_and_json_is_one_object_then)
 BOOST_AUTO_TEST_CASE(is_1_where_a_check_failed) {
     BOOST_REQUIRE(run_command({"compute", mesh, "-o", field, "--resolution", "16"}).status == 0);
     clsdf::Field wrong = clsdf::read_field(field);
-    wrong.distance[wrong.grid.offset(5, 5, 5)] *= -1;
-    write(wrong, field);
+    wrong.distance()[wrong.grid.offset(5, 5, 5)] *= -1;
+    write_field(wrong, field);
     const Outcome outcome = run_command({"check", mesh, field, "--complete", "--json"});
     BOOST_TEST(outcome.status == 1);
     BOOST_TEST(json::parse(outcome.out)["passed"] == false);

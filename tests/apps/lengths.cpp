@@ -1,4 +1,4 @@
-#include "apps/clsdf/option_values.hpp"
+#include "option_values.hpp"
 
 #include "support/throws.hpp"
 

@@ -181,8 +181,8 @@ inline std::set<std::string> subcommands() {
 
 /// The exit status of the command for each code of an error.
 inline const std::map<std::string, int> exit_statuses{
-    {"invalid_argument", 2}, {"unsupported", 2},    {"unreadable_input", 3}, {"invalid_mesh", 3}, {"no_device", 4},
-    {"out_of_memory", 4},    {"device_failure", 4}, {"output_failure", 5},   {"cancelled", 6}};
+    {"invalid_argument", 2}, {"unsupported", 2},    {"unreadable_input", 3}, {"invalid_mesh", 3},   {"no_device", 4},
+    {"out_of_memory", 4},    {"device_failure", 4}, {"wrong_results", 4},    {"output_failure", 5}, {"cancelled", 6}};
 
 inline const std::string tetrahedron = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 

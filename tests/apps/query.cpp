@@ -164,8 +164,8 @@ BOOST_AUTO_TEST_CASE(writes_every_value_that_is_no_number_alike) {
     const std::vector<double> closest{wide, -wide, std::copysign(wide, -1)};
     const std::vector<float> distance{std::copysign(none, -1.0F)};
     FieldSlab found;
-    found.distance = distance;
-    found.closest = closest;
+    found.set(Output::distance, distance);
+    found.set(Output::closest, closest);
     write_points(points, found, file);
     const std::vector<std::string> expected{"0", "0", "0", "nan", "nan", "nan", "nan"};
     BOOST_TEST(table_of(file)[1] == expected, boost::test_tools::per_element());
@@ -220,6 +220,12 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
     check_refused(query(inputs.folder.file("j.csv", "x,y,z\n1,\"2,3\n")), 3, {"j.csv: line 2: ", "quotation mark"});
     check_refused(query(inputs.folder.file("g.npy", npy("<f4", "2, 3", std::string(16, '\0')))), 3, {"g.npy"});
     check_refused(query(inputs.folder.file("none.csv")), 3, {"none.csv"});
+    for (const char* name : {"blank.csv", "blank.ply"})
+        check_refused(query(inputs.folder.file(name, "\n\n\n")), 3, {std::string(name) + ": the file has no text"});
+    check_refused(query(inputs.folder.file("k.npy", npy("<f8", "-1, 3", {}))), 3, {"k.npy", "(-1, 3)", "n >= 0"});
+    check_refused(query(inputs.folder.file("l.csv", "# hi\n1\n")), 3, {"l.csv: line 1: ", "the first row, '# hi'"});
+    check_refused(query(inputs.folder.file("m.csv", "x,y,X,z\n1,2,3,4\n")), 3,
+                  {"m.csv: line 1: columns 1 and 3 both", "'x' and 'X'"});
     check_refused(query("points.xyz"), 2, {"points.xyz", ".npy, .csv and .ply"});
     check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", "found.xyz"}), 2, {"found.xyz", ".npy"});
     check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--within", "-1"}), 2, {"--within"});

@@ -24,9 +24,9 @@ BOOST_AUTO_TEST_CASE(opens_a_solid_of_which_no_distances_are_known) {
     const std::string field = folder.file("balls.nrrd");
     clsdf::Field balls = two_balls();
     balls.band.inside = 0;
-    for (float& distance : balls.distance)
+    for (float& distance : balls.distance())
         if (distance < 0) distance = -0.0F;
-    write(balls, field);
+    write_field(balls, field);
     const Outcome outcome =
         run_command({"render", field, "-o", folder.file("balls.png"), "--size", "60", "--cut", "z", "--quiet"});
     BOOST_TEST(outcome.status == 0);
@@ -36,7 +36,7 @@ BOOST_AUTO_TEST_CASE(opens_a_solid_of_which_no_distances_are_known) {
 BOOST_AUTO_TEST_CASE(draws_what_its_options_say) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     const std::string picture = folder.file("balls.png");
     const Outcome plain = run_command({"render", field, "-o", picture, "--size", "100", "--json"});
     BOOST_TEST(plain.status == 0);
@@ -76,7 +76,7 @@ BOOST_AUTO_TEST_CASE(draws_what_its_options_say) {
 BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     const std::string picture = folder.file("balls.png");
     const auto refused = [&](int status, const std::vector<std::string>& fragments,
                              const std::vector<std::string>& options) {
@@ -110,7 +110,7 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
 BOOST_AUTO_TEST_CASE(leaves_nothing_where_it_is_interrupted) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     Process process({"render", field, "-o", folder.file("b.png"), "--size", "6000", "--rays", "8"});
     process.wait_until([&] { return process.cpu_seconds_so_far() >= 1; });
     process.send(SIGINT);

@@ -21,7 +21,7 @@ BOOST_AUTO_TEST_SUITE(the_slice_command)
 BOOST_AUTO_TEST_CASE(draws_one_slice_or_a_mosaic) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     const std::string picture = folder.file("balls.png");
     BOOST_TEST(run_command({"slice", field, "-o", picture, "--pixels", "150"}).status == 0);
     BOOST_TEST(is_png(picture));
@@ -43,7 +43,7 @@ BOOST_AUTO_TEST_CASE(draws_one_slice_or_a_mosaic) {
 BOOST_AUTO_TEST_CASE(draws_every_slice_as_a_numbered_file) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     const Outcome outcome =
         run_command({"slice", field, "-o", folder.file("b.png"), "--all", "--pixels", "100", "--json"});
     BOOST_TEST(outcome.status == 0);
@@ -55,7 +55,7 @@ BOOST_AUTO_TEST_CASE(draws_every_slice_as_a_numbered_file) {
 BOOST_AUTO_TEST_CASE(leaves_whole_pictures_only_where_it_is_interrupted) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     Process process({"slice", field, "-o", folder.file("b.png"), "--all", "--axis", "x", "--pixels", "2000"});
     process.wait_until([&] { return folder.file_count() >= 3; });
     process.send(SIGINT);
@@ -72,7 +72,7 @@ BOOST_AUTO_TEST_CASE(leaves_whole_pictures_only_where_it_is_interrupted) {
 BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     const std::string picture = folder.file("balls.png");
     check_refused(run_command({"slice", field, "-o", picture, "--index", "21"}), 2,
                   {"no sample 21 along z", "0 to 20"});
@@ -92,7 +92,7 @@ BOOST_AUTO_TEST_CASE(refuses_what_it_cannot_draw_and_writes_nothing) {
 BOOST_AUTO_TEST_CASE(draws_on_a_machine_without_fonts) {
     const TemporaryFolder folder;
     const std::string field = folder.file("balls.nrrd");
-    write(two_balls(), field);
+    write_field(two_balls(), field);
     const std::string no_fonts = folder.file("fonts.conf", "<fontconfig></fontconfig>");
     const std::string picture = folder.file("balls.png");
     const Outcome outcome = run_command({"slice", field, "-o", picture}, {"FONTCONFIG_FILE=" + no_fonts});

@@ -22,7 +22,7 @@ public:
     std::string note() const override { return "wrong on purpose"; }
 
     Cost compute(const Workload& workload, std::span<float> distance, std::size_t) override {
-        DistanceTransform(Device::best(), workload.mesh).compute(workload.grid, workload.band, {distance, {}});
+        DistanceTransform(Device::strongest(), workload.mesh).compute(workload.grid, workload.band, distance);
         spoil_(workload, distance);
         return {};
     }

@@ -14,8 +14,8 @@ BOOST_AUTO_TEST_SUITE(papers)
 // The stairs are what the paper's polyhedra get wrong.
 BOOST_AUTO_TEST_CASE(only_the_papers_polyhedra_are_wrong_and_only_they_are_reported_so) {
     const Workload workload =
-        make_workload({"small", 60, Length::of_extent(0.1)}, "stairs", make_shape("stairs"), Device::best());
-    const std::vector<std::unique_ptr<PapersMethod>> methods = papers_methods(Device::best(), workload);
+        make_workload({"small", 60, Length::of_extent(0.1)}, "stairs", make_shape("stairs"), Device::strongest());
+    const std::vector<std::unique_ptr<PapersMethod>> methods = papers_methods(Device::strongest(), workload);
     BOOST_TEST(methods.size() == 7U);
     for (const auto& method : methods) BOOST_TEST_CONTEXT(method->name()) {
             const Judgement found = test::measure(workload, *method).judgement;
@@ -45,9 +45,9 @@ BOOST_AUTO_TEST_CASE(each_case_is_named_by_its_own_grid_and_the_bunny_has_three_
 BOOST_AUTO_TEST_CASE(mauch_has_the_same_polyhedra_in_software_and_on_the_device) {
     for (const char* name : {"sphere4", "knot", "torus"}) {
         const Workload workload =
-            make_workload({"small", 60, Length::of_extent(0.05)}, name, make_shape(name), Device::best());
+            make_workload({"small", 60, Length::of_extent(0.05)}, name, make_shape(name), Device::strongest());
         const Work software = make_software_mauch(0)->work(workload);
-        const Work device = make_scanned(Device::best(), "mauch", Polyhedra::mauch, Scan::slices)->work(workload);
+        const Work device = make_scanned(Device::strongest(), "mauch", Polyhedra::mauch, Scan::slices)->work(workload);
         BOOST_TEST(software.polyhedra == device.polyhedra, name);
         BOOST_TEST(static_cast<double>(software.distances) < 1.1 * static_cast<double>(device.distances));
         BOOST_TEST(static_cast<double>(software.distances) > 0.9 * static_cast<double>(device.distances));

@@ -8,7 +8,7 @@ namespace clsdf::test {
 
 /// A job of a second: a sphere of 512 triangles in a band of 10%, or every sample.
 inline bench::Workload small_workload(Length half_width = Length::of_extent(0.1)) {
-    return bench::make_workload({"small", 33, half_width}, "sphere3", make_shape("sphere3"), Device::best());
+    return bench::make_workload({"small", 33, half_width}, "sphere3", make_shape("sphere3"), Device::strongest());
 }
 
 inline bench::MeasureOptions every_sample() {

@@ -27,6 +27,9 @@ add_test(NAME simd COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P ${
 # Files that use fmt::join include fmt/ranges.h, which fmt 11 needs.
 add_test(NAME joins COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_LIST_DIR}/joins.cmake)
 
+# One file of the command includes CLI11, and one nlohmann's JSON.
+add_test(NAME slow_headers COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_LIST_DIR}/slow_headers.cmake)
+
 # A compiler in C++17 mode prints one message with the remedy.
 get_target_property(eigen Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
 add_test(
@@ -41,3 +44,11 @@ add_test(NAME setup COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCR
                             ${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
 add_test(NAME scripts COMMAND ${CMAKE_COMMAND} -DCLSDF=${PROJECT_SOURCE_DIR} -DSCRATCH=${CMAKE_CURRENT_BINARY_DIR}/scripts -P
                               ${CMAKE_CURRENT_LIST_DIR}/scripts.cmake)
+
+# Enumerations and plain structs of the public headers have counterparts in C. The headers left out are for measuring, or
+# belong to libraries that a C interface would not have.
+if(CLSDF_TEST_PYTHON)
+  add_test(NAME c_names COMMAND ${CLSDF_TEST_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/c_names.py ${PROJECT_SOURCE_DIR}/lib/include/clsdf
+                                ${CMAKE_CURRENT_BINARY_DIR}/c_names.c cc eigen.hpp tuning.hpp papers.hpp picture.hpp
+                                reference.hpp)
+endif()

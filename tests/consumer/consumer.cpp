@@ -18,14 +18,14 @@ int main() try {
     const clsdf::Mesh mesh{clsdf::MeshView{vertices, triangles}};
 
     const clsdf::Band band = clsdf::Band::full();
-    clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
-    const clsdf::Field field = transform(clsdf::Grid::around(mesh, 12, band), band);
+    clsdf::DistanceTransform transform(clsdf::Device::automatic(), mesh);
+    const clsdf::Field field = transform.compute(clsdf::Grid::around(mesh, 12, band), band);
 
     std::size_t inside = 0;
-    for (const float distance : field.distance) inside += distance < 0 ? 1 : 0;
-    std::cout << "clsdf " << clsdf::version() << ": " << inside << " of " << field.distance.size()
+    for (const float distance : field.distance()) inside += distance < 0 ? 1 : 0;
+    std::cout << "clsdf " << clsdf::version() << ": " << inside << " of " << field.distance().size()
               << " samples lie inside\n";
-    return inside > 0 && inside < field.distance.size() ? 0 : 1;
+    return inside > 0 && inside < field.distance().size() ? 0 : 1;
 } catch (const clsdf::Error& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -22,11 +22,11 @@ std::size_t markers_in(const std::filesystem::path& folder) {
 int main(int count, char** arguments) try {
     if (count != 2) return 2;
     const std::filesystem::path folder = arguments[1];
-    const clsdf::Device device = clsdf::Device::best();
-    device.set_program_cache(folder.string());
+    const clsdf::Device device = clsdf::Device::automatic();
+    device.keep_records(folder.string());
     clsdf::CallOptions options;
-    options.compiling = [&](const clsdf::Compilation&) {
-        if (markers_in(folder) == 0) return;
+    options.progress = [&](const clsdf::Progress& progress) {
+        if (progress.stage != clsdf::Progress::Stage::compiling || markers_in(folder) == 0) return;
         clsdf::abandon_unfinished_files(true);
         const std::size_t left = markers_in(folder);
         std::cout << left << " markers of compilations are left" << std::endl;

@@ -1,6 +1,7 @@
-// A simulation with parallel HDF5: every process computes its slices of a field and writes them into one file. The
-// first one computes the whole field, and compares the file value by value.
+// A simulation with parallel HDF5: every process reads a mesh, computes its slices of a field and writes them into one
+// file. The first one computes the whole field, and compares the file value by value.
 #include <clsdf/clsdf.hpp>
+#include <clsdf/mesh_files.hpp>
 
 #include <hdf5.h>
 #include <mpi.h>
@@ -9,6 +10,7 @@
 #include <array>
 #include <cstring>
 #include <iostream>
+#include <string>
 #include <vector>
 
 namespace {
@@ -31,14 +33,17 @@ int run() {
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     if (ranks < 2) throw clsdf::Error(clsdf::ErrorCode::invalid_argument, "start two processes or more");
 
-    const clsdf::Mesh mesh = clsdf::make_shape("knot");
+    const std::string mesh_path = "knot" + std::to_string(rank) + ".ply";
+    clsdf::write_mesh(clsdf::make_shape("knot"), mesh_path);
+    const clsdf::Mesh mesh = clsdf::read_mesh(mesh_path);
     const clsdf::Band band = clsdf::Band::full();
     const clsdf::Grid grid = clsdf::Grid::around(mesh, 64, band);
-    clsdf::DistanceTransform transform(clsdf::Device::best(), mesh);
-    const clsdf::Field whole = transform(grid, band);
+    clsdf::DistanceTransform transform(clsdf::Device::automatic(), mesh);
+    const clsdf::Field whole = transform.compute(grid, band);
 
     const std::int64_t begin = grid.size[2] * rank / ranks, end = grid.size[2] * (rank + 1) / ranks;
-    const clsdf::Field part = transform(grid.part({0, 0, begin}, {grid.size[0], grid.size[1], end - begin}), band);
+    const clsdf::Field part =
+        transform.compute(grid.part({0, 0, begin}, {grid.size[0], grid.size[1], end - begin}), band);
     const std::array<hsize_t, 3> shape{static_cast<hsize_t>(grid.size[2]), static_cast<hsize_t>(grid.size[1]),
                                        static_cast<hsize_t>(grid.size[0])};
     const std::array<hsize_t, 3> first{static_cast<hsize_t>(begin), 0, 0};
@@ -48,7 +53,7 @@ int run() {
     const hid_t room = H5Screate_simple(3, shape.data(), nullptr), slices = H5Screate_simple(3, count.data(), nullptr);
     H5Sselect_hyperslab(room, H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr);
     const hid_t array = H5Dcreate2(file, "distance", H5T_IEEE_F32LE, room, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    bool good = H5Dwrite(array, H5T_NATIVE_FLOAT, slices, room, H5P_DEFAULT, part.distance.data()) >= 0;
+    bool good = H5Dwrite(array, H5T_NATIVE_FLOAT, slices, room, H5P_DEFAULT, part.distance().data()) >= 0;
     H5Dclose(array);
     H5Sclose(slices);
     H5Sclose(room);
@@ -58,13 +63,13 @@ int run() {
     if (rank == 0) {
         const hid_t written = opened_by(MPI_COMM_SELF, false);
         const hid_t values = H5Dopen2(written, "distance", H5P_DEFAULT);
-        std::vector<float> read(whole.distance.size());
+        std::vector<float> read(whole.distance().size());
         good = good && H5Dread(values, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, read.data()) >= 0;
         H5Dclose(values);
         H5Fclose(written);
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < read.size(); ++i)
-            wrong += std::memcmp(&read[i], &whole.distance[i], sizeof(float)) != 0 ? 1 : 0;
+            wrong += std::memcmp(&read[i], &whole.distance()[i], sizeof(float)) != 0 ? 1 : 0;
         std::cout << wrong << " of " << read.size() << " values that " << ranks << " processes wrote are wrong\n";
         good = good && wrong == 0;
     }

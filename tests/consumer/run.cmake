@@ -36,20 +36,20 @@ function(flags_of result)
   set(${result} ${flags} PARENT_SCOPE)
 endfunction()
 
-# The first program of the README, in a main(), and the mesh it reads.
+# The first program of the README, and the mesh it reads.
 function(write_readme_program file)
   file(READ ${CLSDF}/README.md readme)
-  if(NOT readme MATCHES "```cpp\n((#include [^\n]*\n)+)([^`]*)```")
+  if(NOT readme MATCHES "```cpp\n(#include [^`]*)```")
     message(FATAL_ERROR "README.md has no program")
   endif()
-  file(WRITE ${file} "${CMAKE_MATCH_1}\nint main() {\n${CMAKE_MATCH_3}\nreturn distance > 0 ? 0 : 1;\n}\n")
+  file(WRITE ${file} "${CMAKE_MATCH_1}")
   file(WRITE ${build}/bunny.off "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
 endfunction()
 
 function(check_readme_program)
   run(${build}/consumer_files)
-  if(NOT EXISTS ${build}/bunny.nrrd)
-    message(FATAL_ERROR "The README's program wrote no field")
+  if(NOT EXISTS ${build}/outside.nrrd)
+    message(FATAL_ERROR "The README's program wrote no field of a sample outside")
   endif()
 endfunction()
 
@@ -152,10 +152,11 @@ if(WAY STREQUAL "find_package" OR WAY STREQUAL "clang")
     set(COMPILER ${clang})
   endif()
   install_package()
-  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,papers,reference -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=meshes,io,papers,reference -DCMAKE_DISABLE_FIND_PACKAGE_CGAL=ON
             -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
   build_and_run()
   check_readme_program()
+  run(${build}/consumer_meshes)
   run(${build}/consumer_papers)
   run(${build}/consumer_reference)
 
@@ -175,7 +176,8 @@ elseif(WAY STREQUAL "shared")
   run(${build}/consumer_interrupted ${build}/cache)
   # A little more than there are.
   check_exports(clsdf 100)
-  check_exports(clsdf_io 22)
+  check_exports(clsdf_meshes 7)
+  check_exports(clsdf_io 17)
   check_exports(clsdf_papers 18)
   check_internals_have_no_state()
 
@@ -184,7 +186,7 @@ elseif(WAY STREQUAL "components")
   install_package(core development)
   configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=core)
   build_and_run()
-  foreach(missing io papers nonsense)
+  foreach(missing meshes io papers nonsense)
     execute_process(
       COMMAND ${CMAKE_COMMAND} -S ${source} -B ${build} -DCOMPONENTS=${missing}
       RESULT_VARIABLE status
@@ -208,6 +210,10 @@ elseif(WAY STREQUAL "components")
       message(FATAL_ERROR "find_package(clsdf ${version}) is not refused: ${log}")
     endif()
   endforeach()
+  install_package(meshes)
+  configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=meshes)
+  run(${CMAKE_COMMAND} --build ${build})
+  run(${build}/consumer_meshes)
   install_package(io papers)
   configure(${COMPILER} -DWAY=find_package -DCOMPONENTS=io,papers)
   build_and_run()
@@ -219,11 +225,19 @@ elseif(WAY STREQUAL "pkg_config")
   flags_of(flags --cflags --libs clsdf)
   set(program ${build}/consumer)
 
-  # The line of the README, as a reader would paste it; c++ is the compiler that the library was built with. pkg-config
-  # escapes blanks in the names of folders, for eval.
-  file(STRINGS ${CLSDF}/README.md line REGEX "^c\\+\\+ .*pkg-config" LIMIT_COUNT 1)
+  # The line of docs/install.md, as a reader would paste it; c++ is the compiler that the library was built with.
+  # pkg-config escapes blanks in the names of folders, for eval.
+  file(STRINGS ${CLSDF}/docs/install.md line REGEX "^c\\+\\+ .*pkg-config" LIMIT_COUNT 1)
+  if(NOT line MATCHES "clsdf-meshes")
+    message(FATAL_ERROR "docs/install.md has no line that compiles a program with clsdf-meshes")
+  endif()
   string(REGEX REPLACE "^c\\+\\+" "'${COMPILER}'" line "${line}")
+  file(COPY_FILE ${source}/meshes.cpp ${build}/simulation.cpp)
+  run(sh -c "eval \"${line}\"")
+  run(${build}/simulation)
+  # The same for the README's program.
   write_readme_program(${build}/simulation.cpp)
+  string(REPLACE clsdf-meshes clsdf-io line "${line}")
   run(sh -c "eval \"${line}\"")
   file(RENAME ${build}/simulation ${build}/consumer_files)
   check_readme_program()
@@ -257,9 +271,10 @@ elseif(WAY STREQUAL "pkg_config")
   if(dependencies MATCHES "[^ ]+/(CGAL|Eigen)/[^ ]+")
     message(FATAL_ERROR "A program that includes clsdf/clsdf.hpp gets ${CMAKE_MATCH_0}")
   endif()
-  # Nor does it get a library of files.
-  if("${flags}" MATCHES "hdf5|expat|openvdb|cairo")
-    message(FATAL_ERROR "A program that links clsdf gets ${CMAKE_MATCH_0}: ${flags}")
+  # Nor does it get a library of files, with files of meshes or without.
+  flags_of(mesh_flags --cflags --libs --static clsdf-meshes)
+  if("${flags};${mesh_flags}" MATCHES "hdf5|expat|openvdb|cairo")
+    message(FATAL_ERROR "A program that links clsdf and clsdf::meshes gets ${CMAKE_MATCH_0}: ${flags};${mesh_flags}")
   endif()
 
 elseif(WAY STREQUAL "parallel_hdf5")
@@ -270,7 +285,7 @@ elseif(WAY STREQUAL "parallel_hdf5")
     return()
   endif()
   install_package()
-  flags_of(flags --cflags --libs clsdf)
+  flags_of(flags --cflags --libs clsdf-meshes)
   # Behind clsdf, where a serial HDF5 of clsdf's own would come first.
   flags_of(hdf5_flags --cflags --libs hdf5-openmpi)
   run(${COMPILER} -std=c++20 ${source}/parallel_hdf5.cpp ${flags} ${hdf5_flags} -o ${build}/parallel_hdf5)

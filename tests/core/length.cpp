@@ -38,7 +38,8 @@ BOOST_AUTO_TEST_CASE(a_length_is_in_percent_of_the_longest_side_in_voxels_or_in_
 BOOST_AUTO_TEST_SUITE(a_band)
 
 BOOST_AUTO_TEST_CASE(has_half_widths_from_zero_to_infinity) {
-    BOOST_CHECK_NO_THROW((Band{0, 0}.validate()));
+    BOOST_CHECK_NO_THROW(Band::signs_only().validate());
+    BOOST_CHECK_EXCEPTION((Band{0, 0}.validate()), Error, is_invalid_argument);
     BOOST_CHECK_NO_THROW((Band{0, infinity}.validate()));
     BOOST_CHECK_NO_THROW(Band::full().validate());
     for (const double width : {-1.0, -infinity, not_a_number}) {

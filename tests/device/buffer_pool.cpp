@@ -13,7 +13,7 @@ using device::BufferPool;
 namespace {
 
 std::shared_ptr<BufferPool> new_pool() {
-    return std::make_shared<BufferPool>(device::shared_context_of(Device::best()));
+    return std::make_shared<BufferPool>(device::shared_context_of(Device::strongest()));
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ BOOST_AUTO_TEST_CASE(a_small_lease_does_not_take_a_large_buffer) {
 }
 
 BOOST_AUTO_TEST_CASE(pools_beside_each_other_share_the_devices_memory) {
-    const Device device = Device::best().limited({.memory = 1 << 20});
+    const Device device = Device::strongest().limited({.memory = 1 << 20});
     const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
     const auto other = pool->beside();
     std::optional<BufferPool::Lease> lease = pool->lease(600'000, "test");
@@ -74,7 +74,7 @@ BOOST_AUTO_TEST_CASE(a_lease_outlives_its_pool_and_ends_on_another_thread) {
 
 BOOST_AUTO_TEST_CASE(more_than_the_device_allocates_at_once_is_refused_by_name) {
     const auto pool = new_pool();
-    const std::size_t largest = device::context_of(Device::best()).capabilities().largest_allocation;
+    const std::size_t largest = device::context_of(Device::strongest()).capabilities().largest_allocation;
     test::check_throws(ErrorCode::out_of_memory,
                        {"coarse lists", std::to_string(largest + 1), std::to_string(largest), "smaller part"},
                        [&] { pool->lease(largest + 1, "coarse lists"); });

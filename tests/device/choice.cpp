@@ -17,7 +17,8 @@ namespace {
 /// CLSDF_DEVICE for as long as this lives.
 class EnvironmentChoice {
 public:
-    explicit EnvironmentChoice(const std::string& value) : before_(Device::environment_choice()) {
+    explicit EnvironmentChoice(const std::string& value) {
+        if (const char* const before = std::getenv("CLSDF_DEVICE")) before_ = before;
         ::setenv("CLSDF_DEVICE", value.c_str(), 1);
     }
     ~EnvironmentChoice() { ::setenv("CLSDF_DEVICE", before_.c_str(), 1); }
@@ -71,7 +72,7 @@ BOOST_AUTO_TEST_CASE(takes_no_processor_where_a_gpu_is_usable) {
     const std::vector<DeviceInfo> infos = Device::all();
     const bool gpu = std::any_of(infos.begin(), infos.end(),
                                  [](const DeviceInfo& info) { return info.usable() && info.kind == DeviceKind::gpu; });
-    const cl_device_id best = Device::best().id();
+    const cl_device_id best = Device::strongest().id();
     const auto taken =
         std::find_if(infos.begin(), infos.end(), [&](const DeviceInfo& info) { return info.id == best; });
     BOOST_TEST_REQUIRE((taken != infos.end()));
@@ -104,22 +105,22 @@ BOOST_AUTO_TEST_CASE(lists_what_there_is_where_the_name_is_unknown) {
     test::check_throws(ErrorCode::no_device, {infos.front().name}, [] { Device::select(""); });
 }
 
-BOOST_AUTO_TEST_CASE(is_the_environments_for_preferred_alone) {
-    const cl_device_id best = Device::best().id();
+BOOST_AUTO_TEST_CASE(is_the_environments_for_automatic_alone) {
+    const cl_device_id best = Device::strongest().id();
     {
         const EnvironmentChoice nothing("");
-        BOOST_TEST(Device::preferred().id() == best);
+        BOOST_TEST(Device::automatic().id() == best);
     }
     for (const DeviceInfo& info : Device::all()) {
         if (!info.usable()) continue;
         const EnvironmentChoice choice(std::to_string(info.index));
-        BOOST_TEST(Device::preferred().id() == info.id);
-        BOOST_TEST(Device::best().id() == best);
+        BOOST_TEST(Device::automatic().id() == info.id);
+        BOOST_TEST(Device::strongest().id() == best);
     }
     const EnvironmentChoice unknown("xyzzy");
-    test::check_throws(ErrorCode::no_device, {"CLSDF_DEVICE=xyzzy", Device::best().name()},
-                       [] { Device::preferred(); });
-    BOOST_TEST(Device::best().id() == best);
+    test::check_throws(ErrorCode::no_device, {"CLSDF_DEVICE=xyzzy", Device::strongest().name()},
+                       [] { Device::automatic(); });
+    BOOST_TEST(Device::strongest().id() == best);
 }
 
 BOOST_AUTO_TEST_SUITE_END()

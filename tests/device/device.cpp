@@ -20,7 +20,7 @@ cl_uint references_of(cl_context context) {
 
 /// A context and a queue as a simulation has them.
 struct Callers {
-    cl::Device device{Device::best().id(), true};
+    cl::Device device{Device::strongest().id(), true};
     cl::Context context{device};
     cl::CommandQueue queue{context, device};
 };
@@ -29,7 +29,7 @@ struct Callers {
 
 // Without a device nothing of this project works: its tests fail then, and do not skip.
 BOOST_AUTO_TEST_CASE(there_is_a_device) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     BOOST_TEST(!device.name().empty());
     BOOST_TEST(!device.platform().empty());
     BOOST_TEST(device::context_of(device).capabilities().compute_units >= 1);
@@ -78,18 +78,18 @@ BOOST_AUTO_TEST_CASE(a_null_handle_is_an_error) {
 }
 
 BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_its_own) {
-    const Device whole = Device::best();
+    const Device whole = Device::strongest();
     const unsigned all = device::context_of(whole).capabilities().compute_units;
     const Device half = whole.limited({.memory = 1 << 20});
     BOOST_TEST(half.context() != whole.context());
     BOOST_TEST(half.name() == whole.name());
     BOOST_TEST(device::context_of(half).capabilities().memory == 1U << 20);
     BOOST_TEST(device::context_of(half).capabilities().compute_units == all);
-    half.set_program_cache("");
+    half.keep_records("/records");
     const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
     if (std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) > 0) {
         BOOST_TEST(device::context_of(half.limited({.compute_units = 1})).capabilities().memory == 1U << 20);
-        BOOST_TEST(half.limited({.compute_units = 1}).program_cache().empty());
+        BOOST_TEST(half.limited({.compute_units = 1}).record_folder() == "/records");
         BOOST_TEST(device::context_of(whole.limited({.compute_units = 1})).capabilities().compute_units == 1U);
     } else if (all > 1) {
         test::check_throws(ErrorCode::unsupported, {"cannot be divided", "POCL_CPU_MAX_CU_COUNT"},
@@ -102,8 +102,74 @@ BOOST_AUTO_TEST_CASE(a_limited_device_has_what_is_left_to_it_and_a_context_of_it
                        [&] { whole.limited({.compute_units = all + 1}); });
 }
 
+BOOST_AUTO_TEST_CASE(a_device_tells_its_properties_as_the_list_does) {
+    for (const DeviceInfo& listed : Device::all()) {
+        if (!listed.usable()) continue;
+        const Device device = Device::select(std::to_string(listed.index));
+        const DeviceInfo info = device.info();
+        BOOST_TEST(info.index == listed.index);
+        BOOST_TEST(info.id == listed.id);
+        BOOST_TEST(info.name == listed.name);
+        BOOST_TEST(info.platform == listed.platform);
+        BOOST_TEST(info.version == listed.version);
+        BOOST_TEST(info.driver == listed.driver);
+        BOOST_TEST((info.kind == listed.kind));
+        BOOST_TEST(info.compute_units == listed.compute_units);
+        BOOST_TEST(info.clock_megahertz == listed.clock_megahertz);
+        BOOST_TEST(info.memory == listed.memory);
+        BOOST_TEST(info.largest_allocation == listed.largest_allocation);
+        BOOST_TEST(info.fp64 == listed.fp64);
+        BOOST_TEST(info.atomics64 == listed.atomics64);
+        BOOST_TEST(info.float_width == listed.float_width);
+        BOOST_TEST(info.usable());
+    }
+    const Callers callers;
+    BOOST_TEST(Device::from_handles(callers.context(), callers.device(), callers.queue()).info().index ==
+               Device::strongest().info().index);
+}
+
+BOOST_AUTO_TEST_CASE(a_limited_device_tells_its_limits) {
+    const Device whole = Device::strongest();
+    const DeviceInfo half = whole.limited({.memory = 1 << 20}).info();
+    BOOST_TEST(half.index == whole.info().index);
+    BOOST_TEST(half.memory == 1U << 20);
+    BOOST_TEST(half.largest_allocation == 1U << 20);
+    const auto divisions = cl::Device(whole.id(), true).getInfo<CL_DEVICE_PARTITION_PROPERTIES>();
+    if (std::ranges::count(divisions, CL_DEVICE_PARTITION_BY_COUNTS) == 0 || whole.info().compute_units < 2) return;
+    const Device part = whole.limited({.compute_units = 1});
+    BOOST_TEST(part.info().compute_units == 1U);
+    BOOST_TEST(part.info().index == DeviceInfo::not_listed);
+    BOOST_TEST(part.info().id == part.id());
+    BOOST_TEST(part.info().name == whole.name());
+}
+
+// Bindings of other languages have these numbers.
+BOOST_AUTO_TEST_CASE(kinds_of_devices_and_errors_keep_their_numbers_and_names) {
+    const std::pair<DeviceKind, const char*> kinds[] = {{DeviceKind::gpu, "gpu"},
+                                                        {DeviceKind::processor, "processor"},
+                                                        {DeviceKind::accelerator, "accelerator"},
+                                                        {DeviceKind::other, "other"}};
+    std::int32_t number = 0;
+    for (const auto& [kind, name] : kinds) {
+        BOOST_TEST(static_cast<std::int32_t>(kind) == number++);
+        BOOST_TEST(name_of(kind) == std::string(name));
+    }
+    const std::pair<ErrorCode, const char*> codes[] = {
+        {ErrorCode::invalid_mesh, "invalid_mesh"},         {ErrorCode::unreadable_input, "unreadable_input"},
+        {ErrorCode::invalid_argument, "invalid_argument"}, {ErrorCode::no_device, "no_device"},
+        {ErrorCode::device_failure, "device_failure"},     {ErrorCode::out_of_memory, "out_of_memory"},
+        {ErrorCode::unsupported, "unsupported"},           {ErrorCode::cancelled, "cancelled"},
+        {ErrorCode::output_failure, "output_failure"},     {ErrorCode::wrong_results, "wrong_results"}};
+    number = 1;
+    for (const auto& [code, name] : codes) {
+        BOOST_TEST(static_cast<std::int32_t>(code) == number++);
+        BOOST_TEST(name_of(code) == std::string(name));
+    }
+    BOOST_TEST(name_of(ErrorCode{0}) == std::string("unknown"));
+}
+
 BOOST_AUTO_TEST_CASE(a_program_is_built_once_for_all_threads) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     std::vector<cl::Program> programs(4);
     std::vector<std::thread> threads;
     for (cl::Program& program : programs)

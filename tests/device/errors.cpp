@@ -9,7 +9,7 @@
 using namespace clsdf;
 
 BOOST_AUTO_TEST_CASE(a_failed_call_is_named_with_its_code) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const device::Context& context = device::context_of(device);
     const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
     std::vector<char> beyond(128);
@@ -33,7 +33,7 @@ BOOST_AUTO_TEST_CASE(an_error_carries_the_code_of_the_call) {
 
 // As OpenCL spells it, also if the C++ binding does not.
 BOOST_AUTO_TEST_CASE(a_failed_call_has_the_name_that_opencl_gives_it) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const device::Context& context = device::context_of(device);
     const cl::Buffer buffer(context.context(), CL_MEM_READ_WRITE, 64);
     test::check_throws(ErrorCode::device_failure, {"clEnqueueUnmapMemObject", "CL_INVALID_VALUE"},
@@ -44,7 +44,7 @@ BOOST_AUTO_TEST_CASE(a_failed_call_has_the_name_that_opencl_gives_it) {
 }
 
 BOOST_AUTO_TEST_CASE(memory_of_another_context_is_a_failed_call) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const cl::Context other(cl::Device(device.id(), true));
     const cl::Buffer foreign(other, CL_MEM_READ_WRITE, 64);
     test::check_throws(ErrorCode::device_failure, {"clEnqueueFillBuffer", "CL_INVALID_CONTEXT"}, [&] {
@@ -53,7 +53,7 @@ BOOST_AUTO_TEST_CASE(memory_of_another_context_is_a_failed_call) {
 }
 
 BOOST_AUTO_TEST_CASE(a_failed_allocation_is_a_lack_of_memory_with_a_remedy) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     test::check_throws(ErrorCode::out_of_memory, {"clCreateBuffer", "CL_INVALID_BUFFER_SIZE", "smaller part"}, [&] {
         device::guarded([&] { cl::Buffer(device::context_of(device).context(), CL_MEM_READ_WRITE, 0); });
     });
@@ -72,7 +72,7 @@ BOOST_AUTO_TEST_CASE(every_code_has_a_text) {
 }
 
 BOOST_AUTO_TEST_CASE(a_kernel_that_does_not_build_is_an_error_with_the_compilers_words) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     // The kernels' vectors have 8 or 16 lanes.
     test::check_throws(
         ErrorCode::device_failure,

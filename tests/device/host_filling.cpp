@@ -36,7 +36,7 @@ bool is_filled(const Device& device, const BufferPool::Lease& buffer, std::size_
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_buffer_holds_what_the_host_filled_in_by_either_way) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
     for (const std::size_t bytes : sizes)
         for (const bool in_place : {true, false}) {
@@ -48,7 +48,7 @@ BOOST_AUTO_TEST_CASE(a_buffer_holds_what_the_host_filled_in_by_either_way) {
 }
 
 BOOST_AUTO_TEST_CASE(a_buffer_of_nothing_is_filled_all_the_same) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
     for (const bool in_place : {true, false}) {
         HostFilling filling(device::context_of(device), pool, 0, "test", in_place);
@@ -57,7 +57,7 @@ BOOST_AUTO_TEST_CASE(a_buffer_of_nothing_is_filled_all_the_same) {
 }
 
 BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_leaves_its_buffer_to_the_next) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     for (const std::size_t bytes : sizes)
         for (const bool in_place : {true, false}) {
             const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
@@ -76,7 +76,7 @@ BOOST_AUTO_TEST_CASE(a_filling_that_ends_early_leaves_its_buffer_to_the_next) {
 
 // If a larger buffer is needed, the values of the smaller one are copied.
 BOOST_AUTO_TEST_CASE(a_filling_that_is_not_in_place_takes_no_buffer_before_it_ends) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const auto pool = std::make_shared<BufferPool>(device::shared_context_of(device));
     const HostFilling smaller(device::context_of(device), pool, 10000, "test", false);
     HostFilling larger(device::context_of(device), pool, 20000, "test", false);

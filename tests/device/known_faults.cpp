@@ -1,4 +1,4 @@
-#include <clsdf/distance_transform.hpp>
+#include <clsdf/tuning.hpp>
 
 #include "device/opencl.hpp"
 

@@ -51,10 +51,11 @@ private:
     std::optional<std::string> before_;
 };
 
-/// A device with a context of its own that keeps its programs there.
+/// A device with a context of its own that keeps records and programs there, with PoCL, too.
 Device device_with(const std::string& folder) {
-    Device device = Device::best();
-    device.set_program_cache(folder);
+    Device device = Device::strongest();
+    device.keep_records(folder);
+    device::context_of(device).keep_programs(folder);
     return device;
 }
 
@@ -238,13 +239,14 @@ BOOST_AUTO_TEST_SUITE_END()
 
 BOOST_AUTO_TEST_SUITE(the_folder_of_programs)
 
-BOOST_AUTO_TEST_CASE(is_chosen_by_the_environment) {
+BOOST_AUTO_TEST_CASE(is_chosen_by_the_environment_if_a_program_asks_for_it) {
     const auto with = [](const std::optional<std::string>& own, const std::optional<std::string>& xdg,
                          const std::optional<std::string>& home) {
         const Variable a("CLSDF_CACHE_DIR", own), b("XDG_CACHE_HOME", xdg), c("HOME", home);
-        // The driver's cache suffices, unless clsdf's is asked for.
-        BOOST_TEST(device::default_cache_folder(true) == (own ? device::default_cache_folder(false) : fs::path()));
-        return device::default_cache_folder(false).string();
+        const Device device = Device::strongest();
+        BOOST_TEST(device.record_folder().empty());
+        device.keep_records(Device::default_record_folder());
+        return device.record_folder();
     };
     BOOST_TEST(with("/own", "/xdg", "/home/me") == "/own");
     BOOST_TEST(with("", "/xdg", "/home/me").empty());
@@ -256,27 +258,26 @@ BOOST_AUTO_TEST_CASE(is_chosen_by_the_environment) {
     BOOST_TEST(with(std::nullopt, std::nullopt, std::nullopt).empty());
 }
 
-BOOST_AUTO_TEST_CASE(is_what_a_device_begins_with) {
-    const bool is_pocl = Device::best().platform() == "Portable Computing Language";
-    const Variable xdg("XDG_CACHE_HOME", "/xdg");
-    for (const std::optional<std::string>& own : {std::optional<std::string>("/own"), std::optional<std::string>()}) {
-        const Variable variable("CLSDF_CACHE_DIR", own);
-        BOOST_TEST(Device::best().program_cache() == device::default_cache_folder(is_pocl).string());
-        // Records are small: they are kept beside PoCL's own programs, too.
-        BOOST_TEST(Device::best().record_folder() == (own ? "/own" : "/xdg/clsdf"));
-    }
+BOOST_AUTO_TEST_CASE(has_no_programs_of_a_driver_that_keeps_them_itself) {
+    const TemporaryFolder folder;
+    const Device device = Device::strongest();
+    device.keep_records(path_of(folder));
+    build(device, "scan.cl");
+    BOOST_TEST(programs_in(folder).empty() == (device.platform() == "Portable Computing Language"));
+    BOOST_TEST(folder.file_count() > 0U);
 }
 
 BOOST_AUTO_TEST_CASE(knows_programs_by_the_variables_that_change_what_compilers_make) {
-    const auto identity = [] { return device::context_of(Device::best()).identity(); };
-    const std::string plain = identity();
+    const auto identity = [](const std::string& folder) { return device::context_of(device_with(folder)).identity(); };
+    const std::string plain = identity("/records");
     for (const char* name : {"POCL_WORK_GROUP_METHOD", "POCL_KERNELLIB_NAME", "POCL_WORK_GROUP_SPECIALIZATION",
                              "POCL_PREGION_VALUE_REMAT", "POCL_FORCE_PARALLEL_OUTER_LOOP", "AMD_OCL_BUILD_OPTIONS",
                              "AMD_OCL_BUILD_OPTIONS_APPEND", "IGC_EnableDPEmulation", "OverrideDefaultFP64Settings"}) {
         const Variable variable(name, "1");
-        BOOST_TEST(identity() != plain, name);
+        BOOST_TEST(identity("/records") != plain, name);
+        BOOST_TEST(identity("") == plain, "nothing is read without records");
     }
-    BOOST_TEST(identity() == plain);
+    BOOST_TEST(identity("/records") == plain);
 }
 
 BOOST_AUTO_TEST_CASE(gets_each_program_once_and_gives_it_to_the_next_process) {
@@ -294,11 +295,10 @@ BOOST_AUTO_TEST_CASE(gets_each_program_once_and_gives_it_to_the_next_process) {
     BOOST_TEST(programs_in(folder).size() == 3U);
 }
 
-BOOST_AUTO_TEST_CASE(is_not_touched_when_it_is_switched_off) {
+BOOST_AUTO_TEST_CASE(is_not_touched_unless_a_program_asks_for_it) {
     const TemporaryFolder folder;
     const Variable environment("CLSDF_CACHE_DIR", path_of(folder));
-    const Device device = device_with("");
-    BOOST_TEST(device.record_folder().empty());
+    const Device device = Device::strongest();
     BOOST_TEST(computes(device, device::context_of(device).program("scan.cl", options)));
     BOOST_TEST(folder.file_count() == 0U);
 }

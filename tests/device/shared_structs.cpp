@@ -36,13 +36,14 @@ std::vector<Agreement> agreements() {
     CLSDF_SHARED(all, SweepRecord, row, key, index);
     CLSDF_SHARED(all, SweepTotals, records, large, large_blocks, largest_rows);
     CLSDF_SHARED(all, TriangleSites, triangle, site);
-    CLSDF_SHARED(all, Finish, origin, spacing, per_spacing, unit, wanted, in_double, outward, renumbered);
+    CLSDF_SHARED(all, Finish, origin, spacing, per_spacing, unit, inside_fill, outside_fill, wanted, in_double, outward,
+                 renumbered);
     CLSDF_SHARED(all, StoredBox, from, to, strides, component_stride, size, padding);
     CLSDF_SHARED(all, FaceLattice, origin, spacing, sample, per_unit);
     CLSDF_SHARED(all, FanItem, offset, count, faces);
     CLSDF_SHARED(all, PointTree, faces, levels, first, count);
     CLSDF_SHARED(all, PointNode, lower, upper);
-    CLSDF_SHARED(all, FaceFrame, gradient, offset, base, normal_along, normal_across, altitude, triangle, padding);
+    CLSDF_SHARED(all, FaceFrame, gradient, offset, base, normal_along, normal_across, altitude, triangle, lowest);
     CLSDF_SHARED(all, PointLeaf, gradient, offset, base, normal_along, normal_across, altitude, origin, extent,
                  padding);
     CLSDF_SHARED(all, PointGroup, origin, children, centre, half_side);
@@ -84,7 +85,7 @@ BOOST_AUTO_TEST_CASE(a_layout_arrives_on_the_device_as_it_was_sent) {
                              "    found[2] = layout.sign_words; found[3] = layout.half_width;\n"
                              "    found[4] = layout.outside_fill;\n"
                              "}\n";
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     std::vector<float> found(5);
     device::guarded([&] {
         const device::Context& context = device::context_of(device);

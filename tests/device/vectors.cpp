@@ -184,7 +184,7 @@ void check_distances_by_table(const device::Context& context, const std::string&
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(vectors_are_masked_and_packed_alike_with_and_without_instructions_for_it) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const std::string helpers = device::kernel_text("brick_lists.h") + every_mask;
     for (const unsigned lanes : {8U, 16U}) BOOST_TEST_CONTEXT(lanes << " lanes") {
             BOOST_TEST_CONTEXT("as the compiler is") check_every_mask(device::context_of(device), helpers, lanes);
@@ -194,7 +194,7 @@ BOOST_AUTO_TEST_CASE(vectors_are_masked_and_packed_alike_with_and_without_instru
 }
 
 BOOST_AUTO_TEST_CASE(distances_by_table_are_those_of_the_triangle_with_and_without_instructions_for_them) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const std::string helpers = device::kernel_text("lane_offsets.h") + distances_by_table;
     for (const unsigned lanes : {8U, 16U}) BOOST_TEST_CONTEXT(lanes << " lanes") {
             BOOST_TEST_CONTEXT("as the compiler is")
@@ -205,7 +205,7 @@ BOOST_AUTO_TEST_CASE(distances_by_table_are_those_of_the_triangle_with_and_witho
 }
 
 BOOST_AUTO_TEST_CASE(kernels_of_vectors_are_plain_opencl_c_where_the_compiler_has_nothing_else) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     for (const char* file : {"scan.cl", "coarse_lists.cl", "sign_sweep.cl", "bricks_by_vector.cl", "fill.cl"})
         for (const unsigned lanes : {8U, 16U})
             BOOST_CHECK_NO_THROW(

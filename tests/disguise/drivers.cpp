@@ -42,24 +42,24 @@ Answers gpu(const std::string& name, unsigned vendor, unsigned units, unsigned m
              {CL_DEVICE_HOST_UNIFIED_MEMORY, has_own_memory ? CL_FALSE : CL_TRUE}}};
 }
 
-/// Device::best() of two devices, in either order.
+/// Device::strongest() of two devices, in either order.
 void check_best(const Answers& best, const Answers& other) {
     const std::string name = best.texts.at(CL_DEVICE_NAME);
     for (const bool is_first : {true, false}) {
         const Drivers drivers({.devices = is_first ? std::vector{best, other} : std::vector{other, best}});
         BOOST_TEST_REQUIRE(Device::all().size() == 2U);
-        BOOST_TEST(Device::best().name() == name);
+        BOOST_TEST(Device::strongest().name() == name);
     }
 }
 
 /// Both devices have these answers, so none is usable.
 void check_unusable(const Answers& answers, const std::string& why_not, const Answers& platform = {}) {
     // As the caller's handles, from before the driver's answers.
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     const Drivers drivers({.platform = platform, .devices = {answers, answers}});
     for (const DeviceInfo& info : Device::all()) BOOST_TEST(info.why_not == why_not);
     // Another device or driver may have what is missing.
-    check_throws(ErrorCode::no_device, {why_not, "install an OpenCL driver"}, [] { Device::best(); });
+    check_throws(ErrorCode::no_device, {why_not, "install an OpenCL driver"}, [] { Device::strongest(); });
     check_throws(ErrorCode::no_device, {why_not}, [] { Device::select("0"); });
     check_throws(ErrorCode::unsupported, {why_not, "choose another"},
                  [&] { Device::from_handles(device.context(), device.id(), device.queue()); });
@@ -114,7 +114,7 @@ BOOST_AUTO_TEST_CASE(a_platform_without_devices_is_named_with_a_remedy) {
         std::vector<std::string> fragments{
             "no OpenCL device was found", platform, "has no devices", "/dev/dri", "render", "pocl-opencl-icd"};
         if (platform == std::string("rusticl")) fragments.emplace_back("RUSTICL_ENABLE=radeonsi");
-        check_throws(ErrorCode::no_device, fragments, [] { Device::best(); });
+        check_throws(ErrorCode::no_device, fragments, [] { Device::strongest(); });
         check_throws(ErrorCode::no_device, fragments, [] { Device::select("0"); });
     }
 }
@@ -146,8 +146,7 @@ BOOST_AUTO_TEST_CASE(processors_come_before_accelerators_also_without_a_clock) {
 }
 
 BOOST_AUTO_TEST_CASE(a_compiler_that_says_nothing_is_an_error_with_a_remedy) {
-    const Device device = Device::best();
-    device.set_program_cache("");
+    const Device device = Device::strongest();
     disguise::restart({.call = "clBuildProgram", .number = 1, .code = CL_BUILD_PROGRAM_FAILURE});
     check_throws(ErrorCode::device_failure,
                  {"clBuildProgram", "CL_BUILD_PROGRAM_FAILURE", "said nothing", "update the driver"},

@@ -50,7 +50,7 @@ struct Result {
     TransformStatistics statistics;
 
     double per_band_sample(std::size_t count) const {
-        return static_cast<double>(count) / static_cast<double>(statistics.band_samples);
+        return static_cast<double>(count) / static_cast<double>(statistics.work->band_samples);
     }
 };
 
@@ -62,21 +62,20 @@ Result measure(const std::string& path) {
     result.triangles = mesh.triangles().size();
     result.band = Band::symmetric(band_of_longest_side * mesh.box().longest_side());
     result.grid = Grid::around(mesh, resolution, result.band);
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     std::vector<float> distance(result.grid.sample_count());
 
     disguise::restart();
     DistanceTransform transform(device, mesh);
-    transform.compute(result.grid, result.band, {.distance = distance});
+    transform.compute(result.grid, result.band, distance);
     result.first = disguise::counts();
     disguise::restart();
-    transform.compute(result.grid, result.band, {.distance = distance});
+    transform.compute(result.grid, result.band, distance);
     result.kept = disguise::counts();
     if (result.kept.all_calls == 0)
         throw Error(ErrorCode::device_failure, "nothing is counted; preload the library: scripts/gpu-counts does");
 
-    transform.compute(result.grid, result.band, {.distance = distance},
-                      {.count = true, .statistics = &result.statistics});
+    result.statistics = transform.compute(result.grid, result.band, distance, {.count_work = true});
     return result;
 }
 
@@ -94,11 +93,11 @@ void print_json(const Result& result) {
             json[name]["kernels"][kernel] = {{"launches", of_kernel.launches}, {"work_items", of_kernel.work_items}};
     }
     const TransformStatistics& statistics = result.statistics;
-    json["band_samples"] = statistics.band_samples;
-    json["evaluations_per_band_sample"] = result.per_band_sample(statistics.lanes_evaluated);
-    json["covered_per_band_sample"] = result.per_band_sample(statistics.samples_covered);
-    json["coarse_pairs"] = statistics.coarse_pairs;
-    json["brick_pairs"] = statistics.brick_pairs;
+    json["band_samples"] = statistics.work->band_samples;
+    json["evaluations_per_band_sample"] = result.per_band_sample(statistics.work->lanes_evaluated);
+    json["covered_per_band_sample"] = result.per_band_sample(statistics.work->samples_covered);
+    json["coarse_pairs"] = statistics.work->coarse_pairs;
+    json["brick_pairs"] = statistics.work->brick_pairs;
     fmt::print("{}\n", json.dump(2));
 }
 
@@ -116,13 +115,14 @@ void print_text(const Result& result) {
         fmt::print("{:<16} {:>16} {:>16}\n", first[i].first, text(first[i].second), text(kept[i].second));
     }
     fmt::print("\n{:<28} {:.2f}\n{:<28} {:.2f}\n", "evaluations_per_band_sample",
-               result.per_band_sample(result.statistics.lanes_evaluated), "covered_per_band_sample",
-               result.per_band_sample(result.statistics.samples_covered));
+               result.per_band_sample(result.statistics.work->lanes_evaluated), "covered_per_band_sample",
+               result.per_band_sample(result.statistics.work->samples_covered));
 }
 
 }  // namespace
 
 int main(int argument_count, char** arguments) {
+    tuning::read_environment();
     const std::vector<std::string_view> words(arguments + 1, arguments + argument_count);
     const bool as_json = words.size() == 2 && words[1] == "--json";
     if (words.empty() || words.size() > 2 || (words.size() == 2 && !as_json)) {

@@ -80,7 +80,7 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
     std::vector<float> distance(grid().sample_count());
     const auto counts_of = [&](const Band& band) {
         disguise::restart();
-        transform.compute(grid(), band, {.distance = distance});
+        transform.compute(grid(), band, distance);
         const disguise::Counts counts = disguise::counts();
         BOOST_TEST_MESSAGE(disguise::to_json(counts));
         BOOST_TEST(counts.programs_built == 0U);
@@ -90,8 +90,8 @@ BOOST_AUTO_TEST_CASE(calls_of_a_kept_transform_stay_within_their_bounds) {
         return counts;
     };
     const Band other = Band::symmetric(2 * grid().voxel());
-    transform.compute(grid(), band(), {.distance = distance});
-    transform.compute(grid(), other, {.distance = distance});
+    transform.compute(grid(), band(), distance);
+    transform.compute(grid(), other, distance);
 
     // The same grid and band: no list is made again.
     const disguise::Counts again = counts_of(band());
@@ -116,10 +116,10 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
     std::vector<float> whole(fine.sample_count());
     const std::size_t pieces = chunk_count(whole.size() * sizeof(float), device::PinnedReads::piece_bytes);
     BOOST_REQUIRE(pieces > 3U);  // more than there is memory for
-    transform.compute(fine, narrow, {.distance = whole});
+    transform.compute(fine, narrow, whole);
     std::fill(whole.begin(), whole.end(), -7.0F);
     disguise::restart();
-    transform.compute(fine, narrow, {.distance = whole});
+    transform.compute(fine, narrow, whole);
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.pinned_reads == pieces);
@@ -132,7 +132,7 @@ BOOST_AUTO_TEST_CASE(a_large_field_comes_in_pieces_through_pinned_memory) {
         const Grid part =
             fine.part({0, 0, begin}, {fine.size[0], fine.size[1], std::min<std::int64_t>(16, depth - begin)});
         std::vector<float> distance(part.sample_count());
-        transform.compute(part, narrow, {.distance = distance});
+        transform.compute(part, narrow, distance);
         BOOST_TEST(std::equal(distance.begin(), distance.end(), whole.begin() + begin * (fine.size[0] * fine.size[1])));
     }
 }
@@ -159,7 +159,7 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_on
     std::vector<float> distance(grid().sample_count());
     disguise::restart();
     DistanceTransform transform(test_device(), mesh());
-    transform.compute(grid(), band(), {.distance = distance});
+    transform.compute(grid(), band(), distance);
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.programs_built == 0U);
@@ -176,12 +176,13 @@ BOOST_AUTO_TEST_CASE(a_first_call_waits_for_open_vertices_lists_and_the_field_on
 BOOST_AUTO_TEST_CASE(vertices_that_move_go_to_the_device_and_nothing_else_of_the_mesh) {
     DistanceTransform transform(test_device(), mesh());
     std::vector<float> distance(grid().sample_count());
-    transform.compute(grid(), band(), {.distance = distance});
-    transform.move(mesh().vertices());  // the first move sends what the kernels know of the triangles once more
-    transform.compute(grid(), band(), {.distance = distance});
+    transform.compute(grid(), band(), distance);
+    // The first change of positions sends what the kernels know of the triangles once more.
+    transform.set_positions(mesh().vertices());
+    transform.compute(grid(), band(), distance);
     disguise::restart();
-    transform.move(mesh().vertices());
-    transform.compute(grid(), band(), {.distance = distance});
+    transform.set_positions(mesh().vertices());
+    transform.compute(grid(), band(), distance);
     const disguise::Counts counts = disguise::counts();
     BOOST_TEST_MESSAGE(disguise::to_json(counts));
     BOOST_TEST(counts.bytes_up <= 24 * mesh().vertices().size() + 4096);
@@ -199,11 +200,9 @@ BOOST_AUTO_TEST_CASE(a_body_that_turns_finds_the_memory_of_the_step_before) {
     std::set<std::size_t> lengths;
     const auto step = [&](int number) {
         const double angle = 0.01 * number, c = std::cos(angle), s = std::sin(angle);
-        transform.move({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {});
+        transform.set_motion({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {});
         disguise::restart();
-        TransformStatistics statistics;
-        transform.compute(around, narrow, {.distance = distance}, {.statistics = &statistics});
-        lengths.insert(statistics.coarse_pairs);
+        lengths.insert(transform.compute(around, narrow, distance).work->coarse_pairs);
     };
     for (int number = 0; number < 3; ++number) step(number);
     lengths.clear();
@@ -226,7 +225,7 @@ BOOST_AUTO_TEST_CASE(the_lattice_that_was_used_last_is_kept) {
         const Grid at = grid_around(mesh(), resolution, 3);
         std::vector<float> distance(at.sample_count());
         disguise::restart();
-        transform.compute(at, Band::symmetric(2 * at.voxel()), {.distance = distance});
+        transform.compute(at, Band::symmetric(2 * at.voxel()), distance);
         return !disguise::counts().kernels.contains("sweep_vertices");
     };
     for (const int resolution : {60, 70, 80}) BOOST_TEST(!finds(resolution));  // there is room for two at most
@@ -248,7 +247,7 @@ void check_quiet_run(const cl::Event& end, const DeviceMemory& memory, std::size
     end.wait();
     std::vector<std::uint32_t> bits = memory.read(device::context_of(test_device()).queue());
     bits.erase(bits.begin(), bits.begin() + static_cast<std::ptrdiff_t>(skipped));
-    BOOST_TEST((bits == bits_of(compute(mesh(), grid(), band()).distance)));
+    BOOST_TEST((bits == bits_of(compute(mesh(), grid(), band()).distance())));
 }
 
 }  // namespace
@@ -257,13 +256,13 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_waits_nor_moves_what_it_has) {
     DistanceTransform transform(test_device(), mesh());
     for (const std::size_t skipped : {0U, 1U}) {  // in place, and by way of memory of the plan
         const DeviceMemory memory(test_device().context(), skipped + grid().sample_count());
-        OutputTarget target = memory.handle();
+        OutputArray target = memory.handle();
         target.offset = skipped * sizeof(float);
-        Plan plan =
-            skipped == 0 ? transform.plan(grid(), band()) : transform.plan({grid(), band(), {.distance = target}});
+        Plan plan = skipped == 0 ? transform.plan(grid(), band()) : transform.plan({grid(), band(), target});
         disguise::restart();
-        const cl::Event first(plan.enqueue(nullptr, {.distance = target}));
-        const cl::Event second(plan.enqueue(nullptr, {.distance = target}));
+        plan.enqueue(nullptr, target);
+        cl::Event second;
+        plan.enqueue(nullptr, target, {}, &second());
         check_quiet_run(second, memory, skipped);
     }
 }
@@ -274,14 +273,15 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_neither_waits_nor_moves_what_it_has) {
     std::vector<Request> requests;
     for (std::int64_t z = 0; z < grid().size[2]; ++z) {
         const Grid slice = grid().part({0, 0, z}, {grid().size[0], grid().size[1], 1});
-        OutputTarget target = memory.handle();
+        OutputArray target = memory.handle();
         target.offset = sizeof(float) * slice.sample_count() * static_cast<std::size_t>(z);
-        requests.push_back({slice, band(), {.distance = target}});
+        requests.push_back({slice, band(), target});
     }
     Plan plan = transform.plan(requests);
     disguise::restart();
-    const cl::Event first(plan.enqueue(nullptr));
-    const cl::Event second(plan.enqueue(nullptr));
+    plan.enqueue(nullptr);
+    cl::Event second;
+    plan.enqueue(nullptr, std::span<const cl_event>(), &second());
     check_quiet_run(second, memory);
 }
 
@@ -300,7 +300,8 @@ BOOST_AUTO_TEST_CASE(a_lack_of_memory_appears_when_a_plan_is_made) {
     disguise::set(as_gpu);
     Plan plan = transform.plan(grid(), band());
     disguise::restart();
-    const cl::Event end(plan.enqueue(nullptr, {.distance = memory.handle()}));
+    cl::Event end;
+    plan.enqueue(nullptr, memory.handle(), {}, &end());
     check_quiet_run(end, memory);
 }
 
@@ -311,16 +312,14 @@ BOOST_AUTO_TEST_CASE(a_grid_of_many_slices_or_rows_is_computed_in_several_launch
     narrow.spacing = {0.1, 0.1, 0.1};
     narrow.origin = {-0.1, -0.1, -0.1};
     narrow.size = {8, 8, 70003};
-    for (const char* method : {"bricks", "slices", "brute force"})
+    for (const Scan scan : {Scan::bricks, Scan::slices, Scan::brute_force})
         for (const bool is_turned : {false, true}) {
-            TransformOptions options;
-            if (method == std::string("slices")) options.method = papers_method({.scan = Scan::slices});
-            if (method == std::string("brute force")) options.method = papers_method({.scan = Scan::brute_force});
             Grid grid = narrow;
             if (is_turned) std::swap(grid.size[1], grid.size[2]);
             const Mesh mesh = is_turned ? moved(beam, [](const Vec3& v) { return Vec3{v[0], v[2], v[1]}; }) : beam;
-            BOOST_TEST_CONTEXT(method << ", turned: " << is_turned)
-            check_exact(mesh, compute(mesh, grid, Band::symmetric(0.15), options), guaranteed);
+            BOOST_TEST_CONTEXT(name_of(scan) << ", turned: " << is_turned)
+            check_exact(mesh, make_transform(test_device(), mesh, {.scan = scan}).compute(grid, Band::symmetric(0.15)),
+                        guaranteed);
         }
 }
 
@@ -369,25 +368,29 @@ BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) 
     const cl::CommandQueue queue(device::context_of(test_device()).context(),
                                  device::context_of(test_device()).device(), CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
     // In place, and by way of memory of the plan.
-    OutputTarget turned;
+    const auto run = [&](Plan& plan, const OutputArray& to) {
+        cl::Event end;
+        plan.enqueue(queue(), to, {}, &end());
+        end.wait();
+    };
+    OutputArray turned;
     const auto rows = static_cast<std::ptrdiff_t>(sizeof(float)) * grid().size[2];
     turned.strides = {rows * grid().size[1], rows, sizeof(float)};
     for (const bool in_place : {true, false}) {
         const auto target = [&](const DeviceMemory& of) {
-            OutputTarget result = in_place ? OutputTarget() : turned;
+            OutputArray result = in_place ? OutputArray() : turned;
             result.device = of.handle();
             return result;
         };
-        Plan plan =
-            in_place ? transform.plan(grid(), band()) : transform.plan({grid(), band(), {.distance = target(memory)}});
+        Plan plan = in_place ? transform.plan(grid(), band()) : transform.plan({grid(), band(), target(memory)});
         disguise::restart();
-        cl::Event(plan.enqueue(queue(), {.distance = target(memory)})).wait();
+        run(plan, target(memory));
         const std::uint64_t calls = disguise::counts().all_calls - 1;  // without the wait
         const std::vector<std::uint32_t> expected = memory.read(queue);
         for (std::uint64_t number = 1; number <= calls; ++number) {
             disguise::restart({.number = number});
             try {
-                cl::Event(plan.enqueue(queue(), {.distance = target(memory)})).wait();
+                run(plan, target(memory));
                 // Without the event's state the plan waits for the event.
                 BOOST_TEST(disguise::counts().failed == "clGetEventInfo");
             } catch (const Error& error) {
@@ -396,7 +399,7 @@ BOOST_AUTO_TEST_CASE(a_plan_survives_each_call_that_fails_while_it_is_enqueued) 
             }
             disguise::restart();
             const DeviceMemory other(test_device().context(), grid().sample_count());
-            cl::Event(plan.enqueue(queue(), {.distance = target(other)})).wait();
+            run(plan, target(other));
             BOOST_TEST((other.read(queue) == expected));
         }
     }

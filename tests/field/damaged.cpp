@@ -25,7 +25,7 @@ void replace(const TemporaryFolder& folder, const std::string& name, const std::
 bool can_be_read(const std::string& path) {
     try {
         const Field field = read_field(path);
-        BOOST_TEST(field.distance.size() == field.grid.sample_count());
+        BOOST_TEST(field.distance().size() == field.grid.sample_count());
         return true;
     } catch (const Error& error) {
         BOOST_CHECK(error.code() == ErrorCode::unreadable_input);
@@ -39,7 +39,7 @@ void for_each_file(const std::function<void(const TemporaryFolder& folder, const
                                             const std::string& damaged, const std::string& whole)>& statement) {
     for_each_format([&](const TemporaryFolder& folder, const Format& format) {
         const std::string path = folder.file("field" + format.ending);
-        write(example_field(format), path);
+        write_field(example_field(format), path);
         for (const auto& [name, content] : all_contents(folder)) {
             if (name.ends_with(".xdmf")) continue;  // for other programs
             statement(folder, path, name, content);

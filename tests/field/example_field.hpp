@@ -39,39 +39,49 @@ inline const std::vector<Format>& all_formats() {
     return formats;
 }
 
+/// The distance and, if the format has a place for it, the triangle.
+inline OutputSet outputs_of(const Format& format) {
+    return format.has_extras ? Output::distance | Output::triangle : Output::distance;
+}
+
 /// A part of a grid whose numbers are no short decimals, with values that text and careless copies lose; as far as the
 /// format has a place for them.
 inline Field example_field(const Format& format = all_formats().front()) {
-    Field field;
-    field.grid =
+    FieldDescription description;
+    description.grid =
         Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {20, 30, 40}, {-3, 4, 5}}.part({5, 6, 7}, {4, 3, 2});
-    if (!format.any_spacing) field.grid.spacing.fill(1.0 / 3);
-    field.band = {0, std::numeric_limits<double>::infinity()};
-    field.sign = SignRule::nonzero;
-    field.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
+    if (!format.any_spacing) description.grid.spacing.fill(1.0 / 3);
+    description.band = {0, std::numeric_limits<double>::infinity()};
+    description.sign = SignRule::nonzero;
+    description.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
+    Field field(description, outputs_of(format));
     for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i) {
-        field.distance.push_back(0.1F * static_cast<float>(i));
-        if (format.has_extras) field.triangle.push_back(i * i);
+        field.distance()[i] = 0.1F * static_cast<float>(i);
+        if (format.has_extras) field.triangle()[i] = i * i;
     }
-    field.distance[3] = -0.0F;
-    field.distance[4] = std::numeric_limits<float>::denorm_min();
-    field.distance[5] = std::numeric_limits<float>::infinity();
-    if (format.has_extras) field.triangle[6] = no_triangle;
+    field.distance()[3] = -0.0F;
+    field.distance()[4] = std::numeric_limits<float>::denorm_min();
+    field.distance()[5] = std::numeric_limits<float>::infinity();
+    if (format.has_extras) field.triangle()[6] = no_triangle;
     return field;
 }
 
 /// The example on a grid of 64 samples on a side.
 inline Field large_field(const Format& format) {
-    Field field = example_field(format);
-    field.grid.size = {64, 64, 64};
-    field.distance.resize(field.grid.sample_count());
-    if (format.has_extras) field.triangle.resize(field.grid.sample_count());
-    for (std::uint32_t i = 0; i < field.distance.size(); ++i) {
+    FieldDescription description = example_field(format);
+    description.grid.size = {64, 64, 64};
+    Field field(description, outputs_of(format));
+    for (std::uint32_t i = 0; i < field.distance().size(); ++i) {
         const std::uint32_t scattered = i * 2654435761U;
-        field.distance[i] = static_cast<float>(scattered >> 8);
-        if (format.has_extras) field.triangle[i] = scattered;
+        field.distance()[i] = static_cast<float>(scattered >> 8);
+        if (format.has_extras) field.triangle()[i] = scattered;
     }
     return field;
+}
+
+/// Takes the last value of an output away: then its array does not fit the grid.
+inline void shorten(Field& field, Output output) {
+    field.resize(output, field.grid.sample_count() - 1);
 }
 
 /// Bit by bit, so that -0.0 is not 0.0.

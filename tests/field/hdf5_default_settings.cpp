@@ -72,7 +72,7 @@ void add_array(hid_t file, const char* name, const Settings& settings, hid_t typ
     H5Pclose(creation);
 }
 
-void write_field(const std::string& path, const Settings& settings = {}) {
+void write_by_hdf5(const std::string& path, const Settings& settings = {}) {
     const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     // The default of HDF5 1.
     H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
@@ -101,11 +101,11 @@ void check_read(const std::string& path, bool has_triangles) {
     BOOST_TEST(field.grid.size == (Index3{20, 13, 9}), boost::test_tools::per_element());
     BOOST_CHECK(field.sign == SignRule::automatic);
     std::size_t wrong = 0;
-    BOOST_REQUIRE(field.distance.size() == sample_count);
-    BOOST_REQUIRE(field.triangle.size() == (has_triangles ? sample_count : 0));
+    BOOST_REQUIRE(field.distance().size() == sample_count);
+    BOOST_REQUIRE(field.triangle().size() == (has_triangles ? sample_count : 0));
     for (std::size_t i = 0; i < sample_count; ++i) {
-        if (field.distance[i] != value_of(i)) ++wrong;
-        if (has_triangles && field.triangle[i] != 0xFFFFF000U + static_cast<std::uint32_t>(i)) ++wrong;
+        if (field.distance()[i] != value_of(i)) ++wrong;
+        if (has_triangles && field.triangle()[i] != 0xFFFFF000U + static_cast<std::uint32_t>(i)) ++wrong;
     }
     BOOST_TEST(wrong == 0U);
 }
@@ -137,17 +137,17 @@ BOOST_AUTO_TEST_CASE(is_read_contiguous_or_in_chunks_of_any_size_and_in_either_b
     for (const std::vector<hsize_t>& chunk : {std::vector<hsize_t>{}, {9, 13, 20}, {2, 3, 4}, {1, 13, 20}, {1, 1, 1}})
         for (const hid_t type : {H5T_IEEE_F32LE, H5T_IEEE_F32BE, H5T_IEEE_F64LE, H5T_IEEE_F64BE})
             for (const int members : {0, 300}) {
-                write_field(path, {.type = type,
-                                   .chunk = chunk,
-                                   .triangle_type = members == 0 ? H5T_STD_U32BE : H5T_STD_U32LE,
-                                   .members = members});
+                write_by_hdf5(path, {.type = type,
+                                     .chunk = chunk,
+                                     .triangle_type = members == 0 ? H5T_STD_U32BE : H5T_STD_U32LE,
+                                     .members = members});
                 check_read(path, true);
             }
     for (const hid_t attributes : {H5T_IEEE_F32LE, H5T_IEEE_F64BE}) {
-        write_field(path, {.attribute_type = attributes});
+        write_by_hdf5(path, {.attribute_type = attributes});
         BOOST_TEST(read_field(path).grid.spacing == spacing, boost::test_tools::per_element());
     }
-    write_field(path, {.attribute_type = H5T_STD_I16BE});
+    write_by_hdf5(path, {.attribute_type = H5T_STD_I16BE});
     check_throws(ErrorCode::unreadable_input, {"spacing"}, [&] { read_field(path); });  // 0.25 became 0
 }
 
@@ -155,7 +155,7 @@ BOOST_AUTO_TEST_CASE(is_refused_with_the_remedy_if_it_is_compressed_incomplete_o
     const TemporaryFolder folder;
     const std::string path = folder.file("field.h5");
     const auto refused = [&](const Settings& settings, const std::vector<std::string>& fragments) {
-        write_field(path, settings);
+        write_by_hdf5(path, settings);
         check_throws(ErrorCode::unreadable_input, fragments, [&] { read_field(path); });
     };
     refused({.chunk = {2, 3, 4}, .is_compressed = true}, {path, "/distance", "without filters"});
@@ -170,7 +170,7 @@ BOOST_AUTO_TEST_CASE(is_refused_wherever_it_is_cut_off) {
     const TemporaryFolder folder;
     for (const Settings& settings : some_settings) {
         const std::string path = folder.file("field.h5");
-        write_field(path, settings);
+        write_by_hdf5(path, settings);
         const auto size = std::filesystem::file_size(path);
         for (std::uintmax_t length = size; length-- > 0; length -= std::min(length, size / 997)) {
             std::filesystem::resize_file(path, length);
@@ -185,7 +185,7 @@ BOOST_AUTO_TEST_CASE(is_read_or_refused_but_nothing_else_whatever_bytes_change) 
     const TemporaryFolder folder;
     for (const Settings& settings : some_settings) {
         const std::string whole_path = folder.file("whole.h5");
-        write_field(whole_path, settings);
+        write_by_hdf5(whole_path, settings);
         const std::string whole = content_of(whole_path);
         // Most of a file are values; what surrounds the parts' signatures is what the reader walks along.
         std::vector<std::size_t> structure{8, 24, 60};

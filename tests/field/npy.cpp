@@ -32,7 +32,7 @@ BOOST_AUTO_TEST_SUITE(an_npy_field)
 
 BOOST_AUTO_TEST_CASE(is_what_numpy_expects) {
     const TemporaryFolder folder;
-    write(example_field(), folder.file("field.npy"));
+    write_field(example_field(), folder.file("field.npy"));
     const std::string content = content_of(folder.file("field.npy"));
     const std::size_t header = content.size() - 24 * sizeof(float);
     BOOST_TEST(header % 64 == 0U);
@@ -43,7 +43,7 @@ BOOST_AUTO_TEST_CASE(is_what_numpy_expects) {
 
 BOOST_AUTO_TEST_CASE(has_a_description_beside_it) {
     const TemporaryFolder folder;
-    write(example_field(), folder.file("field.npy"));
+    write_field(example_field(), folder.file("field.npy"));
     const auto description = nlohmann::json::parse(content_of(folder.file("field.npy.json")));
     BOOST_TEST(description["size"].get<Index3>() == (Index3{4, 3, 2}), boost::test_tools::per_element());
     BOOST_TEST(description["lattice"]["first"].get<Index3>() == (Index3{2, 10, 12}), boost::test_tools::per_element());
@@ -56,18 +56,18 @@ BOOST_AUTO_TEST_CASE(of_another_program_needs_origin_spacing_and_size) {
     const TemporaryFolder folder;
     folder.file("a.npy.json", place);
     const Field field = read_field(folder.file("a.npy", npy(dictionary) + six_bytes));
-    BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+    BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
     BOOST_TEST(field.grid.origin == (Vec3{1, 2, 3.5}), boost::test_tools::per_element());
     BOOST_TEST(field.grid.size == (Index3{3, 2, 1}), boost::test_tools::per_element());
     BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
-    BOOST_TEST(read_field(folder.file("a.npy", npy(dictionary, 2) + six_bytes)).distance == six_values,
+    BOOST_TEST(read_field(folder.file("a.npy", npy(dictionary, 2) + six_bytes)).distance() == six_values,
                boost::test_tools::per_element());
 
     const std::vector<double> doubles(six_values.begin(), six_values.end());
     const std::string big_double = R"({"shape":(1,2,3),"descr":">f8","fortran_order":False})";
-    BOOST_TEST(
-        read_field(folder.file("a.npy", npy(big_double) + bytes_of(doubles, std::endian::big))).distance == six_values,
-        boost::test_tools::per_element());
+    BOOST_TEST(read_field(folder.file("a.npy", npy(big_double) + bytes_of(doubles, std::endian::big))).distance() ==
+                   six_values,
+               boost::test_tools::per_element());
 }
 
 BOOST_AUTO_TEST_CASE(with_a_header_that_says_something_else_is_refused) {

@@ -37,7 +37,7 @@ BOOST_AUTO_TEST_SUITE(an_nrrd_file_of_another_program)
 BOOST_AUTO_TEST_CASE(is_read_with_a_band_without_end_and_an_unknown_sign_rule) {
     const TemporaryFolder folder;
     const Field field = read_field(folder.file("a.nrrd", fields + place + "\n" + six_bytes()));
-    BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+    BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
     BOOST_TEST(field.grid.origin == (Vec3{-1, 2, 300}), boost::test_tools::per_element());
     BOOST_TEST(field.grid.spacing == (Vec3{0.5, 1, 2}), boost::test_tools::per_element());
     BOOST_TEST(field.grid.size == (Index3{3, 2, 1}), boost::test_tools::per_element());
@@ -48,20 +48,20 @@ BOOST_AUTO_TEST_CASE(is_read_with_a_band_without_end_and_an_unknown_sign_rule) {
 BOOST_AUTO_TEST_CASE(is_read_in_either_byte_order_as_float_or_double_with_any_line_ends_and_case) {
     const TemporaryFolder folder;
     const std::string big = replaced(fields, "little", "Big") + place + "\n" + six_bytes(std::endian::big);
-    BOOST_TEST(read_field(folder.file("big.nrrd", big)).distance == six_values, boost::test_tools::per_element());
+    BOOST_TEST(read_field(folder.file("big.nrrd", big)).distance() == six_values, boost::test_tools::per_element());
 
     const std::vector<double> doubles(six_values.begin(), six_values.end());
     for (const std::endian order : {std::endian::little, std::endian::big}) {
         std::string header = replaced(fields, "float", "double") + place + "\n";
         if (order == std::endian::big) header = replaced(header, "little", "big");
         const Field field = read_field(folder.file("double.nrrd", header + bytes_of(doubles, order)));
-        BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+        BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
     }
 
     std::string dos;
     for (const char letter : "# a comment\nContent: x: y\n" + fields.substr(9) + place + "\n")
         if (letter != '\0') dos += letter == '\n' ? std::string("\r\n") : std::string(1, letter);
-    BOOST_TEST(read_field(folder.file("dos.nrrd", "NRRD0004\r\n" + dos + six_bytes())).distance == six_values,
+    BOOST_TEST(read_field(folder.file("dos.nrrd", "NRRD0004\r\n" + dos + six_bytes())).distance() == six_values,
                boost::test_tools::per_element());
 }
 
@@ -85,8 +85,8 @@ BOOST_AUTO_TEST_CASE(that_names_a_file_that_no_system_can_have_is_read_without_i
     const TemporaryFolder folder;
     const std::string other = "clsdf_triangle_file:=" + std::string(300, 'x') + "\n";
     const std::string path = folder.file("a.nrrd", fields + place + other + "\n" + six_bytes());
-    BOOST_TEST(read_field(path).triangle.empty());
-    BOOST_TEST(missing_files(path).size() == 1U);
+    BOOST_TEST(read_field(path).triangle().empty());
+    BOOST_TEST(missing_field_files(path).size() == 1U);
 }
 
 BOOST_AUTO_TEST_CASE(that_does_not_say_enough_is_refused_with_the_field_the_value_and_the_remedy) {

@@ -51,7 +51,7 @@ BOOST_AUTO_TEST_SUITE(a_vti_field_of_another_program)
 BOOST_AUTO_TEST_CASE(is_read_with_its_extent_as_the_part_of_a_lattice) {
     const TemporaryFolder folder;
     const Field field = read_field(folder.file("a.vti", vti_file()));
-    BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+    BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
     BOOST_CHECK(field.grid == (clsdf::Grid{{1, 2, 3}, {0.5, 1, 2}, {3, 2, 1}, {2, -1, 0}}));
     BOOST_TEST(field.band.outside == std::numeric_limits<double>::infinity());
     BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(is_read_as_sdfgen_writes_it) {
     const TemporaryFolder folder;
     for (const std::string& text : {sdf_text, replaced(sdf_text, "2e1\n", "20\r\n")}) {
         const Field field = read_field(folder.file("a.sdf", text));
-        BOOST_TEST(field.distance == six_values, boost::test_tools::per_element());
+        BOOST_TEST(field.distance() == six_values, boost::test_tools::per_element());
         BOOST_CHECK(field.grid == (clsdf::Grid{{-1, 0.5, 20}, {0.25, 0.25, 0.25}, {3, 2, 1}, {}}));
         BOOST_CHECK(field.sign == clsdf::SignRule::automatic);
     }
@@ -130,8 +130,8 @@ BOOST_AUTO_TEST_CASE(of_many_pieces_has_all_its_values_in_their_order) {
     const TemporaryFolder folder;
     const LongText many;
     const Field field = read_field(folder.file("a.sdf", many.text));
-    BOOST_CHECK(same_bits(field.distance, many.values));
-    write(field, folder.file("b.sdf"));
+    BOOST_CHECK(same_bits(field.distance(), many.values));
+    write_field(field, folder.file("b.sdf"));
     BOOST_CHECK(content_of(folder.file("b.sdf")) == many.text);
 }
 
@@ -170,19 +170,19 @@ BOOST_AUTO_TEST_CASE(that_says_something_else_is_refused) {
     refused(replaced(sdf_text, "3 2 1", "3000000 3000000 3000000"), "3000000");
     refused(replaced(sdf_text, "0.25\n", "0\n"), "spacing");
     refused(replaced(sdf_text, "-2\n", "-2,5\n"), "-2,5");
-    refused(replaced(sdf_text, "-2\n", std::string(10000, '7') + "\n"), "777");
+    refused(replaced(sdf_text, "-2\n", fmt::format("{}\n", std::string(10000, '7'))), "777");
     refused(sdf_text.substr(0, sdf_text.size() - 1), "truncated");
-    refused(replaced(sdf_text, "3.5\n", "3.5\n" + std::string(1000000, '7') + "\n"), "longer than numbers");
+    refused(replaced(sdf_text, "3.5\n", fmt::format("3.5\n{}\n", std::string(1000000, '7'))), "longer than numbers");
 }
 
 BOOST_AUTO_TEST_CASE(has_no_place_for_triangles_or_unequal_spacing) {
     const TemporaryFolder folder;
     const std::string path = folder.file("a.sdf");
     Field field = example_field();
-    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { write(field, path); });
-    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { check_output(path, {.triangle = true}); });
-    field.triangle.clear();
-    check_throws(ErrorCode::unsupported, {path, "one spacing"}, [&] { write(field, path); });
+    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { write_field(field, path); });
+    check_throws(ErrorCode::unsupported, {path, "triangle"}, [&] { check_field_path(path, Output::triangle); });
+    field.erase(Output::triangle);
+    check_throws(ErrorCode::unsupported, {path, "one spacing"}, [&] { write_field(field, path); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 
@@ -192,7 +192,7 @@ BOOST_AUTO_TEST_SUITE(an_h5_field)
 
 BOOST_AUTO_TEST_CASE(that_says_it_has_no_checksums_but_is_of_the_newer_format_is_refused) {
     const TemporaryFolder folder;
-    write(example_field(), folder.file("a.h5"));
+    write_field(example_field(), folder.file("a.h5"));
     std::string content = content_of(folder.file("a.h5"));
     BOOST_TEST(content[8] >= 2);  // the version of the superblock
     content[8] = 0;
@@ -217,9 +217,12 @@ BOOST_AUTO_TEST_CASE(has_its_last_slice_where_it_belongs) {
             const std::vector<float> distance(slice, -2.5F);
             std::vector<std::uint32_t> triangle(slice, 7);
             triangle.back() = 8;
-            const auto writer = clsdf::format_of(path, ErrorCode::unsupported).writer(path, field, {.triangle = true});
-            writer->append({distance, triangle}, 0);
-            writer->append({distance, triangle}, 2047);
+            const auto writer = clsdf::format_of(path, ErrorCode::unsupported).writer(path, field, Output::triangle);
+            FieldSlab slab;
+            slab.set(Output::distance, std::span(distance));
+            slab.set(Output::triangle, std::span<const std::uint32_t>(triangle));
+            writer->append(slab, 0);
+            writer->append(slab, 2047);
             writer->finish();
 
             // The triangles are the last array; of .vti, some closing tags follow.
@@ -242,7 +245,9 @@ BOOST_AUTO_TEST_CASE(has_a_description_that_is_refused_where_the_file_is_cut_off
             const std::vector<float> distance(2048 * 2048);
             {
                 const auto writer = clsdf::format_of(path, ErrorCode::unsupported).writer(path, huge_field(), {});
-                writer->append({.distance = distance}, 0);
+                FieldSlab slab;
+                slab.set(Output::distance, std::span(distance));
+                writer->append(slab, 0);
                 writer->finish();
             }
             std::filesystem::resize_file(path, 1 << 20);

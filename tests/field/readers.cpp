@@ -20,21 +20,19 @@ namespace {
 
 // A narrow band around a plane, with unequal spacing unless `spacing` says so: values that every program has.
 Field plain_field(const Vec3& spacing, const clsdf::Band& band = {0.2, 0.25}) {
-    Field field;
-    field.grid = {{-1.1, 0.3, 1.0 / 3}, spacing, {21, 13, 9}};
-    field.band = band;
+    Field field({{{-1.1, 0.3, 1.0 / 3}, spacing, {21, 13, 9}}, band, SignRule::parity, "a \"mesh\" & <more>"},
+                Output::distance | Output::triangle);
     const auto inside = static_cast<float>(-band.inside), outside = static_cast<float>(band.outside);
-    field.sign = clsdf::SignRule::parity;
-    field.mesh_name = "a \"mesh\" & <more>";
     for (std::int64_t k = 0; k < 9; ++k)
         for (std::int64_t j = 0; j < 13; ++j)
             for (std::int64_t i = 0; i < 21; ++i) {
                 const auto distance =
                     static_cast<float>(0.1 * static_cast<double>(k + j / 2) - 0.9 + 0.01 * static_cast<double>(i % 3));
                 const bool is_in_band = distance > inside && distance < outside;
-                field.distance.push_back(std::clamp(distance, inside, outside));
-                field.triangle.push_back(is_in_band ? static_cast<std::uint32_t>(7 * i + j + (k << 28))
-                                                    : clsdf::no_triangle);
+                const std::size_t sample = field.grid.offset(i, j, k);
+                field.distance()[sample] = std::clamp(distance, inside, outside);
+                field.triangle()[sample] =
+                    is_in_band ? static_cast<std::uint32_t>(7 * i + j + (k << 28)) : clsdf::no_triangle;
             }
     return field;
 }
@@ -53,9 +51,9 @@ std::string quoted(std::string word) {
 bool check_with_reader(const TemporaryFolder& folder, const std::string& kind, const std::string& ending,
                        const Field& field) {
     Field written = field;
-    if (ending == "sdf") written.triangle.clear();
+    if (ending == "sdf") written.erase(Output::triangle);
     const std::string path = folder.file("field." + ending);
-    write(written, path);
+    write_field(written, path);
     const std::string expected = folder.file("expected");
     const nlohmann::json about{{"origin", field.grid.position(0, 0, 0)},
                                {"spacing", field.grid.spacing},
@@ -64,8 +62,8 @@ bool check_with_reader(const TemporaryFolder& folder, const std::string& kind, c
                                {"sign", name_of(field.sign)},
                                {"mesh", field.mesh_name}};
     folder.file("expected.json", about.dump());
-    folder.file("expected.f32", bytes_of(field.distance, std::endian::native));
-    folder.file("expected.u32", bytes_of(field.triangle, std::endian::native));
+    folder.file("expected.f32", bytes_of(field.distance(), std::endian::native));
+    folder.file("expected.u32", bytes_of(field.triangle(), std::endian::native));
     const std::string answer = folder.file("answer.txt");
     const std::string line = fmt::format("{} {} {} {} {} >{} 2>&1", quoted(CLSDF_TEST_PYTHON), quoted(CLSDF_READERS),
                                          kind, quoted(path), quoted(expected), quoted(answer));
@@ -109,8 +107,8 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_vtk_where_it_is_not_compressed) {
         for (const std::string way : {"appended", "base64"}) {
             BOOST_TEST_CONTEXT(way << " with headers of " << header << " bits") {
                 const Field read = read_field(folder.file("field_" + way + "_" + header + ".vti"));
-                BOOST_CHECK(same_bits(read.distance, field.distance));
-                BOOST_CHECK(read.triangle == field.triangle);
+                BOOST_CHECK(same_bits(read.distance(), field.distance()));
+                BOOST_CHECK(std::ranges::equal(read.triangle(), field.triangle()));
                 BOOST_CHECK(read.grid == field.grid);
                 BOOST_CHECK(read.sign == field.sign);
                 BOOST_TEST(read.mesh_name == field.mesh_name);
@@ -147,7 +145,8 @@ BOOST_AUTO_TEST_CASE(is_read_back_from_openvdb_as_its_active_voxels_with_the_bac
         for (std::int64_t j = 0; j < read.grid.size[1]; ++j)
             for (std::int64_t i = 0; i < read.grid.size[0]; ++i) {
                 const std::int64_t z = read.grid.first[2] + k;
-                BOOST_REQUIRE(read.distance[read.grid.offset(i, j, k)] == field.distance[field.grid.offset(i, j, z)]);
+                BOOST_REQUIRE(read.distance()[read.grid.offset(i, j, k)] ==
+                              field.distance()[field.grid.offset(i, j, z)]);
                 BOOST_REQUIRE(read.grid.position(i, j, k) == field.grid.position(i, j, z));
             }
 }

@@ -7,6 +7,9 @@
 
 #include <boost/test/unit_test.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 using namespace clsdf;
 using namespace clsdf::test;
 
@@ -16,19 +19,19 @@ namespace {
 
 // A ball whose inside and outside reach beyond the band, on a grid that is no multiple of OpenVDB's leaves.
 Field ball(const clsdf::Band& band) {
-    Field field;
-    field.grid = {{-2.1, -1.9, -2}, {0.1, 0.1, 0.1}, {43, 39, 41}};
-    field.band = band;
-    field.sign = clsdf::SignRule::nonzero;
+    Field field({{{-2.1, -1.9, -2}, {0.1, 0.1, 0.1}, {43, 39, 41}}, band, SignRule::nonzero, ""},
+                Output::distance | Output::triangle);
     for (std::int64_t k = 0; k < field.grid.size[2]; ++k)
         for (std::int64_t j = 0; j < field.grid.size[1]; ++j)
             for (std::int64_t i = 0; i < field.grid.size[0]; ++i) {
                 const clsdf::Vec3 p = field.grid.position(i, j, k);
                 const double distance = std::hypot(p[0], p[1], p[2]) - 1.7;
-                field.distance.push_back(distance > band.outside   ? static_cast<float>(band.outside)
-                                         : distance < -band.inside ? -static_cast<float>(band.inside)
-                                                                   : static_cast<float>(distance));
-                field.triangle.push_back(std::abs(distance) < 0.2 ? static_cast<std::uint32_t>(i) : clsdf::no_triangle);
+                const std::size_t sample = field.grid.offset(i, j, k);
+                field.distance()[sample] = distance > band.outside   ? static_cast<float>(band.outside)
+                                           : distance < -band.inside ? -static_cast<float>(band.inside)
+                                                                     : static_cast<float>(distance);
+                field.triangle()[sample] =
+                    std::abs(distance) < 0.2 ? static_cast<std::uint32_t>(i) : clsdf::no_triangle;
             }
     return field;
 }
@@ -40,15 +43,15 @@ BOOST_AUTO_TEST_SUITE(a_vdb_field)
 BOOST_AUTO_TEST_CASE(has_the_same_bits_for_every_band) {
     const TemporaryFolder folder;
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    for (const clsdf::Band band :
-         {clsdf::Band{0.2, 0.2}, clsdf::Band{0.3, 0.2}, clsdf::Band{0, 0.2}, clsdf::Band{0.2, 0}, clsdf::Band{0, 0},
-          clsdf::Band{infinity, 0.2}, clsdf::Band{0.2, infinity}, clsdf::Band{infinity, infinity}}) {
+    for (const clsdf::Band band : {clsdf::Band{0.2, 0.2}, clsdf::Band{0.3, 0.2}, clsdf::Band{0, 0.2},
+                                   clsdf::Band{0.2, 0}, clsdf::Band::signs_only(), clsdf::Band{infinity, 0.2},
+                                   clsdf::Band{0.2, infinity}, clsdf::Band{infinity, infinity}}) {
         BOOST_TEST_CONTEXT("band " << band.inside << " inside, " << band.outside << " outside") {
             const Field field = ball(band);
-            write(field, folder.file("ball.vdb"));
+            write_field(field, folder.file("ball.vdb"));
             const Field read = read_field(folder.file("ball.vdb"));
-            BOOST_CHECK(same_bits(read.distance, field.distance));
-            BOOST_CHECK(read.triangle == field.triangle);
+            BOOST_CHECK(same_bits(read.distance(), field.distance()));
+            BOOST_CHECK(std::ranges::equal(read.triangle(), field.triangle()));
             BOOST_CHECK(read.grid == field.grid);
         }
     }
@@ -57,9 +60,9 @@ BOOST_AUTO_TEST_CASE(has_the_same_bits_for_every_band) {
 BOOST_AUTO_TEST_CASE(is_smaller_than_its_samples_where_the_band_is_narrow) {
     const TemporaryFolder folder;
     Field field = ball({0.15, 0.15});
-    field.triangle.clear();
-    write(field, folder.file("ball.vdb"));
-    BOOST_TEST(content_of(folder.file("ball.vdb")).size() < 3 * field.distance.size());
+    field.erase(Output::triangle);
+    write_field(field, folder.file("ball.vdb"));
+    BOOST_TEST(content_of(folder.file("ball.vdb")).size() < 3 * field.distance().size());
 }
 
 BOOST_AUTO_TEST_CASE(of_voxels_too_small_for_openvdb_says_so) {
@@ -67,13 +70,13 @@ BOOST_AUTO_TEST_CASE(of_voxels_too_small_for_openvdb_says_so) {
     Field field = ball({0.2, 0.2});
     field.grid.spacing = {1e-6, 1e-6, 1e-6};
     check_throws(ErrorCode::unsupported, {"ball.vdb", "scale the mesh"},
-                 [&] { write(field, folder.file("ball.vdb")); });
+                 [&] { write_field(field, folder.file("ball.vdb")); });
     BOOST_TEST(folder.file_count() == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(that_is_damaged_has_a_wrong_checksum_wherever_the_damage_is) {
     const TemporaryFolder folder;
-    write(ball({0.2, 0.2}), folder.file("ball.vdb"));
+    write_field(ball({0.2, 0.2}), folder.file("ball.vdb"));
     const std::string whole = content_of(folder.file("ball.vdb"));
     const auto refused = [&](const std::string& damaged) {
         check_throws(ErrorCode::unreadable_input, {"damaged.vdb", "checksum"},
@@ -95,8 +98,8 @@ BOOST_AUTO_TEST_SUITE_END()
 BOOST_AUTO_TEST_CASE(a_build_without_openvdb_says_what_to_install_before_anything_is_computed) {
     const TemporaryFolder folder;
     const std::string path = folder.file("field.vdb");
-    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { check_output(path); });
-    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { write(example_field(), path); });
+    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { check_field_path(path); });
+    check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { write_field(example_field(), path); });
     check_throws(ErrorCode::unsupported, {path, "libopenvdb-dev"}, [&] { read_field(path); });
     BOOST_TEST(folder.file_count() == 0U);
 }

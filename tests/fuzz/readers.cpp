@@ -44,16 +44,14 @@ std::size_t take_field(const std::string& path) {
     } catch (const Error& error) {
         fail(std::string("a field whose grid or band is not valid was given: ") + error.what());
     }
-    if (field.distance.size() != field.grid.sample_count()) fail("the distances do not fit the grid");
+    if (field.distance().size() != field.grid.sample_count()) fail("the distances do not fit the grid");
     std::size_t bytes = 0;
-    visit_outputs(
-        [&](const char* name, const auto& values, std::size_t bytes_of_sample) {
-            const std::size_t size = values.size() * sizeof(values[0]);
-            if (size != 0 && size != field.grid.sample_count() * bytes_of_sample)
-                fail(std::string(name) + " does not fit the grid");
-            bytes += size;
-        },
-        field, output_bytes);
+    for (const OutputInfo& info : output_table()) {
+        const std::size_t size = field.bytes(info.output).size();
+        if (size != 0 && size != field.grid.sample_count() * info.sample_bytes())
+            fail(std::string(info.name) + " does not fit the grid");
+        bytes += size;
+    }
     return bytes;
 }
 
@@ -62,18 +60,22 @@ std::size_t take_points(const std::string& path) {
 }
 
 Field example_field(bool any_spacing, bool has_extras) {
-    Field field;
-    field.grid = Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {4, 3, 2}, {2, 10, 12}};
-    if (!any_spacing) field.grid.spacing.fill(1.0 / 3);
-    field.band = {0, std::numeric_limits<double>::infinity()};
-    field.sign = SignRule::nonzero;
-    field.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
+    FieldDescription description;
+    description.grid = Grid{{0.1, -1e9 / 3, 1e-5}, {0.1, 1.0 / 3, 1e-20}, {4, 3, 2}, {2, 10, 12}};
+    if (!any_spacing) description.grid.spacing.fill(1.0 / 3);
+    description.band = {0, std::numeric_limits<double>::infinity()};
+    description.sign = SignRule::nonzero;
+    description.mesh_name = "a \"mesh\" of\n two\\lines & <more>";
+    OutputSet outputs = Output::distance;
+    if (has_extras) outputs = {Output::distance, Output::triangle, Output::site, Output::closest};
+    Field field(description, outputs);
     for (std::uint32_t i = 0; i < field.grid.sample_count(); ++i) {
-        field.distance.push_back(0.1F * static_cast<float>(i) - 1);
+        field.distance()[i] = 0.1F * static_cast<float>(i) - 1;
         if (!has_extras) continue;
-        field.triangle.push_back(i * i);
-        field.site.push_back(static_cast<std::uint8_t>(i % 7));
-        for (const double x : {0.1, -1e9 / 3, 1e-300}) field.closest.push_back(x * i);
+        field.triangle()[i] = i * i;
+        field.site()[i] = static_cast<std::uint8_t>(i % 7);
+        constexpr std::array closest{0.1, -1e9 / 3, 1e-300};
+        for (std::size_t axis = 0; axis < 3; ++axis) field.closest()[3 * i + axis] = closest[axis] * i;
     }
     return field;
 }
@@ -99,7 +101,7 @@ Reader field_reader(const std::string& format, const std::string& ending, const 
         if (has_extras && ending == ".sdf") continue;
         const fs::path sound = folder / "sound";
         fs::create_directory(sound);
-        write(example_field(!is_plain, has_extras), (sound / ("field" + ending)).string());
+        write_field(example_field(!is_plain, has_extras), (sound / ("field" + ending)).string());
         if (fs::exists(sound / reader.damaged)) reader.seeds.push_back(content_of(sound / reader.damaged));
         if (reader.beside.empty())
             for (const auto& entry : fs::directory_iterator(sound))
@@ -132,9 +134,9 @@ Reader point_reader(const std::string& format, const std::string& ending, const 
     FieldSlab results;
     const std::vector<float> distance{0.1F, -2};
     const std::vector<std::uint32_t> triangle{7, 8};
-    results.distance = distance;
+    results.set(Output::distance, std::span(distance));
     for (const bool has_triangles : {false, true}) {
-        if (has_triangles) results.triangle = triangle;
+        if (has_triangles) results.set(Output::triangle, std::span(triangle));
         write_points(std::vector<Vec3>{{0.1, -1e9 / 3, 1e-300}, {1, 2, 3}}, results, sound.string());
         reader.seeds.push_back(content_of(sound));
     }

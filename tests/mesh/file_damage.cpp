@@ -34,11 +34,12 @@ std::vector<std::pair<std::string, std::string>> sound_files(const TemporaryFold
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 2\nproperty uchar c\nproperty list uchar int vertex_indices\nelement edge 1\n"
         "property list char float w\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n7 4 0 1 2 3\n7 3 0 2 1\n2 0 1\n");
+    const std::string faces("\3\0\0\0\1\0\2\0\0\0\2xx", 13);
     files.emplace_back(".ply",
                        "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\n"
                        "property uchar z\nelement face 1\nproperty list uchar ushort vertex_indices\n"
                        "property list uint uchar extra\nend_header\nabcdefghi" +
-                           std::string("\3\0\0\0\1\0\2\0\0\0\2xx", 13));
+                           faces);
     files.emplace_back(".obj", "v 0 0 0\nvt 1 1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1 2/1 \\\n3/1 4/1\nf -1 -2 -3\n");
     files.emplace_back(
         ".off", "COFF\n# text\n4 1 0\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n0 1 0 1 1 1 1\n4 0 1 2 3 255\n");

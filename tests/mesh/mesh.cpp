@@ -57,9 +57,9 @@ BOOST_AUTO_TEST_CASE(a_view_reads_the_callers_arrays_whatever_their_type) {
     // 64 bits an index, the last triangle first; an offset into an array of numbers.
     std::vector<std::int64_t> backwards{7, 7};
     for (std::size_t f = faces.size(); f-- > 0;) backwards.insert(backwards.end(), faces[f].begin(), faces[f].end());
-    Triples triangles(backwards);
+    InputArray triangles(backwards);
     triangles.offset = (2 + 3 * 3) * sizeof(std::int64_t);
-    triangles.stride = -static_cast<std::ptrdiff_t>(3 * sizeof(std::int64_t));
+    triangles.strides[0] = -static_cast<std::ptrdiff_t>(3 * sizeof(std::int64_t));
     triangles.count = 4;
     check_is_the_tetrahedron(MeshView(corners, triangles));
     const std::vector<std::array<float, 3>> float_corners{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
@@ -92,25 +92,30 @@ BOOST_AUTO_TEST_CASE(indices_of_64_bits_are_named_as_they_are) {
 }
 
 BOOST_AUTO_TEST_CASE(arrays_that_cannot_be_triples_are_refused) {
-    Triples vertices(corners);
+    InputArray vertices(corners);
     const auto refused = [&](const std::vector<std::string>& words) {
         check_throws(ErrorCode::invalid_mesh, words, [&] { MeshView(vertices, faces); });
     };
     vertices.count = 5;
     refused({"5 vertices", "byte 0 to 120", "holds 96"});
     vertices.count = 2;
-    vertices.stride = -24;
+    vertices.strides[0] = -24;
     refused({"vertices", "byte -24 to 24"});
-    vertices.stride = 28;
+    vertices.strides[0] = 28;
     refused({"vertices", "28", "8 bytes"});
-    vertices.stride = 24;
+    vertices.strides[0] = 24;
     vertices.offset = 4;
     refused({"vertices", "offset 4"});
+    vertices = corners;
+    vertices.strides[1] = 24;
+    refused({"vertices", "strides along y and z", "24"});
     vertices = {};
     vertices.count = 1;
+    refused({"vertices", "automatic", "floats or doubles"});
+    vertices.type = ElementType::float64;
     refused({"1 vertices", "no memory"});
-    check_throws(ErrorCode::invalid_mesh, {"vertices", "integers"}, [&] { MeshView(faces, faces); });
-    check_throws(ErrorCode::invalid_mesh, {"triangles", "doubles"}, [&] { MeshView(corners, corners); });
+    check_throws(ErrorCode::invalid_mesh, {"vertices", "uint32", "floats or doubles"}, [&] { MeshView(faces, faces); });
+    check_throws(ErrorCode::invalid_mesh, {"triangles", "double", "integers"}, [&] { MeshView(corners, corners); });
 }
 
 BOOST_AUTO_TEST_CASE(matrices_of_either_order_are_meshes) {

@@ -9,7 +9,7 @@ using namespace clsdf::test;
 namespace {
 
 DistanceTransform transform_of(const Mesh& mesh, KernelBody body = KernelBody::automatic) {
-    return {test_device(), mesh, {.body = body, .method = papers_method({.scan = Scan::brute_force})}};
+    return make_transform(test_device(), mesh, {.scan = Scan::brute_force}, {.body = body});
 }
 
 Mesh noisy() {
@@ -26,10 +26,10 @@ BOOST_AUTO_TEST_CASE(every_sample_is_right) {
             const DistanceTransform transform = transform_of(mesh, body);
             Grid grid = grid_around(mesh, 37, 3);
             for (const Band& band : {Band::symmetric(3 * grid.voxel()), Band::full()})
-                check_exact(mesh, transform(grid, band, {.triangle = true}));
+                check_exact(mesh, transform.compute(grid, band, Output::triangle));
             grid.spacing[2] *= 40;  // so unequal that distances take double
             grid.size[2] = 3;
-            check_exact(mesh, transform(grid, Band::full(), {.triangle = true}));
+            check_exact(mesh, transform.compute(grid, Band::full(), Output::triangle));
         }
 }
 
@@ -43,22 +43,23 @@ BOOST_AUTO_TEST_CASE(a_part_has_the_bytes_of_the_whole_and_every_sample_counts) 
     for (const KernelBody body : both_bodies) {
         const DistanceTransform transform = transform_of(mesh, body);
         TransformStatistics statistics;
-        const Field whole = transform(grid, band, {.triangle = true}, {.count = true, .statistics = &statistics});
-        BOOST_TEST(same_bytes(whole, transform(grid, band, {.triangle = true})));
-        BOOST_TEST(statistics.band_samples == scan_slices(mesh, grid, band, {}, body).statistics.band_samples);
-        BOOST_TEST(statistics.lanes_evaluated >= grid.sample_count() * mesh.triangles().size());
+        const Field whole = transform.compute(grid, band, Output::triangle, {.count_work = true}, &statistics);
+        BOOST_TEST(same_bytes(whole, transform.compute(grid, band, Output::triangle)));
+        BOOST_TEST(statistics.work->band_samples ==
+                   scan_slices(mesh, grid, band, {}, body).statistics.work->band_samples);
+        BOOST_TEST(statistics.work->lanes_evaluated >= grid.sample_count() * mesh.triangles().size());
         const Index3 offset{5, 9, 11};
-        const Field part = transform(grid.part(offset, {17, 12, 21}), band, {.triangle = true});
+        const Field part = transform.compute(grid.part(offset, {17, 12, 21}), band, Output::triangle);
         std::size_t differences = 0;
         for (std::int64_t k = 0; k < part.grid.size[2]; ++k)
             for (std::int64_t j = 0; j < part.grid.size[1]; ++j)
                 for (std::int64_t i = 0; i < part.grid.size[0]; ++i) {
                     const std::size_t here = part.grid.offset(i, j, k);
                     const std::size_t there = grid.offset(i + offset[0], j + offset[1], k + offset[2]);
-                    differences +=
-                        part.distance[here] != whole.distance[there] || part.triangle[here] != whole.triangle[there]
-                            ? 1U
-                            : 0U;
+                    differences += part.distance()[here] != whole.distance()[there] ||
+                                           part.triangle()[here] != whole.triangle()[there]
+                                       ? 1U
+                                       : 0U;
                 }
         BOOST_TEST(differences == 0U);
     }
@@ -70,7 +71,8 @@ BOOST_AUTO_TEST_CASE(many_launches_find_one_minimum) {
     const Grid grid = grid_around(mesh, 60, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
     std::size_t launches = 0;
-    const Field field = transform_of(mesh)(grid, band, {.triangle = true}, {.progress = [&](double) { ++launches; }});
+    const Field field = transform_of(mesh).compute(grid, band, Output::triangle,
+                                                   {.progress = when_computing([&](double) { ++launches; })});
     BOOST_TEST(launches > 2U);
     check_exact(mesh, field);
 }
@@ -79,7 +81,8 @@ BOOST_AUTO_TEST_CASE(what_it_does_not_know_is_refused) {
     const Mesh mesh = cube(1);
     const Grid grid = grid_around(mesh, 16, 3);
     check_throws(ErrorCode::unsupported, {"brute force", "gradient"},
-                 [&] { transform_of(mesh)(grid, Band::full(), {.gradient = true}); });
-    check_throws(ErrorCode::unsupported, {"brute-force", "mauch"},
-                 [] { papers_method({.polyhedra = Polyhedra::mauch, .scan = Scan::brute_force}); });
+                 [&] { transform_of(mesh).compute(grid, Band::full(), Output::gradient); });
+    check_throws(ErrorCode::unsupported, {"brute-force", "mauch"}, [&] {
+        make_transform(test_device(), mesh, {.polyhedra = Polyhedra::mauch, .scan = Scan::brute_force});
+    });
 }

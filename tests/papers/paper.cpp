@@ -58,10 +58,10 @@ void check_meaning(const Mesh& mesh, const Grid& grid, double half_width, const 
                 if (!is_decided || std::abs(least_wide - half_width) < hair) continue;
                 ++decided;
                 const std::size_t at = grid.offset(i, j, k);
-                const double found = std::abs(static_cast<double>(scanned.field.distance[at]));
+                const double found = std::abs(static_cast<double>(scanned.field.distance()[at]));
                 if (least_wide > half_width) {
                     BOOST_REQUIRE(found == static_cast<double>(static_cast<float>(half_width)));
-                    BOOST_REQUIRE(scanned.field.triangle[at] == no_triangle);
+                    BOOST_REQUIRE(scanned.field.triangle()[at] == no_triangle);
                     continue;
                 }
                 ++held;
@@ -88,14 +88,14 @@ BOOST_AUTO_TEST_CASE(the_known_wrong_values_are_given) {
                                                {.close_gaps = known.closed}, body)
                                         .field;
                 const std::size_t at = grid.offset(reach, reach, reach);
-                const double found = std::abs(static_cast<double>(field.distance[at]));
+                const double found = std::abs(static_cast<double>(field.distance()[at]));
                 BOOST_TEST_CONTEXT(example.name()
                                    << " at (" << known.position[0] << ", " << known.position[1] << ", "
                                    << known.position[2] << "): " << found << ", known " << *known.paper) {
                     BOOST_TEST(known.distance < 0.999 * example.half_width);
                     if (*known.paper > example.half_width) {
                         BOOST_TEST(found == static_cast<double>(static_cast<float>(example.half_width)));
-                        BOOST_TEST(field.triangle[at] == no_triangle);
+                        BOOST_TEST(field.triangle()[at] == no_triangle);
                         ++without_value;
                     } else {
                         BOOST_TEST(std::abs(found - *known.paper) <= std::max(5e-7 * *known.paper, known.tolerance));
@@ -159,7 +159,7 @@ BOOST_AUTO_TEST_CASE(the_sign_is_exact_where_the_distance_is_not) {
 }
 
 // Shares of the band, in percent, that have a wrong distance or none; what prototypes in double precision found for
-// shapes of the same kind (docs/peikert-sigg.md, 'What they miss'): 2.2 and 2.8 of the stairs at 3 and 10%, 0.1 of the
+// shapes of the same kind (docs/papers.md, 'What they miss'): 2.2 and 2.8 of the stairs at 3 and 10%, 0.1 of the
 // seashell at 10%.
 BOOST_AUTO_TEST_CASE(the_share_of_wrong_samples_is_that_of_the_paper) {
     const auto wrong_share = [](const char* name, double share) {
@@ -170,11 +170,11 @@ BOOST_AUTO_TEST_CASE(the_share_of_wrong_samples_is_that_of_the_paper) {
         const Field field = scan_paper(mesh, grid, band).field;
         const Field exact = compute(mesh, grid, band);
         std::size_t in_band = 0, wrong = 0;
-        for (std::size_t at = 0; at < exact.distance.size(); ++at) {
-            if (exact.triangle[at] == no_triangle) continue;
+        for (std::size_t at = 0; at < exact.distance().size(); ++at) {
+            if (exact.triangle()[at] == no_triangle) continue;
             ++in_band;
-            wrong += field.triangle[at] == no_triangle ||
-                     std::abs(static_cast<double>(field.distance[at]) - static_cast<double>(exact.distance[at])) >
+            wrong += field.triangle()[at] == no_triangle ||
+                     std::abs(static_cast<double>(field.distance()[at]) - static_cast<double>(exact.distance()[at])) >
                          1e-6 * extent;
         }
         return 100 * static_cast<double>(wrong) / static_cast<double>(in_band);

@@ -52,7 +52,7 @@ BOOST_AUTO_TEST_CASE(host_and_device_lay_out_pieces_alike) {
     std::vector<Agreement> all;
     CLSDF_SHARED(all, PiecePlane, normal, offset);
     CLSDF_SHARED(all, Piece, plane_begin, plane_count, polyhedron, site, slice_begin, slice_end, origin);
-    const scan::ProgramSources programs(device::context_of(Device::best()).capabilities(), KernelBody::automatic);
+    const scan::ProgramSources programs(device::context_of(Device::strongest()).capabilities(), KernelBody::automatic);
     check_agreements(all, device::kernel_text("piece.h", papers::slices_source(programs, {}).files));
 }
 

@@ -168,7 +168,7 @@ BOOST_AUTO_TEST_CASE(planes_through_one_axis_leave_no_gap) {
     BOOST_TEST(report.saddles >= 1U);
     const Mesh exact = closed_fan("exact", {{2, 0, 1}, {0, 2, -1}, {-2, 0, 1}, {0, -2, -1}});
     const SaddleReport exact_report = examine_saddles(exact);
-    BOOST_TEST((classify(exact).vertices[0] == VertexKind::saddle));
+    BOOST_TEST((classify_convexity(exact).vertices[0] == VertexKind::saddle));
     BOOST_TEST(!contains(exact_report.adjacent_gaps, 0));
     BOOST_TEST(!contains(exact_report.gaps, 0));
     BOOST_TEST(exact_report.exact_decisions > 0U);  // intervals cannot see that a determinant is zero
@@ -200,7 +200,7 @@ BOOST_AUTO_TEST_CASE(a_convex_or_concave_vertex_has_no_gap) {
         const Mesh mesh = random_fan(random, [&](std::size_t, const Vec3& place) {
             return side * std::round(std::hypot(place[0], place[1]) * 0.6);
         });
-        const VertexKind kind = classify(mesh).vertices[0];
+        const VertexKind kind = classify_convexity(mesh).vertices[0];
         if (kind == VertexKind::saddle) continue;
         BOOST_TEST_CONTEXT("seed " << seed << ", a vertex that is " << name_of(kind)) {
             const Fan fan = fan_of_apex(mesh);
@@ -272,7 +272,7 @@ BOOST_AUTO_TEST_CASE(fans_on_a_lattice_have_the_gaps_that_a_search_finds) {
                                {-1, 0, 0}, {-1, -1, 0}, {0, -1, 0}, {1, -1, 0}};
         for (Vec3& neighbour : ring) neighbour[2] = std::round(random.uniform(-1.5, 1.5));
         const Mesh mesh = closed_fan("lattice", ring);
-        if (classify(mesh).vertices[0] != VertexKind::saddle) continue;
+        if (classify_convexity(mesh).vertices[0] != VertexKind::saddle) continue;
         ++saddles;
         const Fan fan = fan_of_apex(mesh);
         FanSigns signs(fan);
@@ -351,7 +351,7 @@ BOOST_AUTO_TEST_CASE(cutting_triangles_makes_saddles_regular_and_keeps_the_surfa
             BOOST_TEST(!contains(left, 0));
             BOOST_TEST(regular.added_vertices > 0U);
             BOOST_TEST(regular.mesh.vertices().size() == mesh.vertices().size() + regular.added_vertices);
-            BOOST_TEST(classify(regular.mesh).count(EdgeKind::boundary) == 0U);
+            BOOST_TEST(classify_convexity(regular.mesh).count(EdgeKind::boundary) == 0U);
             BOOST_TEST(std::abs(area(regular.mesh) / area(mesh) - 1) < 1e-12);
         }
 }

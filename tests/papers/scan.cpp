@@ -36,8 +36,8 @@ Grid around(const Mesh& mesh, std::int64_t size) {
 }
 
 Field compute_on(const Device& device, const Grid& grid, const Band& band, const PapersOptions& options,
-                 const CallOptions& call = {}) {
-    return DistanceTransform(device, noisy(), {.method = papers_method(options)})(grid, band, {.triangle = true}, call);
+                 const CallOptions& call = {}, TransformStatistics* statistics = nullptr) {
+    return make_transform(device, noisy(), options).compute(grid, band, Output::triangle, call, statistics);
 }
 
 }  // namespace
@@ -54,13 +54,12 @@ BOOST_AUTO_TEST_CASE(both_minima_and_every_run_give_the_same_bytes) {
             check_intersections(first.statistics);
             check_intersections(second.statistics, 2);
             BOOST_TEST(same_bytes(first.field, second.field));
-            DistanceTransform transform(
-                test_device(), noisy(),
-                {.body = body, .method = papers_method({.polyhedra = kind, .scan = Scan::slices})});
+            const DistanceTransform transform =
+                make_transform(test_device(), noisy(), {.polyhedra = kind, .scan = Scan::slices}, {.body = body});
             for (int run = 0; run < 3; ++run)
-                BOOST_TEST(same_bytes(first.field, transform(grid, band, {.triangle = true})));
+                BOOST_TEST(same_bytes(first.field, transform.compute(grid, band, Output::triangle)));
             // Without triangles there is no key but the distance.
-            BOOST_TEST((bits_of(first.field.distance) == bits_of(transform(grid, band).distance)));
+            BOOST_TEST((bits_of(first.field.distance()) == bits_of(transform.compute(grid, band).distance())));
         }
 }
 
@@ -76,11 +75,11 @@ BOOST_AUTO_TEST_CASE(the_lowest_of_the_nearest_triangles_is_named) {
                     const Field field =
                         scan_slices(mesh, grid, Band::symmetric(2), {.slice_minimum = minimum}, body).field;
                     std::size_t inside = 0;
-                    for (std::size_t at = 0; at < field.distance.size(); ++at)
-                        if (expected.distance[at] < 0) {
+                    for (std::size_t at = 0; at < field.distance().size(); ++at)
+                        if (expected.distance()[at] < 0) {
                             ++inside;
-                            BOOST_REQUIRE(field.distance[at] == expected.distance[at]);
-                            BOOST_REQUIRE(field.triangle[at] == expected.triangle[at]);
+                            BOOST_REQUIRE(field.distance()[at] == expected.distance()[at]);
+                            BOOST_REQUIRE(field.triangle()[at] == expected.triangle()[at]);
                         }
                     BOOST_TEST(inside == 15U * 15U * 15U);
                 }
@@ -127,11 +126,12 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
     for (const Polyhedra kind : all_kinds) {
         const PapersOptions options{.polyhedra = kind, .scan = Scan::slices};
         TransformStatistics of_whole, of_slabs;
-        const Field whole = compute_on(test_device(), grid, band, options, {.statistics = &of_whole});
+        const Field whole = compute_on(test_device(), grid, band, options, {}, &of_whole);
         for (const std::size_t bytes : {20 * slice_bytes, 13 * slice_bytes}) {
             std::size_t calls = 0;
-            const CallOptions watched{.progress = [&](double) { ++calls; }, .statistics = &of_slabs};
-            BOOST_TEST(same_bytes(whole, compute_on(with_largest_allocation(bytes), grid, band, options, watched)));
+            const CallOptions watched{.progress = when_computing([&](double) { ++calls; })};
+            BOOST_TEST(
+                same_bytes(whole, compute_on(with_largest_allocation(bytes), grid, band, options, watched, &of_slabs)));
             BOOST_TEST(calls > 4U);
             // Counts of the mesh are taken once, counts of slabs are added up.
             BOOST_TEST(of_slabs.slabs > 1U);
@@ -146,19 +146,18 @@ BOOST_AUTO_TEST_CASE(a_slice_of_64_bit_keys_that_does_not_fit_takes_two_passes) 
     const Grid flat = grid.part({0, 0, 140}, {301, 301, 9});
     const Mesh mesh = cube(1);
     const std::size_t slice_bytes = std::size_t{301} * 301 * sizeof(float);
-    const Field expected =
-        compute(mesh, flat, Band::symmetric(0.1), TransformOptions{.method = papers_method({.scan = Scan::slices})});
-    DistanceTransform transform(with_largest_allocation(slice_bytes + slice_bytes / 2), mesh,
-                                {.method = papers_method({.scan = Scan::slices})});
+    const Field expected = make_transform(test_device(), mesh, {.scan = Scan::slices})
+                               .compute(flat, Band::symmetric(0.1), Output::triangle);
+    const Device small = with_largest_allocation(slice_bytes + slice_bytes / 2);
+    const DistanceTransform transform = make_transform(small, mesh, {.scan = Scan::slices});
     TransformStatistics statistics;
-    BOOST_TEST(same_bytes(expected, transform(flat, Band::symmetric(0.1), {.triangle = true},
-                                              {.count = true, .statistics = &statistics})));
+    BOOST_TEST(same_bytes(
+        expected, transform.compute(flat, Band::symmetric(0.1), Output::triangle, {.count_work = true}, &statistics)));
     check_intersections(statistics, 2);
-    DistanceTransform one_pass(
-        with_largest_allocation(slice_bytes + slice_bytes / 2), mesh,
-        {.method = papers_method({.scan = Scan::slices, .slice_minimum = SliceMinimum::one_pass})});
+    const DistanceTransform one_pass =
+        make_transform(small, mesh, {.scan = Scan::slices, .slice_minimum = SliceMinimum::one_pass});
     check_throws(ErrorCode::out_of_memory, {"least distances"},
-                 [&] { one_pass(flat, Band::symmetric(0.1), {.triangle = true}); });
+                 [&] { one_pass.compute(flat, Band::symmetric(0.1), Output::triangle); });
 }
 
 BOOST_AUTO_TEST_CASE(a_plan_neither_blocks_nor_depends_on_the_queue) {
@@ -167,9 +166,8 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_blocks_nor_depends_on_the_queue) {
     for (const SliceMinimum minimum : both_minima) {
         const PapersOptions options{.polyhedra = Polyhedra::peikert_sigg, .slice_minimum = minimum};
         const Field expected = compute_on(test_device(), grid, band, options);
-        std::optional<DistanceTransform> transform(std::in_place, test_device(), noisy(),
-                                                   TransformOptions{.method = papers_method(options)});
-        Plan plan = transform->plan(grid, band, {.triangle = true});
+        std::optional<DistanceTransform> transform = make_transform(test_device(), noisy(), options);
+        Plan plan = transform->plan(grid, band, Output::triangle);
         transform.reset();
         const device::Context& context = device::context_of(test_device());
         for (const cl_command_queue_properties properties :
@@ -180,13 +178,15 @@ BOOST_AUTO_TEST_CASE(a_plan_neither_blocks_nor_depends_on_the_queue) {
                 const DeviceMemory triangle(test_device().context(), grid.sample_count());
                 cl::UserEvent begin(context.context());
                 const cl_event wait_list[] = {begin()};
-                const cl::Event end(plan.enqueue(queue(), {distance.handle(), triangle.handle()}, wait_list));
+                const OutputTargets targets{{Output::distance, distance.handle()},
+                                            {Output::triangle, triangle.handle()}};
+                const cl::Event end = enqueue(plan, queue(), targets, wait_list);
                 std::this_thread::sleep_for(std::chrono::milliseconds(50));
                 BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
                 begin.setStatus(CL_COMPLETE);
                 end.wait();
-                BOOST_TEST((distance.read(queue) == bits_of(expected.distance)));
-                BOOST_TEST(std::ranges::equal(triangle.read(queue), expected.triangle));
+                BOOST_TEST((distance.read(queue) == bits_of(expected.distance())));
+                BOOST_TEST(std::ranges::equal(triangle.read(queue), expected.triangle()));
             }
         }
     }
@@ -198,14 +198,14 @@ BOOST_AUTO_TEST_CASE(progress_is_told_and_a_stop_is_heard_between_launches) {
     const Grid grid = grid_around(mesh, 110, 2);
     bool stop = false;
     std::vector<double> seen;
-    DistanceTransform transform(one_compute_unit(), mesh, {.method = papers_method({.scan = Scan::slices})});
-    const CallOptions call{.progress =
-                               [&](double fraction) {
-                                   seen.push_back(fraction);
-                                   if (fraction > 0) stop = true;
-                               },
+    const DistanceTransform transform = make_transform(one_compute_unit(), mesh, {.scan = Scan::slices});
+    const CallOptions call{.progress = when_computing([&](double fraction) {
+                               seen.push_back(fraction);
+                               if (fraction > 0) stop = true;
+                           }),
                            .should_stop = [&] { return stop; }};
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(grid, Band::full(), {}, call); });
+    check_throws(ErrorCode::cancelled, {"cancelled"},
+                 [&] { transform.compute(grid, Band::full(), Output::distance, call); });
     BOOST_REQUIRE(seen.size() == 2U);
     BOOST_TEST(seen[0] == 0);
     BOOST_TEST(seen[1] < 0.5);
@@ -218,15 +218,16 @@ BOOST_AUTO_TEST_CASE(a_mesh_beside_the_grid_leaves_the_fill) {
         const Scanned scanned = scan_slices(mesh, grid, Band::symmetric(0.5), {.polyhedra = kind});
         BOOST_TEST(count_of(scanned.statistics, "active_pieces") == 0U);
         for (std::size_t at = 0; at < grid.sample_count(); ++at) {
-            BOOST_REQUIRE(scanned.field.distance[at] == 0.5F);
-            BOOST_REQUIRE(scanned.field.triangle[at] == no_triangle);
+            BOOST_REQUIRE(scanned.field.distance()[at] == 0.5F);
+            BOOST_REQUIRE(scanned.field.triangle()[at] == no_triangle);
         }
     }
 }
 
 BOOST_AUTO_TEST_CASE(bricks_of_the_papers_polyhedra_are_refused) {
-    check_throws(ErrorCode::unsupported, {"bricks", "peikert-sigg", "slices"},
-                 [] { papers_method({.polyhedra = Polyhedra::peikert_sigg, .scan = Scan::bricks}); });
+    check_throws(ErrorCode::unsupported, {"bricks", "peikert-sigg", "slices"}, [] {
+        make_transform(test_device(), cube(1), {.polyhedra = Polyhedra::peikert_sigg, .scan = Scan::bricks});
+    });
 }
 
 // Only the slices of a piece are looked at, whatever its shape.

@@ -5,6 +5,7 @@
 #include <clsdf/papers.hpp>
 
 #include <array>
+#include <stdexcept>
 #include <string>
 
 namespace clsdf::test {
@@ -21,14 +22,16 @@ struct Scanned {
 inline Scanned scan_slices(const Mesh& mesh, const Grid& grid, const Band& band, PapersOptions options = {},
                            KernelBody body = KernelBody::automatic) {
     options.scan = Scan::slices;
-    const DistanceTransform transform(test_device(), mesh, {.body = body, .method = papers_method(options)});
+    const DistanceTransform transform = make_transform(test_device(), mesh, options, {.body = body});
     Scanned result;
-    result.field = transform(grid, band, {.triangle = true}, {.count = true, .statistics = &result.statistics});
+    result.field = transform.compute(grid, band, Output::triangle, {.count_work = true}, &result.statistics);
     return result;
 }
 
 inline std::size_t count_of(const TransformStatistics& statistics, const std::string& name) {
-    return statistics.method_counts.at(name).value;
+    for (const MethodCount& count : statistics.work->method_counts)
+        if (count.name == name) return count.value;
+    throw std::out_of_range(name);
 }
 
 /// A piece is looked at only in slices that it cuts, and none is left out.

@@ -22,12 +22,8 @@ struct Scanned {
 };
 
 Scanned scan(const Mesh& mesh, const Grid& grid, double half_width, std::size_t threads = 0) {
-    Scanned result;
-    result.field.grid = grid;
-    result.field.band = Band::symmetric(half_width);
-    result.field.sign = SignRule::nonzero;
-    result.field.distance.resize(grid.sample_count());
-    result.counts = software_scan(mesh, grid, half_width, threads, result.field.distance);
+    Scanned result{Field({grid, Band::symmetric(half_width), SignRule::nonzero, {}}), {}};
+    result.counts = software_scan(mesh, grid, half_width, threads, result.field.distance());
     return result;
 }
 
@@ -85,8 +81,8 @@ BOOST_AUTO_TEST_CASE(any_number_of_threads_gives_the_same_bytes) {
     const Mesh mesh = make_shape("knot");
     const double half_width = 0.1 * mesh.box().longest_side();
     const Grid grid = Grid::around(mesh, 60, Band::symmetric(half_width));
-    BOOST_TEST((bits_of(scan(mesh, grid, half_width, 1).field.distance) ==
-                bits_of(scan(mesh, grid, half_width, 0).field.distance)));
+    BOOST_TEST((bits_of(scan(mesh, grid, half_width, 1).field.distance()) ==
+                bits_of(scan(mesh, grid, half_width, 0).field.distance())));
 }
 
 // On a convex surface every face, edge and vertex has a polyhedron; most samples lie in only one.
@@ -97,7 +93,7 @@ BOOST_AUTO_TEST_CASE(every_site_of_a_sphere_is_scanned) {
     const Scanned scanned = scan(mesh, grid, half_width);
     BOOST_TEST(scanned.counts.polyhedra == 2048U + 3072U + 1026U);
     std::size_t band = 0;
-    for (const float value : scanned.field.distance)
+    for (const float value : scanned.field.distance())
         band += std::abs(static_cast<double>(value)) < half_width * (1 - 1e-6) ? 1U : 0U;
     BOOST_TEST(scanned.counts.distances >= band);
     BOOST_TEST(static_cast<double>(scanned.counts.distances) < 1.15 * static_cast<double>(band));

@@ -11,7 +11,7 @@ namespace clsdf::test {
 /// A field with the distance that `distance` says, in a band, as DistanceTransform would write it.
 inline Field field_of(const Grid& grid, const Band& band, const std::function<double(const Vec3&)>& distance,
                       SignRule sign = SignRule::nonzero) {
-    Field field{{grid, band, sign, "folder/thing.off"}, {}};
+    Field field({grid, band, sign, "folder/thing.off"});
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
             for (std::int64_t i = 0; i < grid.size[0]; ++i) {
@@ -20,7 +20,9 @@ inline Field field_of(const Grid& grid, const Band& band, const std::function<do
                 const auto outside = static_cast<float>(band.outside);
                 const auto exact = static_cast<float>(value);
                 const bool is_beyond_inside = sign != SignRule::none && value < -band.inside;
-                field.distance.push_back(is_beyond_inside ? inside : value > band.outside ? outside : exact);
+                field.distance()[grid.offset(i, j, k)] = is_beyond_inside       ? inside
+                                                         : value > band.outside ? outside
+                                                                                : exact;
             }
     return field;
 }

@@ -7,6 +7,7 @@
 
 using clsdf::ErrorCode;
 using clsdf::Field;
+using clsdf::Output;
 using clsdf::picture::axes_beside;
 using clsdf::picture::Axis;
 using clsdf::picture::Plane;
@@ -21,13 +22,13 @@ BOOST_AUTO_TEST_CASE(has_the_samples_of_the_field_on_each_axis) {
     const Plane x = plane_of(field, {Axis::x, 7}, {Axis::z, Axis::y});
     BOOST_TEST(x.size[0] == 21);
     BOOST_TEST(x.size[1] == 31);
-    BOOST_TEST(x.sample(3, 5) == static_cast<double>(field.distance[field.grid.offset(7, 5, 3)]));
+    BOOST_TEST(x.sample(3, 5) == static_cast<double>(field.distance()[field.grid.offset(7, 5, 3)]));
     BOOST_TEST(x.lower[0] == -0.8);
     BOOST_TEST(x.upper[1] == 0.9, boost::test_tools::tolerance(1e-12));
     const Plane y = plane_of(field, {Axis::y, 7}, axes_beside(Axis::y));
-    BOOST_TEST(y.sample(3, 5) == static_cast<double>(field.distance[field.grid.offset(3, 7, 5)]));
+    BOOST_TEST(y.sample(3, 5) == static_cast<double>(field.distance()[field.grid.offset(3, 7, 5)]));
     const Plane z = plane_of(field, {Axis::z, 7}, axes_beside(Axis::z));
-    BOOST_TEST(z.sample(3, 5) == static_cast<double>(field.distance[field.grid.offset(3, 5, 7)]));
+    BOOST_TEST(z.sample(3, 5) == static_cast<double>(field.distance()[field.grid.offset(3, 5, 7)]));
 }
 
 BOOST_AUTO_TEST_CASE(has_between_equal_samples_exactly_their_value) {
@@ -46,7 +47,7 @@ BOOST_AUTO_TEST_CASE(keeps_the_band_as_it_is_and_what_is_beyond_it_beyond) {
     int continued = 0;
     for (std::int64_t row = 0; row < plane.size[1]; ++row)
         for (std::int64_t column = 0; column < plane.size[0]; ++column) {
-            const auto given = static_cast<double>(field.distance[field.grid.offset(column, row, 10)]);
+            const auto given = static_cast<double>(field.distance()[field.grid.offset(column, row, 10)]);
             const double drawn = plane.sample(column, row);
             if (std::abs(given) < limit) BOOST_TEST(drawn == given);
             if (given == limit) BOOST_TEST(drawn >= limit);
@@ -76,7 +77,7 @@ BOOST_AUTO_TEST_CASE(ends_where_the_band_does) {
 BOOST_AUTO_TEST_CASE(knows_the_inside_of_a_band_without_inside) {
     Field field = two_balls(true, 10);
     field.band = {0, 10};
-    for (float& distance : field.distance)
+    for (float& distance : field.distance())
         if (std::signbit(distance)) distance = -0.0F;
     const Plane plane = plane_of(field, {Axis::z, 10}, axes_beside(Axis::z));
     BOOST_TEST(plane.sample(16, 15) < 0);  // the middle of a ball
@@ -91,7 +92,7 @@ BOOST_AUTO_TEST_CASE(is_refused_where_the_field_has_none) {
         plane_of(field, {Axis::x, -1}, axes_beside(Axis::x));
     });
     field.grid.size = {51, 31, 1};
-    field.distance.resize(field.grid.sample_count());
+    field.resize(Output::distance, field.grid.sample_count());
     check_throws(ErrorCode::invalid_argument, {"single sample along z", "perpendicular to x"}, [&] {
         plane_of(field, {Axis::x, 0}, axes_beside(Axis::x));
     });

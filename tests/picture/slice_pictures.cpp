@@ -17,6 +17,7 @@
 using clsdf::Band;
 using clsdf::ErrorCode;
 using clsdf::Field;
+using clsdf::Output;
 using clsdf::picture::Axis;
 using clsdf::picture::Colour;
 using clsdf::picture::Colours;
@@ -151,17 +152,19 @@ BOOST_AUTO_TEST_CASE(are_drawn_of_the_strangest_fields) {
     };
     Field field;
     field.grid = {{1e6, -1e-6, 0}, {1e-3, 1e-9, 1e9}, {2, 3, 2}, {}};
-    field.mesh_name = std::string(500, 'a') + "\xff\xc0\n";
+    field.mesh_name.assign(500, 'a');
+    field.mesh_name += "\xff\xc0\n";
     field.sign = clsdf::SignRule::nonzero;
+    field.resize(Output::distance, field.grid.sample_count());
     for (const float value :
          {0.0F, -0.0F, 1.0F, -1.0F, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN(),
           std::numeric_limits<float>::denorm_min(), std::numeric_limits<float>::max()})
-        for (const Band& band : {Band::full(), Band::symmetric(1), Band{0, 1}, Band{1, 0}, Band{0, 0}}) {
+        for (const Band& band : {Band::full(), Band::symmetric(1), Band{0, 1}, Band{1, 0}, Band::signs_only()}) {
             BOOST_TEST_CONTEXT("value " << value << ", band " << band.inside << ", " << band.outside) {
                 field.band = band;
-                field.distance = clsdf::FieldArray<float>(12, value);
+                std::ranges::fill(field.distance(), value);
                 draw(field);
-                field.distance[4] = -1;
+                field.distance()[4] = -1;
                 draw(field);
             }
         }
@@ -191,7 +194,7 @@ BOOST_AUTO_TEST_CASE(need_a_field_that_fits_its_grid_and_pixels_that_make_sense)
     for (const int pixels : {-5, 0, 99, 10001})
         check_throws(ErrorCode::invalid_argument, {std::to_string(pixels), "100 to 10000"},
                      [&] { SlicePictures(field, {pixels}); });
-    field.distance.pop_back();
+    field.resize(Output::distance, field.distance().size() - 1);
     check_throws(ErrorCode::invalid_argument, {"33200", "33201"}, [&] { SlicePictures{field}; });
 }
 

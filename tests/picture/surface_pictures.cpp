@@ -37,7 +37,7 @@ SurfaceOptions small(int width = 160) {
 
 Raster written(const Field& field, const SurfaceOptions& options) {
     const TemporaryFolder folder;
-    SurfacePictures(field, Device::best()).write(options, folder.file("surface.png"));
+    SurfacePictures(field, Device::strongest()).write(options, folder.file("surface.png"));
     return read_png(folder.file("surface.png"));
 }
 
@@ -54,7 +54,7 @@ BOOST_AUTO_TEST_CASE(look_as_they_did) {
     SurfaceOptions options = small(280);
     options.view.up = Axis::z;
     options.cuts = {{Axis::x, 0.1}, {Axis::y, {}}};
-    SurfacePictures(field, Device::best()).write(options, path);
+    SurfacePictures(field, Device::strongest()).write(options, path);
     if (const char* target = std::getenv("CLSDF_NEW_GOLDEN_SURFACE"))
         std::filesystem::copy_file(path, target, std::filesystem::copy_options::overwrite_existing);
     const Raster golden = read_png(clsdf::test::source_file("tests/picture/golden_surface.png"));
@@ -71,7 +71,7 @@ BOOST_AUTO_TEST_CASE(are_the_same_bytes_on_every_run) {
     SurfaceOptions options = small();
     options.cuts = {{Axis::z, {}}};
     for (const char* name : {"one.png", "other.png"})
-        SurfacePictures(field, Device::best()).write(options, folder.file(name));
+        SurfacePictures(field, Device::strongest()).write(options, folder.file(name));
     BOOST_TEST((content_of(folder.file("one.png")) == content_of(folder.file("other.png"))));
 }
 
@@ -148,7 +148,7 @@ BOOST_AUTO_TEST_CASE(can_be_cancelled_and_then_leave_nothing) {
         source.request_stop();
     };
     const Field field = two_balls();
-    const SurfacePictures pictures(field, Device::best());
+    const SurfacePictures pictures(field, Device::strongest());
     check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { pictures.write(options, folder.file("surface.png")); });
     BOOST_TEST(last < 1);
     BOOST_TEST(folder.file_count() == 0U);
@@ -157,7 +157,7 @@ BOOST_AUTO_TEST_CASE(can_be_cancelled_and_then_leave_nothing) {
 BOOST_AUTO_TEST_CASE(are_refused_where_an_option_makes_no_sense) {
     const TemporaryFolder folder;
     const Field field = two_balls();
-    const SurfacePictures pictures(field, Device::best());
+    const SurfacePictures pictures(field, Device::strongest());
     const auto refused = [&](const std::vector<std::string>& fragments, const auto& change) {
         SurfaceOptions options = small();
         change(options);
@@ -184,12 +184,12 @@ BOOST_AUTO_TEST_CASE(need_a_grid_whose_spacing_is_a_float_and_whose_samples_diff
         Field strange = two_balls();
         strange.grid.spacing.fill(spacing);
         check_throws(ErrorCode::invalid_argument, {"spacing", "beyond the floats"},
-                     [&] { SurfacePictures(strange, Device::best()); });
+                     [&] { SurfacePictures(strange, Device::strongest()); });
     }
     Field strange = two_balls();
     strange.grid.origin[1] = 1e20;
     check_throws(ErrorCode::invalid_argument, {"y = 1e+20", "same position"},
-                 [&] { SurfacePictures(strange, Device::best()); });
+                 [&] { SurfacePictures(strange, Device::strongest()); });
 }
 
 BOOST_AUTO_TEST_SUITE_END()

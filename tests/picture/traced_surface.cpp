@@ -21,6 +21,7 @@ using clsdf::Device;
 using clsdf::ErrorCode;
 using clsdf::Field;
 using clsdf::Grid;
+using clsdf::Output;
 using clsdf::RenderHit;
 using clsdf::RenderView;
 using clsdf::SignRule;
@@ -46,7 +47,8 @@ namespace {
 using Kind = Hit::Kind;
 
 const Device& device() {
-    static const auto* const device = new Device(Device::best());  // the driver may be gone before static objects are
+    static const auto* const device =
+        new Device(Device::strongest());  // the driver may be gone before static objects are
     return *device;
 }
 
@@ -234,7 +236,7 @@ BOOST_AUTO_TEST_CASE(is_the_first_zero_of_the_interpolant_in_any_field) {
                         weight *= bit == 1 ? part[a] : 1 - part[a];
                         at[a] = static_cast<std::int64_t>(cell[a]) + bit;
                     }
-                    sum += weight * static_cast<double>(field.distance[grid.offset(at[0], at[1], at[2])]);
+                    sum += weight * static_cast<double>(field.distance()[grid.offset(at[0], at[1], at[2])]);
                 }
                 return sum;
             };
@@ -347,10 +349,10 @@ BOOST_AUTO_TEST_CASE(is_refused_where_there_is_none) {
     check_throws(ErrorCode::invalid_argument, {"0", "no sign"}, [&] { SurfacePictures(without, device(), 0.0); });
 
     Field damaged = field;
-    damaged.distance[damaged.grid.offset(3, 2, 1)] = std::nanf("");
+    damaged.distance()[damaged.grid.offset(3, 2, 1)] = std::nanf("");
     check_throws(ErrorCode::invalid_argument, {"(3, 2, 1)", "not a number"},
                  [&] { SurfacePictures(damaged, device()); });
-    damaged.distance.pop_back();
+    damaged.resize(Output::distance, damaged.distance().size() - 1);
     check_throws(ErrorCode::invalid_argument, {"values", "samples"}, [&] { SurfacePictures(damaged, device()); });
     Field flat = field_of({{-2, -2, 0}, {0.1, 0.1, 0.1}, {41, 41, 1}, {}}, Band::full(), ball);
     check_throws(ErrorCode::invalid_argument, {"along z is 1", "slice"}, [&] { SurfacePictures(flat, device()); });
@@ -359,7 +361,7 @@ BOOST_AUTO_TEST_CASE(is_refused_where_there_is_none) {
 BOOST_AUTO_TEST_CASE(is_refused_where_the_device_cannot_hold_the_field) {
     const Field field = field_of(uneven_grid(), Band::full(), [](const Vec3& p) { return norm(p) - 1; });
     ::setenv("CLSDF_MAX_ALLOCATION", "400000", 1);
-    const Device small = Device::best();
+    const Device small = Device::strongest();
     ::unsetenv("CLSDF_MAX_ALLOCATION");
     check_throws(ErrorCode::out_of_memory, {"450016 bytes", "at most 400000 bytes", "another device"},
                  [&] { SurfacePictures(field, small); });
@@ -371,7 +373,7 @@ BOOST_AUTO_TEST_CASE(is_traced_in_the_strangest_fields) {
             Field field = field_of(grid, Band::full(), [&](const Vec3& p) {
                 return norm({p[0] - 1004 * scale, p[1] - 5 * scale, p[2] - 4 * scale}) - 2.5 * scale;
             });
-            field.distance[5] = std::numeric_limits<float>::infinity();
+            field.distance()[5] = std::numeric_limits<float>::infinity();
             const Hits hits = SurfacePictures(field, device()).hits(options_of({0, 0, Axis::z, false, 0}, 40));
             BOOST_TEST(std::count_if(hits.pixels.begin(), hits.pixels.end(),
                                      [](const Hit& hit) { return hit.kind == Kind::surface; }) > 300);

@@ -29,7 +29,7 @@ Field field_with_up(Axis up, const Distance& distance) {
 }
 
 Axis upright(const Field& field) {
-    return SurfacePictures(field, Device::best()).upright();
+    return SurfacePictures(field, Device::strongest()).upright();
 }
 
 double distance_to_ball(const Vec3& point, const Vec3& centre, double radius) {
@@ -67,7 +67,7 @@ BOOST_AUTO_TEST_CASE(is_y_where_the_solid_stands_on_neither) {
 
 BOOST_AUTO_TEST_CASE(is_that_of_a_view_that_names_none) {
     const Field field = field_with_up(Axis::y, statue);
-    const SurfacePictures pictures(field, Device::best());
+    const SurfacePictures pictures(field, Device::strongest());
     SurfaceOptions options;
     options.width = 60;
     const Hits guessed = pictures.hits(options);

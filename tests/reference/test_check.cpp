@@ -26,7 +26,7 @@ CheckOptions complete() {
 
 std::size_t findings_of(const CheckReport& report) {
     std::size_t wrong = report.wrong_values + report.wrong_signs + report.missed + report.leaked;
-    visit_extras([&](const char*, std::size_t count) { wrong += count; }, report.wrong_outputs);
+    for (const std::size_t count : report.wrong_outputs) wrong += count;
     return wrong;
 }
 
@@ -43,9 +43,8 @@ Grid grid_around_it() {
 /// The distance and the triangle alone: other outputs do not follow when a test changes a band.
 Field plain_field(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign = SignRule::automatic) {
     Field field = reference_field(mesh, grid, band, sign);
-    const FieldArray<std::uint32_t> triangle = field.triangle;
-    visit_extras([](const char*, auto& values) { values.clear(); }, field);
-    field.triangle = triangle;
+    for (const OutputInfo& info : output_table())
+        if (info.output != Output::distance && info.output != Output::triangle) field.erase(info.output);
     return field;
 }
 
@@ -56,8 +55,8 @@ Field right_field(const Band& band = {0.1, 0.7}, SignRule sign = SignRule::nonze
 /// The first sample that fits; there must be one.
 template <typename Predicate>
 std::size_t find(const Field& field, const Predicate& predicate) {
-    for (std::size_t i = 0; i < field.distance.size(); ++i) {
-        if (predicate(field.distance[i])) {
+    for (std::size_t i = 0; i < field.distance().size(); ++i) {
+        if (predicate(field.distance()[i])) {
             return i;
         }
     }
@@ -85,7 +84,7 @@ CheckReport check_broken(const Field& field, const CheckOptions& options = compl
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(a_right_field_passes_complete_and_sampled) {
-    for (const Band& band : {Band{0.1, 0.7}, Band{0, 0.7}, Band{0.1, 0}, Band{0, 0}, Band{infinity, infinity},
+    for (const Band& band : {Band{0.1, 0.7}, Band{0, 0.7}, Band{0.1, 0}, Band::signs_only(), Band{infinity, infinity},
                              Band{0.05, infinity}, Band{9, 9}}) {
         for (const SignRule sign : {SignRule::nonzero, SignRule::parity, SignRule::none, SignRule::automatic}) {
             BOOST_TEST_CONTEXT("inside " << band.inside << " outside " << band.outside << " sign " << name_of(sign)) {
@@ -107,8 +106,8 @@ BOOST_AUTO_TEST_CASE(a_right_field_passes_complete_and_sampled) {
 
 BOOST_AUTO_TEST_CASE(fields_checked_together_get_the_reports_that_each_gets_alone) {
     std::vector<Field> fields(3, right_field());
-    fields[1].distance[find(fields[1], is_in_outer_band)] += 3e-5F;
-    fields[2].distance[find(fields[2], is_in_inner_band)] *= -1;
+    fields[1].distance()[find(fields[1], is_in_outer_band)] += 3e-5F;
+    fields[2].distance()[find(fields[2], is_in_inner_band)] *= -1;
     for (const CheckOptions& options : {complete(), CheckOptions{.samples = 3000}}) {
         const std::vector<CheckReport> reports = check(tetrahedron(), fields, options);
         BOOST_REQUIRE(reports.size() == fields.size());
@@ -145,15 +144,15 @@ BOOST_AUTO_TEST_CASE(fields_of_different_problems_are_not_checked_together) {
 BOOST_AUTO_TEST_CASE(the_number_of_band_samples_is_that_of_the_triangles_named) {
     const Field field = right_field();
     const auto named = static_cast<std::size_t>(
-        std::ranges::count_if(field.triangle, [](std::uint32_t triangle) { return triangle != no_triangle; }));
+        std::ranges::count_if(field.triangle(), [](std::uint32_t triangle) { return triangle != no_triangle; }));
     BOOST_TEST(check_broken(field).band_samples == named);
 }
 
 BOOST_AUTO_TEST_CASE(one_wrong_value_is_found_and_described) {
     Field field = right_field();
     const std::size_t at = find(field, is_in_outer_band);
-    const float right = field.distance[at];
-    field.distance[at] += 3e-5F;
+    const float right = field.distance()[at];
+    field.distance()[at] += 3e-5F;
     const CheckReport report = check_broken(field);
     BOOST_TEST(report.wrong_values == 1U);
     BOOST_TEST(findings_of(report) == 1U);
@@ -161,14 +160,14 @@ BOOST_AUTO_TEST_CASE(one_wrong_value_is_found_and_described) {
     const auto& finding = report.findings.front();
     BOOST_TEST(field.grid.offset(finding.sample[0], finding.sample[1], finding.sample[2]) == at);
     BOOST_TEST(finding.expected == right, boost::test_tools::tolerance(1e-6));
-    BOOST_TEST(static_cast<float>(finding.found) == field.distance[at]);
+    BOOST_TEST(static_cast<float>(finding.found) == field.distance()[at]);
     BOOST_TEST(report.max_error_voxels == 3e-5 / 0.21, boost::test_tools::tolerance(1e-2));
     BOOST_TEST(!report.passed());
 }
 
 BOOST_AUTO_TEST_CASE(an_error_within_the_tolerance_is_none) {
     Field field = right_field();
-    for (float& value : field.distance) {
+    for (float& value : field.distance()) {
         if (is_in_outer_band(value) || is_in_inner_band(value)) {
             value += 0.9e-5F * 0.21F;
         }
@@ -181,7 +180,7 @@ BOOST_AUTO_TEST_CASE(an_error_within_the_tolerance_is_none) {
 
 BOOST_AUTO_TEST_CASE(the_root_mean_square_is_that_of_the_band_samples) {
     Field field = right_field({9, 9});
-    for (float& value : field.distance) {
+    for (float& value : field.distance()) {
         value += value < 0 ? -2.1e-3F : 2.1e-3F;
     }
     const CheckReport report = check_broken(field);
@@ -200,9 +199,9 @@ BOOST_AUTO_TEST_CASE(large_distances_are_judged_in_units_of_the_float_written) {
             value = std::nextafter(value, 0.0F);
         }
     };
-    step(field.distance[3], 1);
+    step(field.distance()[3], 1);
     BOOST_TEST(check(mesh, field, complete()).passed());
-    step(field.distance[5], 3);
+    step(field.distance()[5], 3);
     const CheckReport report = check(mesh, field, complete());
     BOOST_TEST(report.wrong_values == 1U);
     BOOST_TEST(report.max_error_ulp >= 2.5);
@@ -213,29 +212,29 @@ BOOST_AUTO_TEST_CASE(one_wrong_sign_in_the_band_or_beyond_it_is_found) {
     for (const auto& where : {&is_in_outer_band, &is_in_inner_band, &is_outside_beyond, &is_inside_beyond}) {
         Field field = right_field();
         const std::size_t at = find(field, *where);
-        field.distance[at] = -field.distance[at];
+        field.distance()[at] = -field.distance()[at];
         const CheckReport report = check_broken(field);
         BOOST_TEST(report.wrong_signs == 1U);
         BOOST_TEST(!report.passed());
         BOOST_REQUIRE(!report.findings.empty());
-        BOOST_TEST(report.findings.front().found == static_cast<double>(field.distance[at]));
+        BOOST_TEST(report.findings.front().found == static_cast<double>(field.distance()[at]));
     }
     // Beyond the band the other side's fill value is nothing but a wrong sign.
     Field field = right_field();
-    field.distance[find(field, is_outside_beyond)] = -0.1F;
+    field.distance()[find(field, is_outside_beyond)] = -0.1F;
     BOOST_TEST(findings_of(check_broken(field)) == 1U);
 }
 
 BOOST_AUTO_TEST_CASE(one_missed_and_one_leaked_sample_are_found) {
     Field missed = right_field();
     const std::size_t in_band = find(missed, is_in_outer_band);
-    missed.distance[in_band] = 0.7F;
+    missed.distance()[in_band] = 0.7F;
     const CheckReport missed_report = check_broken(missed);
     BOOST_TEST(missed_report.missed == 1U);
     BOOST_TEST(findings_of(missed_report) == 1U);
 
     Field leaked = right_field();
-    leaked.distance[find(leaked, is_outside_beyond)] = 0.75F;
+    leaked.distance()[find(leaked, is_outside_beyond)] = 0.75F;
     const CheckReport leaked_report = check_broken(leaked);
     BOOST_TEST(leaked_report.leaked == 1U);
     BOOST_TEST(findings_of(leaked_report) == 1U);
@@ -245,7 +244,7 @@ BOOST_AUTO_TEST_CASE(a_value_that_is_not_a_number_is_found_wherever_it_is) {
     for (const auto& where : {&is_in_outer_band, &is_in_inner_band, &is_outside_beyond, &is_inside_beyond}) {
         for (const float bad : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::quiet_NaN()}) {
             Field field = right_field();
-            field.distance[find(field, *where)] = bad;
+            field.distance()[find(field, *where)] = bad;
             const CheckReport report = check_broken(field);
             BOOST_TEST(report.wrong_values + report.leaked == 1U);
             BOOST_TEST(std::isfinite(report.max_error_voxels));
@@ -253,7 +252,7 @@ BOOST_AUTO_TEST_CASE(a_value_that_is_not_a_number_is_found_wherever_it_is) {
         }
     }
     Field infinite = right_field();
-    infinite.distance[find(infinite, is_in_outer_band)] = std::numeric_limits<float>::infinity();
+    infinite.distance()[find(infinite, is_in_outer_band)] = std::numeric_limits<float>::infinity();
     BOOST_TEST(check_broken(infinite).wrong_values == 1U);
     BOOST_TEST(std::isinf(check_broken(infinite).max_error_voxels));
     BOOST_TEST(std::isinf(check_broken(infinite).max_error_ulp));
@@ -264,18 +263,18 @@ BOOST_AUTO_TEST_CASE(the_sign_of_zero_is_part_of_the_contract) {
     // Inside a band without an inside, -0 is the fill value, and +0 is the wrong sign.
     Field field = right_field({0, 0.7});
     const std::size_t inside = find(field, [](float d) { return d == 0 && std::signbit(d); });
-    field.distance[inside] = 0.0F;
+    field.distance()[inside] = 0.0F;
     BOOST_TEST(check_broken(field).wrong_signs == 1U);
 
     // Outside a band without an outside, +0 is.
     field = right_field({0.1, 0});
     const std::size_t outside = find(field, [](float d) { return d == 0 && !std::signbit(d); });
-    field.distance[outside] = -0.0F;
+    field.distance()[outside] = -0.0F;
     BOOST_TEST(check_broken(field).wrong_signs == 1U);
 
     // An unsigned field is never negative.
     field = right_field({0, 0.7}, SignRule::none);
-    field.distance[find(field, is_in_outer_band)] *= -1;
+    field.distance()[find(field, is_in_outer_band)] *= -1;
     BOOST_TEST(check_broken(field).wrong_signs == 1U);
 }
 
@@ -285,16 +284,16 @@ BOOST_AUTO_TEST_CASE(a_zero_distance_is_written_as_positive_zero) {
     Field field = plain_field(mesh, grid, {1, 1});
     BOOST_TEST(check(mesh, field, complete()).passed());
     const std::size_t zero = find(field, [](float d) { return d == 0; });
-    field.distance[zero] = -0.0F;
+    field.distance()[zero] = -0.0F;
     const CheckReport report = check(mesh, field, complete());
     BOOST_TEST(report.wrong_signs == 1U);
     BOOST_TEST(findings_of(report) == 1U);
     // Unless -0 is the fill value, and the sample within the tolerance of that limit.
     Field without_inside = plain_field(mesh, grid, {0, 1});
-    without_inside.distance[zero] = -0.0F;
+    without_inside.distance()[zero] = -0.0F;
     BOOST_TEST(check(mesh, without_inside, complete()).passed());
     // The sign of a sample on the surface, to within the margin, is not judged otherwise.
-    field.distance[zero] = -1e-7F;
+    field.distance()[zero] = -1e-7F;
     BOOST_TEST(check(mesh, field, complete()).passed());
 }
 
@@ -305,12 +304,12 @@ BOOST_AUTO_TEST_CASE(a_sample_at_the_limit_may_carry_its_distance_or_the_fill_va
     for (const double width : {1.0 + 1e-7, 1.0 - 1e-7}) {
         Field field = plain_field(mesh, grid, {1, width});
         field.band.outside = 1;
-        for (float& value : field.distance) {
+        for (float& value : field.distance()) {
             value = value == static_cast<float>(width) ? 1.0F : value;
         }
         BOOST_TEST(check(mesh, field, complete()).passed());
         // Nothing else, though, at (-1, 1, 1).
-        field.distance[grid.offset(2, 4, 4)] = 0.5F;
+        field.distance()[grid.offset(2, 4, 4)] = 0.5F;
         const CheckReport report = check(mesh, field, complete());
         BOOST_TEST(report.wrong_values == 1U);
         BOOST_TEST(findings_of(report) == 1U);
@@ -323,14 +322,14 @@ BOOST_AUTO_TEST_CASE(a_triangle_that_is_not_a_nearest_one_is_found) {
     const std::size_t beyond = find(right, is_outside_beyond);
     for (const auto& [at, triangle] : {std::pair{in_band, no_triangle}, {in_band, 77U}, {beyond, 0U}, {beyond, 77U}}) {
         Field field = right;
-        field.triangle[at] = triangle;
-        BOOST_TEST(check_broken(field).wrong_outputs.triangle == 1U);
+        field.triangle()[at] = triangle;
+        BOOST_TEST(check_broken(field).wrong_outputs[detail::index_of(Output::triangle)] == 1U);
         BOOST_TEST(findings_of(check_broken(field)) == 1U);
     }
     std::size_t accepted = 0;
     for (std::uint32_t triangle = 0; triangle < 4; ++triangle) {
         Field field = right;
-        field.triangle[in_band] = triangle;
+        field.triangle()[in_band] = triangle;
         accepted += check_broken(field).passed() ? 1U : 0U;
     }
     BOOST_TEST(accepted >= 1U);
@@ -343,41 +342,41 @@ BOOST_AUTO_TEST_CASE(an_output_that_breaks_its_contract_is_found) {
     const std::size_t in_band = find(right, is_in_outer_band);
     const std::size_t beyond = find(right, is_outside_beyond);
     struct Change {
-        const char* output;
+        Output output;
         std::function<void(Field&)> make;
     };
     const std::vector<Change> changes{
-        {"site", [&](Field& field) { field.site[in_band] = no_site; }},
-        {"site", [&](Field& field) { field.site[in_band] = 7; }},
-        {"site", [&](Field& field) { field.site[in_band] = static_cast<std::uint8_t>((field.site[in_band] + 1) % 7); }},
-        {"site", [&](Field& field) { field.site[beyond] = 6; }},
-        {"closest", [&](Field& field) { field.closest[3 * in_band + 1] += 1e-3; }},
-        {"closest", [&](Field& field) { field.closest[3 * in_band] = std::nan(""); }},
-        {"closest", [&](Field& field) { field.closest[3 * beyond + 2] = 0; }},
-        {"gradient",
+        {Output::site, [&](Field& field) { field.site()[in_band] = no_site; }},
+        {Output::site, [&](Field& field) { field.site()[in_band] = 7; }},
+        {Output::site,
+         [&](Field& field) { field.site()[in_band] = static_cast<std::uint8_t>((field.site()[in_band] + 1) % 7); }},
+        {Output::site, [&](Field& field) { field.site()[beyond] = 6; }},
+        {Output::closest, [&](Field& field) { field.closest()[3 * in_band + 1] += 1e-3; }},
+        {Output::closest, [&](Field& field) { field.closest()[3 * in_band] = std::nan(""); }},
+        {Output::closest, [&](Field& field) { field.closest()[3 * beyond + 2] = 0; }},
+        {Output::gradient,
          [&](Field& field) {
-             for (std::size_t i = 0; i < 3; ++i) field.gradient[3 * in_band + i] *= -1;
+             for (std::size_t i = 0; i < 3; ++i) field.gradient()[3 * in_band + i] *= -1;
          }},
-        {"gradient", [&](Field& field) { field.gradient[3 * in_band + 2] += 1e-3F; }},
-        {"gradient", [&](Field& field) { field.gradient[3 * in_band] = std::nanf(""); }},
-        {"barycentric", [&](Field& field) { field.barycentric[2 * in_band] += 0.01F; }},
-        {"barycentric", [&](Field& field) { field.barycentric[2 * in_band + 1] = 1.1F; }},
+        {Output::gradient, [&](Field& field) { field.gradient()[3 * in_band + 2] += 1e-3F; }},
+        {Output::gradient, [&](Field& field) { field.gradient()[3 * in_band] = std::nanf(""); }},
+        {Output::barycentric, [&](Field& field) { field.barycentric()[2 * in_band] += 0.01F; }},
+        {Output::barycentric, [&](Field& field) { field.barycentric()[2 * in_band + 1] = 1.1F; }},
     };
-    for (const Change& change : changes) BOOST_TEST_CONTEXT(change.output) {
+    for (const Change& change : changes) BOOST_TEST_CONTEXT(info_of(change.output).name) {
             Field field = right;
             change.make(field);
             const CheckReport report = check_broken(field);
-            visit_extras(
-                [&](const char* name, std::size_t wrong) {
-                    BOOST_TEST(wrong == (std::string(name) == change.output ? 1U : 0U), name);
-                },
-                report.wrong_outputs);
+            for (const OutputInfo& info : output_table())
+                BOOST_TEST(
+                    report.wrong_outputs[detail::index_of(info.output)] == (info.output == change.output ? 1U : 0U),
+                    info.name);
         }
 }
 
 BOOST_AUTO_TEST_CASE(only_the_first_ten_findings_are_kept_but_all_are_counted) {
     Field field = right_field();
-    for (float& value : field.distance) {
+    for (float& value : field.distance()) {
         value = -value;
     }
     const CheckReport report = check_broken(field);
@@ -400,7 +399,7 @@ BOOST_AUTO_TEST_CASE(the_drawn_half_finds_faults_at_the_limits_and_near_edges_an
         for (std::int64_t k = 0; k < grid.size[2]; ++k) {
             for (std::int64_t j = 0; j < grid.size[1]; ++j) {
                 for (std::int64_t i = 0; i < grid.size[0]; ++i) {
-                    float& value = field.distance[grid.offset(i, j, k)];
+                    float& value = field.distance()[grid.offset(i, j, k)];
                     if (is_faulty(value, grid.position(i, j, k))) {
                         value += 0.01F;
                         ++faults;
@@ -425,8 +424,8 @@ BOOST_AUTO_TEST_CASE(the_drawn_half_finds_faults_at_the_limits_and_near_edges_an
 
 BOOST_AUTO_TEST_CASE(the_report_does_not_depend_on_the_number_of_threads) {
     Field field = right_field();
-    for (std::size_t i = 0; i < field.distance.size(); i += 7) {
-        field.distance[i] *= 1.001F;
+    for (std::size_t i = 0; i < field.distance().size(); i += 7) {
+        field.distance()[i] *= 1.001F;
     }
     for (const std::size_t samples : {std::size_t{0}, std::size_t{3000}}) {
         CheckReport reports[2];
@@ -446,8 +445,8 @@ BOOST_AUTO_TEST_CASE(the_report_does_not_depend_on_the_number_of_threads) {
 
 BOOST_AUTO_TEST_CASE(another_seed_draws_other_samples) {
     Field field = right_field();
-    for (std::size_t i = 0; i < field.distance.size(); i += 2) {
-        field.distance[i] *= -1;
+    for (std::size_t i = 0; i < field.distance().size(); i += 2) {
+        field.distance()[i] *= -1;
     }
     const CheckReport one = check_broken(field, {.samples = 1000, .seed = 1});
     const CheckReport again = check_broken(field, {.samples = 1000, .seed = 1});
@@ -473,7 +472,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_far_from_the_origin_raises_no_false_alarm_and_hides_
             strict.tolerance_ulp = 0.5;
             BOOST_TEST(check(mesh, field, strict).passed());
             const std::size_t at = find(field, [](float d) { return d > 1 && d < 2.5F; });
-            field.distance[at] += 2e-5F;
+            field.distance()[at] += 2e-5F;
             BOOST_TEST(check(mesh, field, complete()).wrong_values == 1U);
         }
     }
@@ -496,10 +495,10 @@ BOOST_AUTO_TEST_CASE(every_counterexample_passes_with_its_own_field) {
 
 BOOST_AUTO_TEST_CASE(a_field_that_does_not_fit_its_grid_or_its_mesh_is_an_error) {
     Field field = right_field();
-    field.distance.pop_back();
+    field.resize(Output::distance, field.distance().size() - 1);
     BOOST_CHECK_THROW(check_broken(field), Error);
     field = right_field();
-    field.triangle.pop_back();
+    field.resize(Output::triangle, field.triangle().size() - 1);
     BOOST_CHECK_THROW(check_broken(field), Error);
     const Mesh open({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
     BOOST_CHECK_THROW(check(open, right_field(), complete()), Error);

@@ -3,7 +3,10 @@
 #include "device/context.hpp"
 #include "device/opencl.hpp"
 
+#include <clsdf/plan.hpp>
+
 #include <cstdint>
+#include <span>
 #include <vector>
 
 /// Memory of a device, as a caller has it.
@@ -40,5 +43,24 @@ private:
     std::size_t count_;
     cl::Buffer buffer_;
 };
+
+/// Enqueues a run of a plan, and returns the event of its end.
+inline cl::Event enqueue(Plan& plan, cl_command_queue queue, std::span<const cl_event> wait_list = {}) {
+    cl_event done = nullptr;
+    plan.enqueue(queue, wait_list, &done);
+    return cl::Event(done);
+}
+inline cl::Event enqueue(Plan& plan, cl_command_queue queue, const OutputTargets& targets,
+                         std::span<const cl_event> wait_list = {}) {
+    cl_event done = nullptr;
+    plan.enqueue(queue, targets, wait_list, &done);
+    return cl::Event(done);
+}
+inline cl::Event enqueue(Plan& plan, cl_command_queue queue, std::span<const OutputTargets> targets,
+                         std::span<const cl_event> wait_list = {}) {
+    cl_event done = nullptr;
+    plan.enqueue(queue, targets, wait_list, &done);
+    return cl::Event(done);
+}
 
 }  // namespace clsdf::test

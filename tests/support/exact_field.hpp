@@ -2,13 +2,17 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/reference.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -20,7 +24,7 @@ namespace clsdf::test {
 
 /// The device of all tests of a program. It is never destroyed: the driver may be gone by the time static objects are.
 inline const Device& test_device() {
-    static const auto* const device = new Device(Device::best());
+    static const auto* const device = new Device(Device::strongest());
     return *device;
 }
 
@@ -60,17 +64,15 @@ inline Accuracy expected_accuracy() {
     return is_processor() ? aimed : guaranteed;
 }
 
-/// All that there is beside the distance; other methods than ours know the triangle alone.
-inline Outputs all_outputs(const TransformOptions& options = {}) {
-    Outputs outputs;
-    visit_extras([&](const char*, bool& wanted) { wanted = !options.method; }, outputs);
-    outputs.triangle = true;
+/// The distance and all others.
+inline OutputSet all_outputs() {
+    OutputSet outputs;
+    for (const OutputInfo& info : output_table()) outputs.insert(info.output);
     return outputs;
 }
 
 inline Field compute(const Mesh& mesh, const Grid& grid, const Band& band, const TransformOptions& options = {}) {
-    DistanceTransform transform(test_device(), mesh, options);
-    return transform(grid, band, all_outputs(options));
+    return DistanceTransform(test_device(), mesh, options).compute(grid, band, all_outputs());
 }
 
 inline Field compute(const Mesh& mesh, const Grid& grid, const Band& band, SignRule sign) {
@@ -97,9 +99,10 @@ inline reference::CheckReport check_exact(const Mesh& mesh, const Field& field,
         BOOST_TEST(report.wrong_signs == 0U);
         BOOST_TEST(report.missed == 0U);
         BOOST_TEST(report.leaked == 0U);
-        visit_extras(
-            [](const char* name, std::size_t wrong) { BOOST_TEST(wrong == 0U, wrong << " wrong in " << name); },
-            report.wrong_outputs);
+        for (const OutputInfo& info : output_table()) {
+            const std::size_t wrong = report.wrong_outputs[detail::index_of(info.output)];
+            BOOST_TEST(wrong == 0U, wrong << " wrong in " << info.name);
+        }
         for (const reference::CheckReport::Finding& finding : report.findings)
             BOOST_TEST_MESSAGE("  at (" << finding.sample[0] << ", " << finding.sample[1] << ", " << finding.sample[2]
                                         << "): " << finding.found << " instead of " << finding.expected << ": "
@@ -143,61 +146,69 @@ inline std::vector<std::uint32_t> bits_of(std::span<const float> values) {
     return bits;
 }
 
+/// The very bytes of an output are the same.
+inline bool same_bytes(const FieldSlab& one, const FieldSlab& other, Output output) {
+    return std::ranges::equal(one.bytes(output), other.bytes(output));
+}
+
+/// For CallOptions::progress: calls `watch` with the fraction of the samples or points that are done.
+template <typename Watch>
+std::function<void(const Progress& progress)> when_computing(Watch watch) {
+    return [watch](const Progress& progress) mutable {
+        if (progress.stage == Progress::Stage::computing) watch(progress.fraction);
+    };
+}
+
 /// Whether the fields have the same outputs, with the same bytes.
 inline bool same_bytes(const Field& one, const Field& other) {
-    bool is_same = true;
-    visit_outputs(
-        [&](const char*, const auto& values, const auto& others) {
-            is_same = is_same && std::ranges::equal(std::as_bytes(std::span(values)), std::as_bytes(std::span(others)));
-        },
-        one, other);
-    return is_same;
+    return std::ranges::all_of(
+        output_table(), [&](const OutputInfo& info) { return same_bytes(one.slab(), other.slab(), info.output); });
 }
 
 /// The field's values on a part of its grid.
 inline Field part_of(const Field& whole, const Grid& part) {
-    Field result;
-    static_cast<FieldDescription&>(result) = whole;
-    result.grid = part;
-    const std::size_t samples = whole.grid.sample_count();
+    FieldDescription description = whole;
+    description.grid = part;
+    Field result(description, whole.outputs());
     const Index3 offset{part.first[0] - whole.grid.first[0], part.first[1] - whole.grid.first[1],
                         part.first[2] - whole.grid.first[2]};
-    visit_outputs(
-        [&](const char*, const auto& values, auto& of_part) {
-            const std::size_t width = values.size() / samples;
-            for (std::int64_t k = 0; k < part.size[2]; ++k)
-                for (std::int64_t j = 0; j < part.size[1]; ++j) {
-                    const std::size_t from = whole.grid.offset(offset[0], offset[1] + j, offset[2] + k);
-                    of_part.append({values.data() + width * from, width * static_cast<std::size_t>(part.size[0])});
-                }
-        },
-        whole, result);
+    for (const OutputInfo& info : output_table()) {
+        if (!whole.outputs().contains(info.output)) continue;
+        const std::size_t bytes = info.sample_bytes();
+        std::byte* to = result.bytes(info.output).data();
+        const std::size_t row = bytes * static_cast<std::size_t>(part.size[0]);
+        for (std::int64_t k = 0; k < part.size[2]; ++k)
+            for (std::int64_t j = 0; j < part.size[1]; ++j, to += row) {
+                const std::size_t from = whole.grid.offset(offset[0], offset[1] + j, offset[2] + k);
+                std::memcpy(to, whole.bytes(info.output).data() + bytes * from, row);
+            }
+    }
     return result;
 }
 
 /// The tests' device as if it allocated no more at once.
 inline Device with_largest_allocation(std::size_t bytes) {
     setenv("CLSDF_MAX_ALLOCATION", std::to_string(bytes).c_str(), 1);
-    Device device = Device::best();
+    Device device = Device::strongest();
     unsetenv("CLSDF_MAX_ALLOCATION");
     return device;
 }
 
+/// The positions of a grid's samples.
+inline std::vector<Vec3> samples_of(const Grid& grid) {
+    std::vector<Vec3> points;
+    for (std::int64_t k = 0; k < grid.size[2]; ++k)
+        for (std::int64_t j = 0; j < grid.size[1]; ++j)
+            for (std::int64_t i = 0; i < grid.size[0]; ++i) points.push_back(grid.position(i, j, k));
+    return points;
+}
+
 /// Results of points, all outputs, in the arrays of a field.
 inline Field query(const DistanceTransform& transform, std::span<const Vec3> points,
-                   double within = std::numeric_limits<double>::infinity()) {
+                   double half_width = std::numeric_limits<double>::infinity()) {
     Field field;
-    OutputTargets targets;
-    visit_outputs(
-        [&](const char* name, auto& values, OutputTarget& target) {
-            const std::string output = name;
-            values.resize(points.size() * (output == "closest" || output == "gradient" ? 3
-                                           : output == "barycentric"                   ? 2
-                                                                                       : 1));
-            target = values;
-        },
-        field, targets);
-    transform.query(points, within, targets);
+    for (const OutputInfo& info : output_table()) field.resize(info.output, points.size());
+    transform.query(points, half_width, field.targets());
     return field;
 }
 

@@ -21,8 +21,8 @@ namespace clsdf::test {
 class PointContract {
 public:
     /// The mesh must outlive this. `sign` is DistanceTransform::sign(): nonzero, parity or none.
-    PointContract(const Mesh& mesh, SignRule sign, double within)
-        : mesh_(mesh), oracle_(mesh), sign_(sign), within_(within) {
+    PointContract(const Mesh& mesh, SignRule sign, double half_width)
+        : mesh_(mesh), oracle_(mesh), sign_(sign), half_width_(half_width) {
         const double side = mesh.box().longest_side();
         voxel_ = side > 0 ? side / 256 : 1;
     }
@@ -30,16 +30,16 @@ public:
     /// Says how point number i of a query is wrong; empty if it is right.
     std::string fault(const Vec3& point, const Field& field, std::size_t i) const {
         const Truth truth = truth_at(point);
-        const double limit = static_cast<double>(static_cast<float>(within_));
-        const bool is_left = field.triangle[i] == no_triangle;
-        if (std::string wrong = wrong_sign(truth, field.distance[i]); !wrong.empty()) return wrong;
-        const double found = std::fabs(static_cast<double>(field.distance[i]));
-        if (is_left && truth.distance >= within_ - truth.rounding) {
+        const double limit = static_cast<double>(static_cast<float>(half_width_));
+        const bool is_left = field.triangle()[i] == no_triangle;
+        if (std::string wrong = wrong_sign(truth, field.distance()[i]); !wrong.empty()) return wrong;
+        const double found = std::fabs(static_cast<double>(field.distance()[i]));
+        if (is_left && truth.distance >= half_width_ - truth.rounding) {
             if (found == limit && are_left(field, i)) return {};
             return fmt::format("beyond the limit, with the distance {} or with another output", found);
         }
         if (is_left) return fmt::format("the distance is {}, but no triangle is named", truth.distance);
-        if (truth.distance > within_ + truth.rounding)
+        if (truth.distance > half_width_ + truth.rounding)
             return fmt::format("the distance is {}, beyond the limit, but a triangle is named", truth.distance);
         // The final rounding to a float.
         if (!(std::fabs(found - truth.distance) <= half_ulp(truth.distance) + truth.rounding))
@@ -96,9 +96,9 @@ private:
     }
 
     static bool are_left(const Field& field, std::size_t i) {
-        return field.site[i] == no_site && vector_at(field.closest, i).array().isNaN().all() &&
-               vector_at(field.gradient, i).array().isNaN().all() && std::isnan(field.barycentric[2 * i]) &&
-               std::isnan(field.barycentric[2 * i + 1]);
+        return field.site()[i] == no_site && vector_at(field.closest(), i).array().isNaN().all() &&
+               vector_at(field.gradient(), i).array().isNaN().all() && std::isnan(field.barycentric()[2 * i]) &&
+               std::isnan(field.barycentric()[2 * i + 1]);
     }
 
     /// The site's corners, the last one repeated.
@@ -119,7 +119,7 @@ private:
     }
 
     std::string wrong_outputs(const Truth& truth, const Field& field, std::size_t i) const {
-        const std::uint32_t triangle = field.triangle[i];
+        const std::uint32_t triangle = field.triangle()[i];
         if (triangle >= mesh_.triangles().size()) return fmt::format("triangle {} is not in the mesh", triangle);
         const auto& [a, b, c] = mesh_.triangles()[triangle];
         const Corners corners{mesh_.vertices()[a], mesh_.vertices()[b], mesh_.vertices()[c]};
@@ -128,7 +128,7 @@ private:
             return fmt::format("triangle {} is {:.17g} away, another one {:.17g}", triangle, of_triangle,
                                truth.distance);
 
-        const std::size_t number = field.site[i];
+        const std::size_t number = field.site()[i];
         if (number > 6) return fmt::format("{} is no site", number);
         const Corners site = corners_of(corners, number);
         const double accuracy = std::max(1e-5 * voxel_, 4 * half_ulp(truth.distance));
@@ -136,7 +136,7 @@ private:
             !(distance_to_extension(truth.point, site, number) >= truth.distance - accuracy))
             return fmt::format("site {} of triangle {} is not nearest", number, triangle);
 
-        const Vector closest = vector_at(field.closest, i), from = vector(truth.point) - closest;
+        const Vector closest = vector_at(field.closest(), i), from = vector(truth.point) - closest;
         // The closest point is the point less their offset: a far point's own rounding counts, as in
         // reference::check().
         const double coordinate = 4 * std::numeric_limits<double>::epsilon() *
@@ -147,8 +147,8 @@ private:
         if (!(std::fabs(from.norm() - truth.distance) <= truth.rounding + coordinate))
             return fmt::format("the closest point is {:.17g} away instead of {:.17g}", from.norm(), truth.distance);
 
-        const auto u = static_cast<double>(field.barycentric[2 * i]),
-                   v = static_cast<double>(field.barycentric[2 * i + 1]);
+        const auto u = static_cast<double>(field.barycentric()[2 * i]),
+                   v = static_cast<double>(field.barycentric()[2 * i + 1]);
         const Vector second = vector(corners[1]) - vector(corners[0]), third = vector(corners[2]) - vector(corners[0]);
         const double weights_off = (vector(corners[0]) + u * second + v * third - closest).norm();
         if (!(u >= 0 && v >= 0 && u <= 1 && v <= 1 && u + v <= 1 + 2e-7) ||
@@ -157,7 +157,7 @@ private:
 
         // On the surface it is the pseudonormal, or NaN if no face at the site has an area.
         if (truth.distance <= 1e-6 * voxel_) return {};
-        const Vector gradient = vector_at(field.gradient, i);
+        const Vector gradient = vector_at(field.gradient(), i);
         const double off = (gradient - (truth.is_inside ? -1 : 1) * from.normalized()).norm();
         if (std::fabs(gradient.norm() - 1) <= 1e-6 &&
             off <= 1e-5 + (2e-6 * voxel_ + truth.rounding + coordinate) / truth.distance)
@@ -168,7 +168,7 @@ private:
     const Mesh& mesh_;
     reference::Oracle oracle_;
     SignRule sign_;
-    double within_;
+    double half_width_;
     double voxel_;
 };
 

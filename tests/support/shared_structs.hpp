@@ -42,7 +42,7 @@ inline void check_agreements(const std::vector<Agreement>& agreements, std::stri
     for (std::size_t i = 0; i < agreements.size(); ++i)
         text += "    found[" + std::to_string(i) + "] = (uint)(" + agreements[i].expression + ");\n";
     text += "}\n";
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     std::vector<cl_uint> found(agreements.size());
     device::guarded([&] {
         const device::Context& context = device::context_of(device);

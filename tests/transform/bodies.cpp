@@ -14,8 +14,8 @@ namespace {
 
 void check_agreement(const Field& one, const Field& other) {
     const double voxel = one.grid.voxel();
-    for (std::size_t i = 0; i < one.distance.size(); ++i) {
-        const double a = one.distance[i], b = other.distance[i];
+    for (std::size_t i = 0; i < one.distance().size(); ++i) {
+        const double a = one.distance()[i], b = other.distance()[i];
         const double ulp = std::abs(a) * 0x1p-23;
         BOOST_REQUIRE(std::abs(a - b) <= std::max(2 * guaranteed.voxels * voxel, 2 * guaranteed.ulp * ulp));
         BOOST_REQUIRE((std::signbit(a) == std::signbit(b) || std::abs(a) < guaranteed.voxels * voxel));
@@ -72,11 +72,11 @@ BOOST_AUTO_TEST_CASE(vectors_of_eight_compute_exactly) {
         const Device narrow = with_float_width(width);
         const auto check = [&](const Mesh& mesh, const Grid& grid, const Band& band, bool count = false) {
             DistanceTransform transform(narrow, mesh, {.body = KernelBody::by_vector});
-            const Field field = transform(grid, band, {.triangle = true}, {.count = count});
+            const Field field = transform.compute(grid, band, Output::triangle, {.count_work = count});
             BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
             check_agreement(field, compute(mesh, grid, band));
             Grid part = grid.part({3, 5, 1}, {grid.size[0] - 6, grid.size[1] - 5, grid.size[2] - 3});
-            check_exact(mesh, transform(part, band), guaranteed);
+            check_exact(mesh, transform.compute(part, band), guaranteed);
         };
         for (const Counterexample& example : all_counterexamples()) {
             const Band band = Band::symmetric(example.half_width);
@@ -100,9 +100,9 @@ BOOST_AUTO_TEST_CASE(vectors_compute_long_lists_exactly) {
         BOOST_TEST(check_exact(mesh, field, guaranteed).band_samples > 0U);
         DistanceTransform narrow(with_float_width(8), mesh, {.body = KernelBody::by_vector});
         TransformStatistics statistics;
-        const Field by_eight = narrow(grid, band, {.triangle = true}, {.count = true, .statistics = &statistics});
+        const Field by_eight = narrow.compute(grid, band, Output::triangle, {.count_work = true}, &statistics);
         check_exact(mesh, by_eight, guaranteed);
         check_agreement(field, by_eight);
-        BOOST_TEST(statistics.coarse_pairs > CLSDF_LIST_PART * statistics.coarse_bricks);
+        BOOST_TEST(statistics.work->coarse_pairs > CLSDF_LIST_PART * statistics.work->coarse_bricks);
     }
 }

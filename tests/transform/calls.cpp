@@ -37,8 +37,8 @@ Grid around_mesh() {
 
 /// Samples of the band are those that have a triangle.
 std::size_t samples_with_triangle(const Field& field) {
-    return field.triangle.size() -
-           static_cast<std::size_t>(std::count(field.triangle.begin(), field.triangle.end(), no_triangle));
+    return field.triangle().size() -
+           static_cast<std::size_t>(std::count(field.triangle().begin(), field.triangle().end(), no_triangle));
 }
 
 /// Computes into arrays that begin at, and beside, lines of memory, between values that stay as they are.
@@ -61,17 +61,17 @@ void check_places(const Mesh& mesh, const Grid& grid, const Band& band, KernelBo
             std::fill(triangle.begin(), triangle.end(), 77U);
             const auto distances = std::span(distance).subspan(first_line(distance) + past_line, count);
             const auto triangles = std::span(triangle).subspan(first_line(triangle) + past_line, count);
-            transform.compute(grid, band, {distances, triangles});
-            BOOST_TEST((bits_of(distances) == bits_of(expected.distance)));
-            BOOST_TEST(std::equal(triangles.begin(), triangles.end(), expected.triangle.begin()));
+            transform.compute(grid, band, {{Output::distance, distances}, {Output::triangle, triangles}});
+            BOOST_TEST((bits_of(distances) == bits_of(expected.distance())));
+            BOOST_TEST(std::equal(triangles.begin(), triangles.end(), expected.triangle().begin()));
             BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), guard)) == 3 * line);
             BOOST_TEST(
                 std::all_of(triangle.data(), triangles.data(), [](std::uint32_t value) { return value == 77U; }));
             BOOST_TEST(std::all_of(triangles.data() + count, triangle.data() + triangle.size(),
                                    [](std::uint32_t value) { return value == 77U; }));
             std::fill(distance.begin(), distance.end(), guard);
-            transform.compute(grid, band, {distances, {}});
-            BOOST_TEST((bits_of(distances) == bits_of(expected.distance)));
+            transform.compute(grid, band, distances);
+            BOOST_TEST((bits_of(distances) == bits_of(expected.distance())));
             BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), guard)) == 3 * line);
         }
 }
@@ -114,10 +114,11 @@ BOOST_AUTO_TEST_CASE(progress_runs_from_0_to_1) {
     std::vector<double> seen;
     const std::thread::id caller = std::this_thread::get_id();
     DistanceTransform transform(one_compute_unit(), dense());
-    transform(around_dense(), Band::full(), {}, {.progress = [&](double fraction) {
-                  BOOST_TEST((std::this_thread::get_id() == caller));
-                  seen.push_back(fraction);
-              }});
+    transform.compute(around_dense(), Band::full(), Output::distance,
+                      {.progress = when_computing([&](double fraction) {
+                           BOOST_TEST((std::this_thread::get_id() == caller));
+                           seen.push_back(fraction);
+                       })});
     BOOST_TEST(seen.size() >= (is_processor() ? 4U : 2U));
     BOOST_TEST(seen.front() == 0);
     BOOST_TEST(seen.back() == 1);
@@ -129,23 +130,24 @@ BOOST_AUTO_TEST_CASE(a_computation_stops_when_asked_and_begins_anew_when_asked) 
     bool stop = false;
     std::vector<double> seen;
     DistanceTransform transform(one_compute_unit(), dense());
-    const CallOptions call{.progress =
-                               [&](double fraction) {
-                                   seen.push_back(fraction);
-                                   if (fraction > 0) stop = true;
-                               },
+    const CallOptions call{.progress = when_computing([&](double fraction) {
+                               seen.push_back(fraction);
+                               if (fraction > 0) stop = true;
+                           }),
                            .should_stop = [&] { return stop; }};
     if (is_processor()) {
-        check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
+        check_throws(ErrorCode::cancelled, {"cancelled"},
+                     [&] { transform.compute(around_dense(), Band::full(), Output::distance, call); });
         BOOST_TEST(seen.back() < 1);
     } else {
-        transform(around_dense(), Band::full(), {}, call);
+        transform.compute(around_dense(), Band::full(), Output::distance, call);
     }
     BOOST_TEST(seen.size() == 2U);
     // A call that is to stop at once computes nothing.
-    check_throws(ErrorCode::cancelled, {"cancelled"}, [&] { transform(around_dense(), Band::full(), {}, call); });
+    check_throws(ErrorCode::cancelled, {"cancelled"},
+                 [&] { transform.compute(around_dense(), Band::full(), Output::distance, call); });
     BOOST_TEST(seen.size() == 2U);
-    BOOST_TEST(same_bytes(expected, transform(around_dense(), Band::full(), all_outputs())));
+    BOOST_TEST(same_bytes(expected, transform.compute(around_dense(), Band::full(), all_outputs())));
 }
 
 BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
@@ -156,11 +158,11 @@ BOOST_AUTO_TEST_CASE(the_field_is_written_into_the_callers_arrays) {
     constexpr float guard = -12345.0F;
     std::vector<float> distance(grid.sample_count() + 14, guard);
     std::vector<std::uint32_t> triangle(grid.sample_count() + 14, 77);
-    transform.compute(
-        grid, Band::full(),
-        {std::span(distance).subspan(7, grid.sample_count()), std::span(triangle).subspan(7, grid.sample_count())});
-    BOOST_TEST(std::equal(expected.distance.begin(), expected.distance.end(), distance.begin() + 7));
-    BOOST_TEST(std::equal(expected.triangle.begin(), expected.triangle.end(), triangle.begin() + 7));
+    transform.compute(grid, Band::full(),
+                      {{Output::distance, std::span(distance).subspan(7, grid.sample_count())},
+                       {Output::triangle, std::span(triangle).subspan(7, grid.sample_count())}});
+    BOOST_TEST(std::equal(expected.distance().begin(), expected.distance().end(), distance.begin() + 7));
+    BOOST_TEST(std::equal(expected.triangle().begin(), expected.triangle().end(), triangle.begin() + 7));
     BOOST_TEST(std::count(distance.begin(), distance.begin() + 7, guard) == 7);
     BOOST_TEST(std::count(distance.end() - 7, distance.end(), guard) == 7);
     BOOST_TEST(std::count(triangle.begin(), triangle.begin() + 7, 77U) == 7);
@@ -199,7 +201,7 @@ BOOST_AUTO_TEST_CASE(rows_may_begin_outside_and_end_inside) {
     const Grid grid = grid_at({0.01, 0.02, 0.03}, 0.05, 40).part({0, 10, 10}, {41, 61, 20});
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
         const Field field = compute(solid, grid, Band::symmetric(0.1), body);
-        BOOST_TEST(!std::signbit(field.distance.front()));
+        BOOST_TEST(!std::signbit(field.distance().front()));
         BOOST_TEST(check_exact(solid, field).band_samples > 0U);
     }
 }
@@ -216,12 +218,12 @@ BOOST_AUTO_TEST_CASE(arrays_of_another_size_are_refused) {
                      [&] { transform.compute(grid, Band::full(), targets); });
     };
     const std::size_t count = grid.sample_count();
-    refuse({.distance = all}, "distance", count + 1);
-    refuse({.distance = all.first(count - 1)}, "distance", count - 1);
-    refuse({.distance = all.first(count), .triangle = triangle}, "triangle", count + 1);
-    refuse({.distance = all.first(count), .triangle = std::span(triangle).first(1)}, "triangle", 1);
+    refuse(all, "distance", count + 1);
+    refuse(all.first(count - 1), "distance", count - 1);
+    refuse({{Output::distance, all.first(count)}, {Output::triangle, triangle}}, "triangle", count + 1);
+    refuse({{Output::distance, all.first(count)}, {Output::triangle, std::span(triangle).first(1)}}, "triangle", 1);
     check_throws(ErrorCode::invalid_argument, {"distance has no target"},
-                 [&] { transform.compute(grid, Band::full(), {}); });
+                 [&] { transform.compute(grid, Band::full(), OutputTargets()); });
 }
 
 BOOST_AUTO_TEST_CASE(samples_of_the_band_are_counted_where_the_grid_cuts_bricks) {
@@ -231,11 +233,11 @@ BOOST_AUTO_TEST_CASE(samples_of_the_band_are_counted_where_the_grid_cuts_bricks)
               std::pair(test_device(), KernelBody::by_group)}) {
             const Grid grid = whole.part({3, 5, 6}, {24, 26, 21});
             TransformStatistics statistics;
-            const Field field = DistanceTransform(device, *shape, {.body = body})(
-                grid, Band::symmetric(3 * grid.voxel()), {.triangle = true},
-                {.count = true, .statistics = &statistics});
+            const Field field = DistanceTransform(device, *shape, {.body = body})
+                                    .compute(grid, Band::symmetric(3 * grid.voxel()), Output::triangle,
+                                             {.count_work = true}, &statistics);
             BOOST_TEST(samples_with_triangle(field) > 1000U);
-            BOOST_TEST(statistics.band_samples == samples_with_triangle(field));
+            BOOST_TEST(statistics.work->band_samples == samples_with_triangle(field));
         }
 }
 
@@ -243,32 +245,77 @@ BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
     const Grid grid = around_mesh();
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
         TransformStatistics statistics;
-        const Field field = DistanceTransform(test_device(), mesh(), {.body = body})(
-            grid, Band::symmetric(3 * grid.voxel()), {.triangle = true}, {.count = true, .statistics = &statistics});
+        const Field field =
+            DistanceTransform(test_device(), mesh(), {.body = body})
+                .compute(grid, Band::symmetric(3 * grid.voxel()), Output::triangle, {.count_work = true}, &statistics);
         const std::size_t in_band = samples_with_triangle(field);
-        BOOST_TEST(statistics.triangles == mesh().triangles().size());
-        BOOST_TEST(statistics.band_samples == in_band);
-        BOOST_TEST(statistics.samples_covered >= in_band);
-        BOOST_TEST(statistics.lanes_evaluated >= statistics.samples_covered);
-        BOOST_TEST(statistics.brick_pairs >= statistics.coarse_pairs);
-        BOOST_TEST(statistics.coarse_pairs >= statistics.triangles);
-        BOOST_TEST(statistics.coarse_bricks > 0U);
-        BOOST_TEST(statistics.saddle_vertices > 1000U);
-        BOOST_TEST(statistics.device_bytes >= statistics.triangles * 256);
-        BOOST_TEST(statistics.box_polyhedra == 0U);
+        BOOST_TEST(statistics.work->triangles == mesh().triangles().size());
+        BOOST_TEST(statistics.work->band_samples == in_band);
+        BOOST_TEST(statistics.work->samples_covered >= in_band);
+        BOOST_TEST(statistics.work->lanes_evaluated >= statistics.work->samples_covered);
+        BOOST_TEST(statistics.work->brick_pairs >= statistics.work->coarse_pairs);
+        BOOST_TEST(statistics.work->coarse_pairs >= statistics.work->triangles);
+        BOOST_TEST(statistics.work->coarse_bricks > 0U);
+        BOOST_TEST(statistics.work->saddle_vertices > 1000U);
+        BOOST_TEST(statistics.device_bytes >= statistics.work->triangles * 256);
+        BOOST_TEST(statistics.work->box_polyhedra == 0U);
         BOOST_TEST(statistics.polyhedra_seconds > 0);
         BOOST_TEST(statistics.lists_seconds > 0);
         BOOST_TEST(statistics.field_seconds > 0);
     }
 }
 
+BOOST_AUTO_TEST_CASE(the_compilation_of_the_constructor_is_in_no_call) {
+    const Device device = Device::automatic();
+    const DistanceTransform transform(device, mesh());
+    BOOST_TEST(transform.statistics().compile_seconds > 0);
+    BOOST_TEST(transform.statistics().work != nullptr);
+    const Grid grid = around_mesh();
+    const Band band = Band::symmetric(3 * grid.voxel());
+    const TransformStatistics compiled = transform.compile(grid, band);
+    BOOST_TEST(compiled.first_use);
+    BOOST_TEST(compiled.compile_seconds > 0);
+    const double of_constructor = transform.statistics().compile_seconds;
+    TransformStatistics statistics;
+    transform.compute(grid, band, {}, CallOptions(), &statistics);
+    BOOST_TEST(!statistics.first_use);
+    BOOST_TEST(statistics.compile_seconds < 0.1 * of_constructor);
+    BOOST_TEST(transform.statistics().compile_seconds == of_constructor);
+}
+
+BOOST_AUTO_TEST_CASE(a_transform_names_its_device_and_the_box_of_its_positions) {
+    std::vector<Vec3> vertices = mesh().vertices();
+    vertices.push_back({1e6, 0, 0});  // which no triangle uses
+    const Mesh with_unused(vertices, mesh().triangles());
+    DistanceTransform transform(test_device(), with_unused);
+    BOOST_TEST((transform.device().id() == test_device().id()));
+    BOOST_TEST((transform.device().context() == test_device().context()));
+    const auto check_box = [](const DistanceTransform& found, const Box& expected) {
+        BOOST_TEST((found.box().lower == expected.lower));
+        BOOST_TEST((found.box().upper == expected.upper));
+    };
+    check_box(transform, mesh().box());
+    for (Vec3& x : vertices) x = {2 * x[0] + 1, x[1], -x[2]};
+    transform.set_positions(vertices);
+    const Mesh moved_mesh(vertices, mesh().triangles());
+    check_box(transform, moved_mesh.box());
+    // Of a part, it is that of the whole.
+    check_box(transform.restrict_to({{moved_mesh.box().lower, moved_mesh.vertices()[0]}, 0.1, 0.1}), moved_mesh.box());
+    // A motion is one of the first positions.
+    transform.set_motion({Vec3{0, -1, 0}, Vec3{1, 0, 0}, Vec3{0, 0, 1}}, {0.5, 0, 0});
+    std::vector<Vec3> turned = mesh().vertices();
+    for (Vec3& x : turned) x = {0.5 - x[1], x[0], x[2]};
+    check_box(transform, Mesh(turned, mesh().triangles()).box());
+}
+
 BOOST_AUTO_TEST_CASE(nothing_is_counted_on_the_device_unless_asked_for) {
     const Grid grid = around_mesh();
     TransformStatistics statistics;
-    DistanceTransform(test_device(), mesh())(grid, Band::symmetric(3 * grid.voxel()), {}, {.statistics = &statistics});
-    BOOST_TEST(statistics.triangles == mesh().triangles().size());
-    BOOST_TEST(statistics.lanes_evaluated == 0U);
-    BOOST_TEST(statistics.band_samples == 0U);
+    DistanceTransform(test_device(), mesh())
+        .compute(grid, Band::symmetric(3 * grid.voxel()), Output::distance, {}, &statistics);
+    BOOST_TEST(statistics.work->triangles == mesh().triangles().size());
+    BOOST_TEST(statistics.work->lanes_evaluated == 0U);
+    BOOST_TEST(statistics.work->band_samples == 0U);
 }
 
 BOOST_AUTO_TEST_CASE(what_is_kept_on_the_host_does_not_grow_with_use) {
@@ -277,7 +324,7 @@ BOOST_AUTO_TEST_CASE(what_is_kept_on_the_host_does_not_grow_with_use) {
     const auto triangles = large.triangles().size();
     DistanceTransform transform(test_device(), large);
     const auto bytes_after_use = [&](double half_width) {
-        transform(grid, Band::symmetric(half_width * grid.voxel()));
+        transform.compute(grid, Band::symmetric(half_width * grid.voxel()));
         return transform.memory().host_bytes;
     };
     const std::size_t bytes = bytes_after_use(1);
@@ -294,8 +341,8 @@ BOOST_AUTO_TEST_CASE(memory_does_not_grow_from_move_to_move) {
     const auto memory_after_move = [&](int step) {
         for (std::size_t i = 0; i < positions.size(); ++i)
             positions[i][0] = first.vertices()[i][0] * (1 + 1e-3 * step * first.vertices()[i][1]);
-        transform.move(positions);
-        transform(grid, Band::symmetric(grid.voxel()));
+        transform.set_positions(positions);
+        transform.compute(grid, Band::symmetric(grid.voxel()));
         return transform.memory();
     };
     const KeptMemory memory = memory_after_move(1);
@@ -319,9 +366,9 @@ BOOST_AUTO_TEST_CASE(steps_of_a_moving_body_leave_memory_as_it_was) {
     std::vector<float> distance(grid.sample_count()), of_points(points.size());
     const auto step = [&](int number) {
         const double angle = 0.01 * number, c = std::cos(angle), s = std::sin(angle);
-        transform.move({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {0.01 * s, 0, 0});
-        transform.compute(grid, band, {.distance = distance});
-        transform.query(points, 1, {.distance = of_points});
+        transform.set_motion({{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}}, {0.01 * s, 0, 0});
+        transform.compute(grid, band, distance);
+        transform.query(points, 1, of_points);
     };
     // Threads' stacks and the allocator's caches grow in the first steps.
     const int warm = steps / 5;
@@ -342,7 +389,7 @@ BOOST_AUTO_TEST_CASE(faces_without_area_are_counted_as_boxes) {
     triangles.push_back({0, 1, 1});
     const Mesh with_segment(cube(1).vertices(), triangles, "cube with a segment");
     TransformStatistics statistics;
-    DistanceTransform(test_device(), with_segment)(grid_at({0, 0, 0}, 0.5, 4), Band::symmetric(1), {},
-                                                   {.statistics = &statistics});
-    BOOST_TEST(statistics.box_polyhedra == 1U);
+    DistanceTransform(test_device(), with_segment)
+        .compute(grid_at({0, 0, 0}, 0.5, 4), Band::symmetric(1), Output::distance, {}, &statistics);
+    BOOST_TEST(statistics.work->box_polyhedra == 1U);
 }

@@ -69,7 +69,7 @@ Seen check_places(const Mesh& mesh, SignRule rule, std::span<const Box> boxes, d
     Seen seen;
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (places[i] == BoxPlace::near) {
+        if (places[i] == BoxPlace::within) {
             ++seen.near;
             continue;
         }
@@ -77,7 +77,7 @@ Seen check_places(const Mesh& mesh, SignRule rule, std::span<const Box> boxes, d
         for (const Vec3& p : points_of(boxes[i], generator)) {
             if (oracle.nearest(p).distance <= half_width) ++wrong;
             if (transform.sign() == SignRule::none) {
-                wrong += places[i] != BoxPlace::far ? 1U : 0U;
+                wrong += places[i] != BoxPlace::beyond ? 1U : 0U;
                 continue;
             }
             const std::optional<int> winding = oracle.winding_number(p);
@@ -136,8 +136,8 @@ BOOST_AUTO_TEST_CASE(boxes_far_beyond_the_half_width_are_not_near) {
             const double reach = half_width + 0.1 * radius;
             const BoxPlace expected = std::sqrt(nearest) > radius + reach    ? BoxPlace::outside
                                       : std::sqrt(farthest) < radius - reach ? BoxPlace::inside
-                                                                             : BoxPlace::near;
-            if (expected == BoxPlace::near)
+                                                                             : BoxPlace::within;
+            if (expected == BoxPlace::within)
                 ++near;
             else
                 wrong += places[i] != expected ? 1U : 0U;
@@ -154,16 +154,16 @@ BOOST_AUTO_TEST_CASE(a_box_that_touches_is_near_and_the_next_float_is_not) {
     const Box point{{0.25, 0.5, 0}, {0.25, 0.5, 0}};
     const std::array boxes{unit_box, in_the_middle, point};
     const std::vector<BoxPlace> touching = places_of(transform, boxes, 1);
-    BOOST_TEST((touching[0] == BoxPlace::near));
+    BOOST_TEST((touching[0] == BoxPlace::within));
     const std::vector<BoxPlace> apart = places_of(transform, boxes, 0.499);
     BOOST_TEST((apart[0] == BoxPlace::outside));
     BOOST_TEST((apart[1] == BoxPlace::inside));
     BOOST_TEST((apart[2] == BoxPlace::inside));
-    BOOST_TEST((places_of(transform, boxes, 0.5)[2] == BoxPlace::near));
+    BOOST_TEST((places_of(transform, boxes, 0.5)[2] == BoxPlace::within));
     const std::array far{Box{{1e300, 0, 0}, {1.5e300, 1, 1}}, Box{{-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}}};
     BOOST_TEST((places_of(transform, far, 1)[0] == BoxPlace::outside));
-    BOOST_TEST((places_of(transform, far, 1)[1] == BoxPlace::near));
-    BOOST_TEST((places_of(transform, far, std::numeric_limits<double>::infinity())[0] == BoxPlace::near));
+    BOOST_TEST((places_of(transform, far, 1)[1] == BoxPlace::within));
+    BOOST_TEST((places_of(transform, far, std::numeric_limits<double>::infinity())[0] == BoxPlace::within));
 }
 
 BOOST_AUTO_TEST_CASE(an_answer_depends_on_its_box_alone_and_follows_moves) {
@@ -177,7 +177,7 @@ BOOST_AUTO_TEST_CASE(an_answer_depends_on_its_box_alone_and_follows_moves) {
         differences += places_of(transform, std::span(cells).subspan(i, 1), half_width)[0] != all[i] ? 1U : 0U;
     BOOST_TEST(differences == 0U);
     const Mesh other = moved(mesh, [](const Vec3& p) { return Vec3{p[0] + p[1] * p[1], 1.3 * p[1], p[2] - p[0]}; });
-    transform.move(other.vertices());
+    transform.set_positions(other.vertices());
     BOOST_TEST((places_of(transform, cells, half_width) ==
                 places_of(DistanceTransform(test_device(), other), cells, half_width)));
     BOOST_TEST((places_of(transform, cells, half_width) != all));

@@ -206,7 +206,7 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_have_in_a_part_what_holds_it
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group})
         for (const Band& band :
              {Band::symmetric(10 * grid.voxel()), Band::symmetric(40 * grid.voxel()), Band::full()}) {
-            const Coarse of_whole = coarse_of(Device::best(), mesh, grid, band, body);
+            const Coarse of_whole = coarse_of(Device::strongest(), mesh, grid, band, body);
             std::size_t pairs = 0;
             for (const auto& [brick, list] : of_whole.lists) {
                 BOOST_TEST((std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()) == list.end()));
@@ -217,7 +217,7 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_ascending_and_have_in_a_part_what_holds_it
                 BOOST_TEST_CONTEXT("part of " << part_size[0] << " x " << part_size[1] << " x " << part_size[2]
                                               << " from (" << offset[0] << ", " << offset[1] << ", " << offset[2]
                                               << "), width " << band.outside) {
-                    const Coarse part = coarse_of(Device::best(), mesh, grid.part(offset, part_size), band, body);
+                    const Coarse part = coarse_of(Device::strongest(), mesh, grid.part(offset, part_size), band, body);
                     for (const auto& [brick, list] : part.lists)
                         BOOST_TEST(is_list_of_part(part, of_whole, brick),
                                    "brick " << brick[0] << ", " << brick[1] << ", " << brick[2]);
@@ -232,7 +232,7 @@ BOOST_AUTO_TEST_CASE(coarse_lists_are_the_same_where_there_is_no_memory_for_a_gu
     // Few polyhedra overlap this part, so the guess is far too large.
     const Grid grid = grid_around(mesh, 40, 4).part({0, 0, 0}, {16, 16, 16});
     const auto coarse_with = [&](const DeviceLimits& limits) {
-        return coarse_of(Device::best().limited(limits), mesh, grid, Band::full(), KernelBody::by_vector);
+        return coarse_of(Device::strongest().limited(limits), mesh, grid, Band::full(), KernelBody::by_vector);
     };
     const Coarse unlimited = coarse_with({});
     BOOST_TEST(unlimited.passes == 1U);

@@ -16,7 +16,7 @@ BOOST_AUTO_TEST_CASE(every_known_sample_has_its_distance) {
                 const Grid grid = grid_at(known.position, example.half_width / 8, reach);
                 const Band band = Band::symmetric(example.half_width);
                 const Field field = compute(example.mesh, grid, band);
-                const double found = std::abs(static_cast<double>(field.distance[grid.offset(reach, reach, reach)]));
+                const double found = std::abs(static_cast<double>(field.distance()[grid.offset(reach, reach, reach)]));
                 BOOST_TEST(std::abs(found - known.distance) <= known.tolerance + 2e-7 * known.distance);
                 BOOST_TEST(check_exact(example.mesh, field, guaranteed).band_samples > 0U);
             }

@@ -16,7 +16,7 @@ constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 
 Field compute_on(const Device& device, const Mesh& mesh, const Grid& grid, const Band& band, KernelBody body) {
     DistanceTransform transform(device, mesh, {.body = body});
-    return transform(grid, band, all_outputs());
+    return transform.compute(grid, band, all_outputs());
 }
 
 const Mesh& noisy() {
@@ -63,7 +63,7 @@ BOOST_AUTO_TEST_CASE(every_run_gives_the_same_bytes) {
     for (const Band& band : {Band::symmetric(4 * grid.voxel()), Band::full()}) {
         const Field first = compute(noisy(), grid, band, KernelBody::by_vector);
         DistanceTransform transform(test_device(), noisy(), {.body = KernelBody::by_vector});
-        for (int run = 0; run < 3; ++run) BOOST_TEST(same_bytes(first, transform(grid, band, all_outputs())));
+        for (int run = 0; run < 3; ++run) BOOST_TEST(same_bytes(first, transform.compute(grid, band, all_outputs())));
     }
 }
 
@@ -74,9 +74,9 @@ BOOST_AUTO_TEST_CASE(other_outputs_and_other_grids_change_nothing) {
     for (const KernelBody body : both_bodies) {
         const Field first = compute(noisy(), grid, band, body);
         DistanceTransform transform(test_device(), noisy(), {.body = body});
-        transform(whole_grid(noisy(), 24), Band::full());
-        BOOST_TEST((bits_of(first.distance) == bits_of(transform(grid, band).distance)));
-        BOOST_TEST(same_bytes(first, transform(grid, band, all_outputs(), {.count = true})));
+        transform.compute(whole_grid(noisy(), 24), Band::full());
+        BOOST_TEST((bits_of(first.distance()) == bits_of(transform.compute(grid, band).distance())));
+        BOOST_TEST(same_bytes(first, transform.compute(grid, band, all_outputs(), {.count_work = true})));
     }
 }
 

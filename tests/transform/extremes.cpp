@@ -86,7 +86,7 @@ BOOST_AUTO_TEST_CASE(the_sign_is_exact_up_to_the_limit_of_its_integers) {
     for (const double size : {1e6, 0x1p31, 0x1p40, 0x1p41 - 1024}) {
         const Mesh mesh = long_prism(size);
         const Grid grid = grid_at({1, 2, 3}, 1, 9);
-        const Field field = compute(mesh, grid, Band::symmetric(0));
+        const Field field = compute(mesh, grid, Band::signs_only());
         const reference::Oracle oracle(mesh);
         for (std::int64_t k = 0; k < grid.size[2]; ++k)
             for (std::int64_t j = 0; j < grid.size[1]; ++j)
@@ -95,7 +95,7 @@ BOOST_AUTO_TEST_CASE(the_sign_is_exact_up_to_the_limit_of_its_integers) {
                     const Vec3 position = grid.position(i, j, k);
                     if (oracle.nearest(position).distance <= 0x1p-46 * size) continue;
                     const std::optional<int> winding = oracle.winding_number(position);
-                    if (winding) BOOST_REQUIRE(std::signbit(field.distance[grid.offset(i, j, k)]) == (*winding != 0));
+                    if (winding) BOOST_REQUIRE(std::signbit(field.distance()[grid.offset(i, j, k)]) == (*winding != 0));
                 }
     }
 }
@@ -164,11 +164,9 @@ BOOST_AUTO_TEST_CASE(a_lattice_that_begins_a_billion_samples_away_is_exact_by_ev
         const Grid grid = lattice.block({29, 27, 25});
         const Band band = Band::symmetric(2 * *std::max_element(grid.spacing.begin(), grid.spacing.end()));
         check_exact(mesh, compute(mesh, grid, band, KernelBody::by_group), guaranteed);
-        check_exact(mesh, compute(mesh, grid, band, TransformOptions{.method = papers_method({.scan = Scan::slices})}),
-                    guaranteed);
-        check_exact(
-            mesh, compute(mesh, grid, band, TransformOptions{.method = papers_method({.polyhedra = Polyhedra::mauch})}),
-            guaranteed);
+        for (const PapersOptions& method : {PapersOptions{.scan = Scan::slices}, {.polyhedra = Polyhedra::mauch}})
+            check_exact(mesh, make_transform(test_device(), mesh, method).compute(grid, band, Output::triangle),
+                        guaranteed);
     }
 }
 
@@ -200,7 +198,7 @@ BOOST_AUTO_TEST_CASE(a_part_of_a_far_lattice_has_the_bytes_of_the_whole) {
         for (std::int64_t k = 0; k < size[2]; ++k)
             for (std::int64_t j = 0; j < size[1]; ++j)
                 for (std::int64_t i = 0; i < size[0]; ++i)
-                    cut.push_back(whole.distance[grid.offset(offset[0] + i, offset[1] + j, offset[2] + k)]);
-        BOOST_TEST((bits_of(cut) == bits_of(part.distance)));
+                    cut.push_back(whole.distance()[grid.offset(offset[0] + i, offset[1] + j, offset[2] + k)]);
+        BOOST_TEST((bits_of(cut) == bits_of(part.distance())));
     }
 }

@@ -52,7 +52,7 @@ BOOST_AUTO_TEST_CASE(a_grid_inside_the_mesh_and_far_from_its_surface_is_filled_w
     const Grid grid = grid_at({1, 2, 3}, 0.5, 9);
     const Field field = compute(mesh, grid, Band{2, 3});
     BOOST_TEST(check_exact(mesh, field).band_samples == 0U);
-    for (const float distance : field.distance) BOOST_REQUIRE(distance == -2.0F);
+    for (const float distance : field.distance()) BOOST_REQUIRE(distance == -2.0F);
 }
 
 BOOST_AUTO_TEST_CASE(a_mesh_beside_the_grid_is_exact) {
@@ -74,7 +74,7 @@ BOOST_AUTO_TEST_CASE(a_mesh_beside_the_grid_casts_its_sign_on_nothing) {
     const Grid grid = grid_at({0, 0, 0}, 0.25, 8);
     for (const double x : {-50.0, 50.0}) {
         const Field field = compute(shifted(cube(3), {x, 0, 0}), grid, Band::symmetric(0.5));
-        for (const float distance : field.distance) BOOST_REQUIRE(distance == 0.5F);
+        for (const float distance : field.distance()) BOOST_REQUIRE(distance == 0.5F);
     }
 }
 

@@ -1,3 +1,4 @@
+#include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/throws.hpp"
 
@@ -59,17 +60,16 @@ BOOST_AUTO_TEST_CASE(a_device_whose_queue_is_out_of_order_computes_the_same_byte
     const Device device = Device::from_handles(context.context()(), context.device()(), queue());
     DistanceTransform transform(device, mesh);
     for (int repetition = 0; repetition < 20; ++repetition)
-        BOOST_TEST((transform(grid, band).distance == expected.distance));
+        BOOST_TEST(same_bytes(transform.compute(grid, band).slab(), expected.slab(), Output::distance));
 }
 
 BOOST_AUTO_TEST_CASE(a_callback_may_ask_the_device_while_it_compiles) {
-    const Device device = Device::best();
-    device.set_program_cache("");
+    const Device device = Device::strongest();
     std::size_t calls = 0;
     CallOptions call;
-    call.compiling = [&](const Compilation&) {
-        ++calls;
-        BOOST_TEST(device.program_cache().empty());
+    call.progress = [&](const Progress& progress) {
+        if (progress.stage == Progress::Stage::compiling) ++calls;
+        BOOST_TEST(device.record_folder().empty());
     };
     const DistanceTransform transform(device, make_shape("tetrahedron"), {}, call);
     transform.compile(unit_grid(), Band::full(), {}, call);
@@ -129,7 +129,7 @@ BOOST_AUTO_TEST_CASE(queues_events_and_memory_that_are_of_no_use_are_refused) {
     const Grid grid = grid_around(mesh, 8, 1);
     const Band band = Band::symmetric(grid.voxel());
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
-    const OutputTargets targets{.distance = OutputTarget(memory())};
+    const OutputTargets targets{{Output::distance, OutputArray(memory())}};
     Plan plan = transform.plan(grid, band);
     Plan of_requests = transform.plan(std::vector<Request>{{grid, band, targets}});
     const auto refused = [&](cl_command_queue queue, const std::vector<cl_event>& events,
@@ -143,22 +143,24 @@ BOOST_AUTO_TEST_CASE(queues_events_and_memory_that_are_of_no_use_are_refused) {
     const cl::UserEvent ours(context.context()), event_of_other(other);
     refused(nullptr, {ours(), event_of_other()}, {"event 1 of the wait list's 2", "another OpenCL context"});
     refused(nullptr, {nullptr}, {"event 0", "null"});
-    check_throws(ErrorCode::invalid_argument, {"event 0", "null"},
-                 [&] { transform.compute(grid, band, targets, {}, std::vector<cl_event>{nullptr}); });
+    check_throws(ErrorCode::invalid_argument, {"event 0", "null"}, [&] {
+        const std::vector<cl_event> events{nullptr};
+        transform.compute(grid, band, targets, {.wait_list = events});
+    });
     std::vector<cl::ImageFormat> formats;
     if (context.device().getInfo<CL_DEVICE_IMAGE_SUPPORT>())
         context.context().getSupportedImageFormats(CL_MEM_READ_WRITE, CL_MEM_OBJECT_IMAGE2D, &formats);
     if (!formats.empty()) {
         const cl::Image2D image(context.context(), CL_MEM_READ_WRITE, formats.front(), 64, 64);
-        const OutputTargets on_image{.distance = OutputTarget(image())};
+        const OutputTargets on_image{{Output::distance, OutputArray(image())}};
         const std::vector<std::string> words{"output distance", "image", "give it a buffer"};
         check_throws(ErrorCode::invalid_argument, words, [&] { plan.enqueue(nullptr, on_image); });
         const std::vector<Vec3> points(5);
         check_throws(ErrorCode::invalid_argument, words, [&] { transform.query(points, 1, on_image); });
     }
     // The plans are as good as new.
-    cl::Event(plan.enqueue(nullptr, targets)).wait();
-    cl::Event(of_requests.enqueue(nullptr)).wait();
+    enqueue(plan, nullptr, targets).wait();
+    enqueue(of_requests, nullptr).wait();
 }
 
 BOOST_AUTO_TEST_CASE(spacings_beyond_floats_are_refused) {
@@ -184,7 +186,7 @@ BOOST_AUTO_TEST_CASE(an_unsigned_field_beyond_the_mesh_is_outside_by_either_body
     grid.origin = {100, 100, 100};
     for (const KernelBody body : {KernelBody::by_vector, KernelBody::by_group}) {
         const Field field = compute(mesh, grid, {0.1, 0.2}, TransformOptions{.sign = SignRule::none, .body = body});
-        BOOST_TEST((field.distance == FieldArray<float>(grid.sample_count(), 0.2F)));
+        BOOST_TEST(std::ranges::count(field.distance(), 0.2F) == static_cast<std::ptrdiff_t>(grid.sample_count()));
     }
 }
 
@@ -195,11 +197,11 @@ BOOST_AUTO_TEST_CASE(a_soup_costs_what_the_welded_mesh_costs) {
     const Band band = Band::symmetric(5 * grid.voxel());
     const auto lanes = [&](const Mesh& of) {
         TransformStatistics statistics;
-        DistanceTransform(test_device(), of)(grid, band, {}, {.count = true, .statistics = &statistics});
-        return statistics.lanes_evaluated;
+        DistanceTransform(test_device(), of).compute(grid, band, Output::distance, {.count_work = true}, &statistics);
+        return statistics.work->lanes_evaluated;
     };
     BOOST_TEST(lanes(soup) == lanes(mesh));
-    BOOST_TEST((compute(soup, grid, band).distance == compute(mesh, grid, band).distance));
+    BOOST_TEST((bits_of(compute(soup, grid, band).distance()) == bits_of(compute(mesh, grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(triangles_of_ten_billion_voxels_are_found) {
@@ -227,16 +229,27 @@ BOOST_AUTO_TEST_CASE(a_transform_that_was_moved_from_answers_with_an_error) {
         [&] { from.sign(); },
         [&] { from.topology(); },
         [&] { from.memory(); },
-        [&] { from.move(std::vector<Vec3>(8)); },
+        [&] { from.box(); },
+        [&] { from.device(); },
+        [&] { from.statistics(); },
+        [&] { from.set_positions(mesh.vertices()); },
+        [&] {
+            from.set_motion({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {});
+        },
+        [&] {
+            from.restrict_to({mesh.box(), 0.1, 0.1});
+        },
         [&] { from.compile(grid, band); },
-        [&] { from(grid, band); },
-        [&] { from.compute(grid, band, {.distance = distance}); },
-        [&] { from.compute_slabs(grid, band, {}, [](const Grid&, const FieldSlab&) {}); },
+        [&] { from.compute(grid, band); },
+        [&] { from.compute(BlockSet{}); },
+        [&] { from.query(mesh.vertices(), 1, distance); },
+        [&] { from.compute(grid, band, distance); },
+        [&] { from.compute(grid, band, Output::distance, [](const Grid&, const FieldSlab&) {}); },
         [&] { from.plan(grid, band); }};
     for (const auto& call : calls) check_throws(ErrorCode::invalid_argument, {"DistanceTransform", "moved from"}, call);
     BOOST_TEST((to.sign() == SignRule::nonzero));
     from = std::move(to);
-    BOOST_TEST(from(grid, band).distance.size() == grid.sample_count());
+    BOOST_TEST(from.compute(grid, band).distance().size() == grid.sample_count());
     // NOLINTEND(bugprone-use-after-move)
 }
 
@@ -255,7 +268,8 @@ BOOST_AUTO_TEST_CASE(plans_and_devices_that_were_moved_from_answer_with_an_error
     const Device other = std::move(device);
     for (const std::function<void()>& call : std::vector<std::function<void()>>{
              [&] { device.name(); }, [&] { device.platform(); }, [&] { device.context(); }, [&] { device.id(); },
-             [&] { device.queue(); }, [&] { device.program_cache(); }, [&] { device.set_program_cache(""); },
+             [&] { device.queue(); }, [&] { device.info(); }, [&] { device.record_folder(); },
+             [&] { device.keep_records(""); }, [&] { device.forget_records(); },
              [&] { DistanceTransform(device, make_shape("cube")); }})
         check_throws(ErrorCode::invalid_argument, {"Device", "moved from"}, call);
     BOOST_TEST(other.name() == test_device().name());
@@ -269,29 +283,29 @@ BOOST_AUTO_TEST_CASE(a_plan_moves_with_transforms_of_its_device_alone) {
     const Device other = Device::from_handles(context.context()(), context.device()(), queue());
     const DistanceTransform transform(test_device(), mesh), of_other(other, mesh);
     Plan plan = transform.plan(unit_grid(), Band::symmetric(0.2));
-    check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { plan.move(of_other); });
-    plan.move(transform);
+    check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { plan.update(of_other); });
+    plan.update(transform);
 }
 
 BOOST_AUTO_TEST_CASE(a_part_of_a_soup_does_not_move) {
     const Mesh soup = as_soup(make_shape("sphere2"));
     const DistanceTransform whole(test_device(), soup);
-    DistanceTransform part = whole.restrict_to({{0.5, 0.5, 0.5}, {1, 1, 1}}, 0.1, 0.05);
-    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.move(soup.vertices()); });
+    DistanceTransform part = whole.restrict_to({{{0.5, 0.5, 0.5}, {1, 1, 1}}, 0.1, 0.05});
+    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.set_positions(soup.vertices()); });
     check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] {
-        part.move({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {0, 0, 1});
+        part.set_motion({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {0, 0, 1});
     });
 }
 
 BOOST_AUTO_TEST_CASE(the_band_of_an_unsigned_part_has_no_inside) {
     const Mesh mesh = make_shape("sphere2");
     const DistanceTransform whole(test_device(), mesh, {.sign = SignRule::none});
-    const DistanceTransform part = whole.restrict_to({{0, 0, 0}, {1, 1, 1}}, 0.3, 0.1);
+    const DistanceTransform part = whole.restrict_to({{{0, 0, 0}, {1, 1, 1}}, 0.3, 0.1});
     Grid grid = unit_grid();
     grid.origin = {0.1, 0.1, 0.1};
     grid.size = {8, 8, 8};
     const Band band{std::numeric_limits<double>::infinity(), 0.3};
-    BOOST_TEST((part(grid, band).distance == whole(grid, band).distance));
+    BOOST_TEST((bits_of(part.compute(grid, band).distance()) == bits_of(whole.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(a_lattice_for_each_call_keeps_no_more_after_many) {
@@ -301,7 +315,7 @@ BOOST_AUTO_TEST_CASE(a_lattice_for_each_call_keeps_no_more_after_many) {
         Grid grid = unit_grid();
         grid.size = {3, 3, 3};
         grid.origin[0] += 1e-3 * call;
-        transform(grid, Band::symmetric(0.1));
+        transform.compute(grid, Band::symmetric(0.1));
         if (call == 79) after_some = transform.memory().host_bytes;
     }
     BOOST_TEST(transform.memory().host_bytes == after_some);
@@ -315,12 +329,12 @@ BOOST_AUTO_TEST_CASE(outputs_may_go_where_the_points_lie) {
     for (Vec3& p : points) p = {coordinate(random), coordinate(random), coordinate(random)};
     const double no_limit = std::numeric_limits<double>::infinity();
     std::vector<float> expected(points.size());
-    transform.query(points, no_limit, {.distance = expected});
+    transform.query(points, no_limit, expected);
     for (const double place : {0.0, 0.5, 0.8}) {
         std::vector<Vec3> shared = points;
         float* const first = &reinterpret_cast<float*>(
             shared.data())[static_cast<std::size_t>(place * 5 * static_cast<double>(points.size()))];
-        transform.query(shared, no_limit, {.distance = std::span(first, points.size())});
+        transform.query(shared, no_limit, std::span(first, points.size()));
         BOOST_TEST(std::equal(expected.begin(), expected.end(), first), "at " << place);
     }
 }
@@ -331,7 +345,7 @@ BOOST_AUTO_TEST_CASE(boxes_at_a_distance_beyond_floats_are_near) {
         const std::vector<Box> boxes{{{far, 0, 0}, {far, 1, 1}}, {{1.5 * far, 0, 0}, {1.5 * far, 1, 1}}};
         std::vector<BoxPlace> places(2);
         transform.classify(boxes, 1.2 * far, places);
-        BOOST_TEST((places[0] == BoxPlace::near), "a box from " << far);
+        BOOST_TEST((places[0] == BoxPlace::within), "a box from " << far);
         BOOST_TEST((places[1] == BoxPlace::outside), "a box from " << 1.5 * far);
     }
 }
@@ -340,23 +354,24 @@ BOOST_AUTO_TEST_CASE(strides_of_a_packed_field_may_be_given_in_larger_memory) {
     const DistanceTransform transform(test_device(), make_shape("sphere1"));
     Grid grid = unit_grid();
     grid.size = {8, 8, 8};
-    const Field expected = transform(grid, Band::full());
+    const Field expected = transform.compute(grid, Band::full());
     std::vector<float> memory(600, -7.0F);
-    OutputTarget target = memory;
+    OutputArray target = memory;
     target.strides = {4, 32, 256};
-    transform.compute(grid, Band::full(), {.distance = target});
-    BOOST_TEST(std::equal(expected.distance.begin(), expected.distance.end(), memory.begin()));
+    transform.compute(grid, Band::full(), target);
+    BOOST_TEST(std::equal(expected.distance().begin(), expected.distance().end(), memory.begin()));
     BOOST_TEST(std::all_of(memory.begin() + 512, memory.end(), [](float value) { return value == -7.0F; }));
     target.strides = {};
     check_throws(ErrorCode::invalid_argument, {"has 512 samples", "600 values"},
-                 [&] { transform.compute(grid, Band::full(), {.distance = target}); });
+                 [&] { transform.compute(grid, Band::full(), target); });
     // The components of packed samples may not lie beyond the memory, or on others.
     std::vector<float> distance(512), gradients(3 * 512);
     for (const std::ptrdiff_t stride : {std::ptrdiff_t{4 * 3 * 512}, std::ptrdiff_t{-4}, std::ptrdiff_t{8}}) {
-        OutputTarget apart = gradients;
+        OutputArray apart = gradients;
         apart.component_stride = stride;
-        check_throws(ErrorCode::invalid_argument, {"gradient"},
-                     [&] { transform.compute(grid, Band::full(), {.distance = distance, .gradient = apart}); });
+        check_throws(ErrorCode::invalid_argument, {"gradient"}, [&] {
+            transform.compute(grid, Band::full(), {{Output::distance, distance}, {Output::gradient, apart}});
+        });
     }
 }
 
@@ -373,13 +388,13 @@ BOOST_AUTO_TEST_CASE(a_vertex_that_no_triangle_uses_may_lie_anywhere) {
 BOOST_AUTO_TEST_CASE(minus_zero_is_zero) {
     const Mesh mesh = make_shape("sphere2");
     const DistanceTransform transform(test_device(), mesh);
-    const Field plus = transform(unit_grid(), {0.0, 0.2});
-    const Field minus = DistanceTransform(test_device(), mesh)(unit_grid(), {-0.0, 0.2});
-    BOOST_TEST((bits_of(plus.distance) == bits_of(minus.distance)));
+    const Field plus = transform.compute(unit_grid(), {0.0, 0.2});
+    const Field minus = DistanceTransform(test_device(), mesh).compute(unit_grid(), {-0.0, 0.2});
+    BOOST_TEST((bits_of(plus.distance()) == bits_of(minus.distance())));
     const std::vector<Vec3> points{{0, 0, 0}, {2, 0, 0}};
     std::vector<float> of_plus(2), of_minus(2);
-    transform.query(points, 0.0, {.distance = of_plus});
-    transform.query(points, -0.0, {.distance = of_minus});
+    transform.query(points, 0.0, of_plus);
+    transform.query(points, -0.0, of_minus);
     BOOST_TEST(std::signbit(of_plus[0]) == std::signbit(of_minus[0]));
     BOOST_TEST(std::signbit(of_plus[1]) == std::signbit(of_minus[1]));
 }
@@ -389,7 +404,7 @@ BOOST_AUTO_TEST_CASE(a_vertex_that_moves_beyond_all_numbers_is_named_by_the_call
     DistanceTransform transform(test_device(), soup);
     std::vector<Vec3> positions = soup.vertices();
     positions[17][1] = std::numeric_limits<double>::quiet_NaN();
-    check_throws(ErrorCode::invalid_mesh, {"vertex 17", "not finite"}, [&] { transform.move(positions); });
+    check_throws(ErrorCode::invalid_mesh, {"vertex 17", "not finite"}, [&] { transform.set_positions(positions); });
 }
 
 BOOST_AUTO_TEST_CASE(grids_beyond_whole_numbers_are_refused) {
@@ -402,7 +417,8 @@ BOOST_AUTO_TEST_CASE(grids_beyond_whole_numbers_are_refused) {
     long_one.size = {1, 1, std::int64_t{1} << 50};
     const DistanceTransform transform(test_device(), make_shape("cube"));
     const auto sink = [](const Grid&, const FieldSlab&) {};
-    check_throws(ErrorCode::invalid_argument, {}, [&] { transform.compute_slabs(long_one, Band::full(), {}, sink); });
+    check_throws(ErrorCode::invalid_argument, {},
+                 [&] { transform.compute(long_one, Band::full(), Output::distance, sink); });
     check_throws(ErrorCode::invalid_argument, {}, [&] { static_cast<void>(DistanceTransform::slabs_of(long_one)); });
 }
 

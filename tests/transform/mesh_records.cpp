@@ -91,7 +91,7 @@ void check_same_sweep(const Made& device, const Made& host) {
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(kernels_make_the_records_that_the_host_writes) {
-    const Device device = Device::preferred();
+    const Device device = Device::automatic();
     device::Context& context = device::context_of(device);
     const scan::Programs programs(context, KernelBody::automatic);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
@@ -143,7 +143,7 @@ bool are_same(const UninitializedVector<Value>& a, const std::vector<Value>& b) 
 }
 
 BothFrusta both_frusta(const Mesh& mesh, const Grid& grid) {
-    const Device device = Device::preferred();
+    const Device device = Device::automatic();
     device::Context& context = device::context_of(device);
     const scan::Programs programs(context, KernelBody::automatic);
     const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));

@@ -59,21 +59,24 @@ BOOST_AUTO_TEST_CASE(on_a_cube_the_outputs_are_those_of_the_reference) {
         for (const KernelBody body : both_bodies) {
             const Field field = compute(mesh, grid, band, body);
             std::size_t on_surface = 0;
-            for (std::size_t sample = 0; sample < field.distance.size(); ++sample) {
-                BOOST_REQUIRE_SMALL(field.distance[sample] - expected.distance[sample], 1.2e-7F);  // 2 ulp
-                if (expected.distance[sample] < 0) continue;  // there several faces may be as near
-                BOOST_REQUIRE(field.triangle[sample] == expected.triangle[sample]);
-                BOOST_REQUIRE(field.site[sample] == expected.site[sample]);
-                on_surface += expected.distance[sample] == 0 ? 1U : 0U;
-                if (field.triangle[sample] == no_triangle) {
-                    BOOST_REQUIRE(std::isnan(field.closest[3 * sample]) && std::isnan(field.gradient[3 * sample + 2]));
+            for (std::size_t sample = 0; sample < field.distance().size(); ++sample) {
+                BOOST_REQUIRE_SMALL(field.distance()[sample] - expected.distance()[sample], 1.2e-7F);  // 2 ulp
+                if (expected.distance()[sample] < 0) continue;  // there several faces may be as near
+                BOOST_REQUIRE(field.triangle()[sample] == expected.triangle()[sample]);
+                BOOST_REQUIRE(field.site()[sample] == expected.site()[sample]);
+                on_surface += expected.distance()[sample] == 0 ? 1U : 0U;
+                if (field.triangle()[sample] == no_triangle) {
+                    BOOST_REQUIRE(std::isnan(field.closest()[3 * sample]) &&
+                                  std::isnan(field.gradient()[3 * sample + 2]));
                     continue;
                 }
                 const auto is_near = [&](const Vec3& one, const Vec3& other, double tolerance) {
                     return std::hypot(one[0] - other[0], one[1] - other[1], one[2] - other[2]) <= tolerance;
                 };
-                BOOST_REQUIRE(is_near(vector_at(field.closest, sample), vector_at(expected.closest, sample), 1e-12));
-                BOOST_REQUIRE(is_near(vector_at(field.gradient, sample), vector_at(expected.gradient, sample), 1e-6));
+                BOOST_REQUIRE(
+                    is_near(vector_at(field.closest(), sample), vector_at(expected.closest(), sample), 1e-12));
+                BOOST_REQUIRE(
+                    is_near(vector_at(field.gradient(), sample), vector_at(expected.gradient(), sample), 1e-6));
             }
             BOOST_TEST(on_surface == 17U * 17U * 17U - 15U * 15U * 15U);
         }
@@ -86,10 +89,10 @@ BOOST_AUTO_TEST_CASE(on_the_surface_the_gradient_points_outside_however_the_face
     for (const KernelBody body : both_bodies) {
         const Field field = compute(reversed(cube(1)), grid, Band::symmetric(0.3), body);
         const std::size_t on_face = grid.offset(11 + 8, 11, 13), on_edge = grid.offset(11 + 8, 11 + 8, 13);
-        BOOST_TEST(field.distance[on_face] == 0);
-        BOOST_TEST(field.gradient[3 * on_face] == 1.0F);
-        BOOST_TEST(field.gradient[3 * on_edge] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
-        BOOST_TEST(field.gradient[3 * on_edge + 1] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
+        BOOST_TEST(field.distance()[on_face] == 0);
+        BOOST_TEST(field.gradient()[3 * on_face] == 1.0F);
+        BOOST_TEST(field.gradient()[3 * on_edge] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
+        BOOST_TEST(field.gradient()[3 * on_edge + 1] == std::sqrt(0.5F), boost::test_tools::tolerance(1e-6F));
     }
 }
 
@@ -110,11 +113,33 @@ BOOST_AUTO_TEST_CASE(on_one_edge_or_vertex_of_many_the_gradient_is_the_pseudonor
         const double length = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
         const double samples = n % 5 == 0 ? 300 : 1 + 2 * any(random);  // on the edge
         const Grid grid = grid_at(point, length / samples, 2);
-        const Field field = transform(grid, Band::symmetric(2 * grid.voxel()), all_outputs());
-        const std::uint8_t site = field.site[grid.offset(2, 2, 2)];
+        const Field field = transform.compute(grid, Band::symmetric(2 * grid.voxel()), all_outputs());
+        const std::uint8_t site = field.site()[grid.offset(2, 2, 2)];
         BOOST_TEST((part == 0 ? site < 3 : site >= 3 && site < 6));
         check_exact(mesh, field, guaranteed);
     }
+}
+
+// A face's longest edge runs through its third corner, or two corners lie at one place.
+BOOST_AUTO_TEST_CASE(at_a_vertex_of_a_face_without_area_the_site_is_the_vertex) {
+    for (const double x : {1.0, 0.5, 0.0, 2.0})
+        for (std::uint32_t first = 0; first < 3; ++first)
+            for (const std::array<std::uint32_t, 3> turn : {std::array{0U, 1U, 2U}, std::array{0U, 2U, 1U}}) {
+                const Triangle flat{(first + turn[0]) % 3, (first + turn[1]) % 3, (first + turn[2]) % 3};
+                const Mesh mesh({{0, 0, 0}, {x, 0, 0}, {2, 0, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}}, {flat, {3, 4, 5}},
+                                "flat");
+                const Grid grid = grid_at({x, 0, 0}, 0.25, 1);
+                for (const KernelBody body : both_bodies) {
+                    const DistanceTransform transform(test_device(), mesh, {.sign = SignRule::none, .body = body});
+                    const Field field = transform.compute(grid, Band::full(), Output::site | Output::closest);
+                    for (std::size_t at = 0; at < field.site().size(); ++at) {
+                        const bool is_vertex = std::abs(field.closest()[3 * at] - x) < 1e-12 ||
+                                               std::abs(field.closest()[3 * at]) < 1e-12 ||
+                                               std::abs(field.closest()[3 * at] - 2) < 1e-12;
+                        if (is_vertex) BOOST_TEST(field.site()[at] < 3);
+                    }
+                }
+            }
 }
 
 BOOST_AUTO_TEST_CASE(an_output_is_the_same_whatever_else_is_asked_for) {
@@ -123,21 +148,14 @@ BOOST_AUTO_TEST_CASE(an_output_is_the_same_whatever_else_is_asked_for) {
     const Band band = Band::symmetric(3 * grid.voxel());
     for (const KernelBody body : both_bodies) {
         DistanceTransform transform(test_device(), mesh, {.body = body});
-        const Field all = transform(grid, band, all_outputs());
-        BOOST_TEST((bits_of(transform(grid, band).distance) == bits_of(all.distance)));
-        visit_extras(
-            [&](const char* name, bool) {
-                Outputs one;
-                visit_extras([&](const char* other, bool& wanted) { wanted = std::strcmp(name, other) == 0; }, one);
-                Field expected = all;
-                visit_extras(
-                    [](const char*, bool wanted, auto& values) {
-                        if (!wanted) values = {};
-                    },
-                    one, expected);
-                BOOST_TEST(same_bytes(expected, transform(grid, band, one)), name);
-            },
-            Outputs());
+        const Field all = transform.compute(grid, band, all_outputs());
+        BOOST_TEST((bits_of(transform.compute(grid, band).distance()) == bits_of(all.distance())));
+        for (const OutputInfo& info : output_table()) {
+            Field expected = all;
+            for (const OutputInfo& other : output_table())
+                if (other.output != info.output && other.output != Output::distance) expected.erase(other.output);
+            BOOST_TEST(same_bytes(expected, transform.compute(grid, band, info.output)), info.name);
+        }
     }
 }
 
@@ -148,20 +166,9 @@ BOOST_AUTO_TEST_CASE(a_part_of_a_grid_has_the_outputs_of_the_whole) {
     const Index3 offset{5, 9, 13}, size{21, 17, 19};
     for (const KernelBody body : both_bodies) {
         const Field whole = compute(mesh, grid, band, body), part = compute(mesh, grid.part(offset, size), band, body);
-        visit_outputs(
-            [&](const char* name, const auto& of_whole, const auto& of_part) {
-                const std::size_t components = of_part.size() / part.distance.size();
-                bool is_same = true;
-                for (std::int64_t k = 0; k < size[2]; ++k)
-                    for (std::int64_t j = 0; j < size[1]; ++j)
-                        is_same =
-                            is_same &&
-                            std::memcmp(&of_part[components * part.grid.offset(0, j, k)],
-                                        &of_whole[components * grid.offset(offset[0], offset[1] + j, offset[2] + k)],
-                                        components * static_cast<std::size_t>(size[0]) * sizeof(of_part[0])) == 0;
-                BOOST_TEST(is_same, name);
-            },
-            whole, part);
+        const Field expected = part_of(whole, part.grid);
+        for (const OutputInfo& info : output_table())
+            BOOST_TEST(same_bytes(expected.slab(), part.slab(), info.output), info.name);
     }
 }
 
@@ -178,7 +185,7 @@ BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
     };
     constexpr float unwritten = -77;
     std::vector<float> distance(count, unwritten), gradient(3 * count, unwritten);
-    const auto into = [&](OutputTarget target) {
+    const auto into = [&](OutputArray target) {
         const auto row = static_cast<std::ptrdiff_t>(padded[0] * 4);
         target.offset = at(0, 0, 0) * sizeof(float);
         target.strides = {4, row, row * static_cast<std::ptrdiff_t>(padded[1])};
@@ -186,16 +193,16 @@ BOOST_AUTO_TEST_CASE(a_block_goes_into_a_larger_array_and_leaves_its_halo) {
         return target;
     };
     DistanceTransform transform(test_device(), mesh);
-    transform.compute(grid, band, {.distance = into(distance), .gradient = into(gradient)});
+    transform.compute(grid, band, {{Output::distance, into(distance)}, {Output::gradient, into(gradient)}});
     std::size_t written = 0;
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
             for (std::int64_t i = 0; i < grid.size[0]; ++i, ++written) {
                 const std::size_t sample = grid.offset(i, j, k);
-                BOOST_REQUIRE(distance[at(i, j, k)] == expected.distance[sample]);
+                BOOST_REQUIRE(distance[at(i, j, k)] == expected.distance()[sample]);
                 for (std::size_t axis = 0; axis < 3; ++axis)
                     BOOST_REQUIRE(std::memcmp(&gradient[axis * count + at(i, j, k)],
-                                              &expected.gradient[3 * sample + axis], sizeof(float)) == 0);
+                                              &expected.gradient()[3 * sample + axis], sizeof(float)) == 0);
             }
     BOOST_TEST(static_cast<std::size_t>(std::count(distance.begin(), distance.end(), unwritten)) == count - written);
     BOOST_TEST(static_cast<std::size_t>(std::count(gradient.begin(), gradient.end(), unwritten)) ==
@@ -209,13 +216,13 @@ BOOST_AUTO_TEST_CASE(the_closest_point_in_floats_is_the_offset_from_the_sample) 
     const Field field = compute(mesh, grid, band);
     std::vector<float> distance(grid.sample_count()), offset(3 * grid.sample_count());
     DistanceTransform transform(test_device(), mesh);
-    transform.compute(grid, band, {.distance = distance, .closest = offset});
+    transform.compute(grid, band, {{Output::distance, distance}, {Output::closest, offset}});
     std::size_t in_band = 0;
     for (std::int64_t k = 0; k < grid.size[2]; ++k)
         for (std::int64_t j = 0; j < grid.size[1]; ++j)
             for (std::int64_t i = 0; i < grid.size[0]; ++i) {
                 const std::size_t sample = grid.offset(i, j, k);
-                if (field.triangle[sample] == no_triangle) {
+                if (field.triangle()[sample] == no_triangle) {
                     BOOST_REQUIRE(std::isnan(offset[3 * sample]));
                     continue;
                 }
@@ -223,7 +230,7 @@ BOOST_AUTO_TEST_CASE(the_closest_point_in_floats_is_the_offset_from_the_sample) 
                 const Vec3 position = grid.position(i, j, k);
                 for (std::size_t axis = 0; axis < 3; ++axis)
                     BOOST_REQUIRE(std::abs(position[axis] + static_cast<double>(offset[3 * sample + axis]) -
-                                           field.closest[3 * sample + axis]) <= 1e-6 * grid.voxel() + 1e-9);
+                                           field.closest()[3 * sample + axis]) <= 1e-6 * grid.voxel() + 1e-9);
             }
     BOOST_TEST(in_band > 100U);
 }
@@ -237,25 +244,25 @@ BOOST_AUTO_TEST_CASE(a_plan_writes_every_output_into_the_callers_buffers_from_an
     constexpr std::size_t offset = 4096;  // bytes
     const cl::CommandQueue queue(cl::Context(test_device().context(), true), cl::Device(test_device().id(), true));
     DistanceTransform transform(test_device(), mesh);
-    Plan plan = transform.plan(grid, band, {.triangle = true, .closest = true, .gradient = true});
+    Plan plan = transform.plan(grid, band, Output::triangle | Output::closest | Output::gradient);
     const DeviceMemory distance(test_device().context(), count + offset / 4), triangle(test_device().context(), count),
         closest(test_device().context(), 6 * count + offset / 4), gradient(test_device().context(), 3 * count);
-    OutputTargets targets{.distance = distance.handle(),
-                          .triangle = triangle.handle(),
-                          .closest = closest.handle(),
-                          .gradient = gradient.handle()};
-    targets.distance.offset = targets.closest.offset = offset;
-    cl::Event(plan.enqueue(queue(), targets)).wait();
+    OutputTargets targets{{Output::distance, distance.handle()},
+                          {Output::triangle, triangle.handle()},
+                          {Output::closest, closest.handle()},
+                          {Output::gradient, gradient.handle()}};
+    targets[Output::distance].offset = targets[Output::closest].offset = offset;
+    enqueue(plan, queue(), targets).wait();
     const auto check = [&](const char* name, const DeviceMemory& memory, const auto& values, std::size_t begin) {
         const std::vector<std::uint32_t> words = memory.read(queue);
         BOOST_TEST(std::memcmp(words.data() + begin / 4, values.data(), values.size() * sizeof(values[0])) == 0, name);
         BOOST_TEST(static_cast<std::size_t>(std::count(
                        words.begin(), words.begin() + static_cast<std::ptrdiff_t>(begin / 4), untouched)) == begin / 4);
     };
-    check("distance", distance, expected.distance, offset);
-    check("triangle", triangle, expected.triangle, 0);
-    check("closest", closest, expected.closest, offset);
-    check("gradient", gradient, expected.gradient, 0);
+    check("distance", distance, expected.distance(), offset);
+    check("triangle", triangle, expected.triangle(), 0);
+    check("closest", closest, expected.closest(), offset);
+    check("gradient", gradient, expected.gradient(), 0);
 }
 
 BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
@@ -266,27 +273,29 @@ BOOST_AUTO_TEST_CASE(targets_that_there_is_no_way_to_are_refused_by_name) {
     std::vector<float> distance(grid.sample_count());
     std::vector<std::uint32_t> integers(3 * grid.sample_count());
     check_throws(ErrorCode::unsupported, {"output distance", "uint32", "float or double"},
-                 [&] { transform.compute(grid, band, {.distance = std::span(integers).first(grid.sample_count())}); });
-    check_throws(ErrorCode::unsupported, {"output gradient", "uint32", "float or double"},
-                 [&] { transform.compute(grid, band, {.distance = distance, .gradient = integers}); });
-    check_throws(ErrorCode::unsupported, {"output site", "float", "uint8"},
-                 [&] { transform.compute(grid, band, {.distance = distance, .site = distance}); });
-    OutputTarget beyond = distance;
+                 [&] { transform.compute(grid, band, std::span(integers).first(grid.sample_count())); });
+    check_throws(ErrorCode::unsupported, {"output gradient", "uint32", "float or double"}, [&] {
+        transform.compute(grid, band, {{Output::distance, distance}, {Output::gradient, integers}});
+    });
+    check_throws(ErrorCode::unsupported, {"output site", "float", "uint8"}, [&] {
+        transform.compute(grid, band, {{Output::distance, distance}, {Output::site, distance}});
+    });
+    OutputArray beyond = distance;
     beyond.strides = {8, 8, 8};
     beyond.offset = sizeof(float) * (grid.sample_count() - 1);
     check_throws(ErrorCode::invalid_argument, {"output distance", "offset and strides"},
-                 [&] { transform.compute(grid, band, {.distance = beyond}); });
+                 [&] { transform.compute(grid, band, beyond); });
     Plan plan = transform.plan(grid, band);
     check_throws(ErrorCode::unsupported, {"output distance", "memory of the host"},
-                 [&] { plan.enqueue(nullptr, {.distance = distance}); });
+                 [&] { plan.enqueue(nullptr, distance); });
     const DeviceMemory memory(test_device().context(), grid.sample_count());
-    OutputTargets mixed{.distance = distance};
-    mixed.triangle = memory.handle();
+    OutputTargets mixed = distance;
+    mixed[Output::triangle] = memory.handle();
     check_throws(ErrorCode::unsupported, {"host", "device"}, [&] { transform.compute(grid, band, mixed); });
-    OutputTarget uneven = memory.handle();
+    OutputArray uneven = memory.handle();
     uneven.offset = 4;
     check_throws(ErrorCode::invalid_argument, {"output distance", "from byte 4"},
-                 [&] { plan.enqueue(nullptr, {.distance = uneven}); });
-    DistanceTransform slices(test_device(), mesh, {.method = papers_method({.scan = Scan::slices})});
-    check_throws(ErrorCode::unsupported, {"slices", "site"}, [&] { slices(grid, band, {.site = true}); });
+                 [&] { plan.enqueue(nullptr, uneven); });
+    const DistanceTransform slices = make_transform(test_device(), mesh, {.scan = Scan::slices});
+    check_throws(ErrorCode::unsupported, {"slices", "site"}, [&] { slices.compute(grid, band, Output::site); });
 }

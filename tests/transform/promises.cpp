@@ -59,25 +59,24 @@ using Call = std::function<void(const DistanceTransform& transform, const CallOp
 
 const std::vector<std::pair<std::string, Call>>& all_calls() {
     static const std::vector<std::pair<std::string, Call>> calls{
-        {"compute",
-         [](const DistanceTransform& transform, const CallOptions& call) { transform(grid(), band(), {}, call); }},
+        {"compute", [](const DistanceTransform& transform,
+                       const CallOptions& call) { transform.compute(grid(), band(), Output::distance, call); }},
         {"requests",
          [](const DistanceTransform& transform, const CallOptions& call) {
              std::vector<float> one(grid().sample_count()), other(one.size());
-             const std::array<Request, 2> requests{Request{grid(), band(), {.distance = one}},
-                                                   Request{grid(), Band::full(), {.distance = other}}};
+             const std::array<Request, 2> requests{Request{grid(), band(), one}, Request{grid(), Band::full(), other}};
              transform.compute(requests, call);
          }},
         {"compute_slabs",
          [](const DistanceTransform& transform, const CallOptions& call) {
-             transform.compute_slabs(
-                 grid(), band(), {}, [](const Grid&, const FieldSlab&) {}, {}, call);
+             transform.compute(
+                 grid(), band(), Output::distance, [](const Grid&, const FieldSlab&) {}, {}, call);
          }},
         {"query",
          [](const DistanceTransform& transform, const CallOptions& call) {
              const std::vector<Vec3> points(5000, Vec3{0.1, 0.2, 0.3});
              std::vector<float> distance(points.size());
-             transform.query(points, 1, {.distance = distance}, call);
+             transform.query(points, 1, distance, call);
          }},
         {"plan", [](const DistanceTransform& transform, const CallOptions& call) {
              static_cast<void>(transform.plan(grid(), band(), {}, call));
@@ -94,9 +93,8 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
         for (const std::string function : {"progress", "should_stop", "compiling"})
             for (const auto& [name, call] : all_calls())
                 for (const int throwing : {1, 2}) {
-                    // Without stored programs a call builds and tests those that it needs.
-                    const Device device = function == "compiling" ? Device::best() : test_device();
-                    if (function == "compiling") device.set_program_cache("");
+                    // On a new device a call builds and tests those that it needs.
+                    const Device device = function == "compiling" ? Device::strongest() : test_device();
                     const DistanceTransform transform(device, noisy_sphere());
                     int calls = 0;
                     const auto run = [&] {
@@ -106,8 +104,11 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
                         throw Stop();
                     };
                     CallOptions options;
-                    if (function == "progress") options.progress = [&](double) { run(); };
-                    if (function == "compiling") options.compiling = [&](const Compilation&) { run(); };
+                    if (function == "progress") options.progress = when_computing([&](double) { run(); });
+                    if (function == "compiling")
+                        options.progress = [&](const Progress& progress) {
+                            if (progress.stage == Progress::Stage::compiling) run();
+                        };
                     if (function == "should_stop")
                         options.should_stop = [&] {
                             run();
@@ -120,7 +121,7 @@ BOOST_AUTO_TEST_CASE(what_a_callers_function_throws_is_passed_on_and_changes_no_
                         const std::string other = thrown_type == "Stop" ? "Stop" : "out_of_memory";
                         BOOST_TEST(thrown == (calls >= throwing ? other : "nothing"));
                         BOOST_TEST(calls <= throwing);
-                        BOOST_TEST(same_bytes(transform(grid(), band(), all_outputs()), expected));
+                        BOOST_TEST(same_bytes(transform.compute(grid(), band(), all_outputs()), expected));
                     }
                 }
     // A plan has nothing to report.
@@ -139,15 +140,18 @@ BOOST_AUTO_TEST_CASE(a_callers_function_that_uses_the_same_transform_is_refused)
     for (const auto& [name, call] : all_calls()) {
         DistanceTransform transform(test_device(), noisy_sphere());
         const std::vector<std::pair<std::string, std::function<void()>>> uses{
-            {"a field", [&] { transform(grid(), band()); }},
-            {"a query", [&] { transform.query(points, 1, {.distance = distance}); }},
+            {"a field", [&] { transform.compute(grid(), band()); }},
+            {"a query", [&] { transform.query(points, 1, distance); }},
             {"classify",
              [&] {
                  transform.classify({&box, 1}, 0.1, places);
              }},
             {"a plan", [&] { static_cast<void>(transform.plan(grid(), band())); }},
-            {"move", [&] { transform.move(noisy_sphere().vertices()); }},
-            {"restrict_to", [&] { static_cast<void>(transform.restrict_to(box, 0.1, 0.1)); }},
+            {"move", [&] { transform.set_positions(noisy_sphere().vertices()); }},
+            {"restrict_to",
+             [&] {
+                 static_cast<void>(transform.restrict_to({box, 0.1, 0.1}));
+             }},
             {"memory", [&] { static_cast<void>(transform.memory()); }}};
         for (const auto& [use_name, use] : uses) BOOST_TEST_CONTEXT(use_name << " in should_stop of " << name) {
                 CallOptions options;
@@ -158,7 +162,7 @@ BOOST_AUTO_TEST_CASE(a_callers_function_that_uses_the_same_transform_is_refused)
                 check_throws(ErrorCode::invalid_argument, {"used the transform that makes the call"},
                              [&, &call = call] { call(transform, options); });
             }
-        check_exact(noisy_sphere(), transform(grid(), band()));
+        check_exact(noisy_sphere(), transform.compute(grid(), band()));
     }
 }
 
@@ -166,26 +170,26 @@ BOOST_AUTO_TEST_CASE(work_is_counted_wherever_the_field_goes) {
     const DistanceTransform transform(test_device(), noisy_sphere());
     const DeviceMemory memory(test_device().context(), grid().sample_count());
     TransformStatistics on_host, on_device;
-    transform(grid(), band(), {}, {.count = true, .statistics = &on_host});
-    transform.compute(grid(), band(), {.distance = memory.handle()}, {.count = true, .statistics = &on_device});
-    BOOST_TEST(on_host.band_samples > 0U);
-    for (const auto counter : {&TransformStatistics::brick_pairs, &TransformStatistics::lanes_evaluated,
-                               &TransformStatistics::samples_covered, &TransformStatistics::band_samples})
-        BOOST_TEST((on_device.*counter) == (on_host.*counter));
+    transform.compute(grid(), band(), Output::distance, {.count_work = true}, &on_host);
+    on_device = transform.compute(grid(), band(), {{Output::distance, memory.handle()}}, {.count_work = true});
+    BOOST_TEST(on_host.work->band_samples > 0U);
+    for (const auto counter : {&WorkCounts::brick_pairs, &WorkCounts::lanes_evaluated, &WorkCounts::samples_covered,
+                               &WorkCounts::band_samples})
+        BOOST_TEST(((*on_device.work).*counter) == ((*on_host.work).*counter));
 }
 
 BOOST_AUTO_TEST_CASE(a_component_stride_alone_stores_all_x_before_all_y) {
     const DistanceTransform transform(test_device(), noisy_sphere());
-    const Field field = transform(grid(), band(), {.gradient = true});
+    const Field field = transform.compute(grid(), band(), Output::gradient);
     const std::size_t samples = grid().sample_count();
     std::vector<float> distance(samples), gradient(3 * samples);
-    OutputTarget planes = gradient;
+    OutputArray planes = gradient;
     planes.component_stride = static_cast<std::ptrdiff_t>(samples * sizeof(float));
-    transform.compute(grid(), band(), {.distance = distance, .gradient = planes});
+    transform.compute(grid(), band(), {{Output::distance, distance}, {Output::gradient, planes}});
     std::vector<float> expected(3 * samples);
     for (std::size_t sample = 0; sample < samples; ++sample)
         for (std::size_t axis = 0; axis < 3; ++axis)
-            expected[axis * samples + sample] = field.gradient[3 * sample + axis];
+            expected[axis * samples + sample] = field.gradient()[3 * sample + axis];
     BOOST_TEST((bits_of(gradient) == bits_of(expected)));
 }
 
@@ -197,7 +201,7 @@ BOOST_AUTO_TEST_CASE(what_the_log_throws_is_passed_on) {
             is_called = true;
             fail();
         };
-        const std::string thrown = thrown_by([&] { DistanceTransform(test_device(), open, {.log = log}); });
+        const std::string thrown = thrown_by([&] { DistanceTransform(test_device(), open, {}, {.log = log}); });
         BOOST_TEST(is_called);
         return thrown;
     };
@@ -214,14 +218,14 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_another_lattice) {
         std::vector<Request> requests;
         for (const Grid& one : grids) {
             memory.emplace_back(test_device().context(), one.sample_count());
-            requests.push_back({one, band(), {.distance = memory.back().handle()}});
+            requests.push_back({one, band(), {{Output::distance, memory.back().handle()}}});
         }
         Plan plan = transform.plan(requests);
         const auto check = [&] {
-            cl::Event(plan.enqueue(nullptr)).wait();
+            enqueue(plan, nullptr).wait();
             for (std::size_t n = 0; n < grids.size(); ++n) {
                 const cl::CommandQueue& queue = device::context_of(test_device()).queue();
-                BOOST_TEST((memory[n].read(queue) == bits_of(transform(grids[n], band()).distance)));
+                BOOST_TEST((memory[n].read(queue) == bits_of(transform.compute(grids[n], band()).distance())));
             }
         };
         check();
@@ -231,7 +235,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_another_lattice) {
                     one.spacing[axis] *= factor;
                     one.origin[axis] += 0.3 * one.spacing[axis] * static_cast<double>(axis + 1);
                 }
-            plan.move(transform, grids);
+            plan.update(transform, grids);
             check();
         }
     }
@@ -242,38 +246,39 @@ BOOST_AUTO_TEST_CASE(a_query_does_not_depend_on_the_method) {
     std::vector<Vec3> points(5000);
     for (Vec3& p : points) p = random.point(-1.3, 1.3);
     const DistanceTransform plain(test_device(), noisy_sphere());
-    const DistanceTransform mauch(test_device(), noisy_sphere(),
-                                  {.method = papers_method({.polyhedra = Polyhedra::mauch})});
-    for (const double within : {0.1, std::numeric_limits<double>::infinity()})
-        BOOST_TEST(same_bytes(query(plain, points, within), query(mauch, points, within)));
+    const DistanceTransform mauch = make_transform(test_device(), noisy_sphere(), {.polyhedra = Polyhedra::mauch});
+    for (const double half_width : {0.1, std::numeric_limits<double>::infinity()})
+        BOOST_TEST(same_bytes(query(plain, points, half_width), query(mauch, points, half_width)));
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_restricted_is_refused) {
     const Box box{{0, 0, 0}, {1, 1, 1}};
-    const DistanceTransform mauch(test_device(), cube(1), {.method = papers_method({.polyhedra = Polyhedra::mauch})});
-    check_throws(ErrorCode::unsupported, {"method"}, [&] { mauch.restrict_to(box, 0.1, 0.1); });
+    const DistanceTransform mauch = make_transform(test_device(), cube(1), {.polyhedra = Polyhedra::mauch});
+    check_throws(ErrorCode::unsupported, {"clsdf::papers", "cannot be restricted"}, [&] {
+        mauch.restrict_to({box, 0.1, 0.1});
+    });
     const DistanceTransform whole(test_device(), cube(1));
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
             Box low = box, high = box;
             low.lower[axis] = -wrong;
             high.upper[axis] = wrong;
-            check_throws(ErrorCode::invalid_argument, {"box"}, [&] { whole.restrict_to(low, 0.1, 0.1); });
-            check_throws(ErrorCode::invalid_argument, {"box"}, [&] { whole.restrict_to(high, 0.1, 0.1); });
+            check_throws(ErrorCode::invalid_argument, {"box"}, [&] { whole.restrict_to({low, 0.1, 0.1}); });
+            check_throws(ErrorCode::invalid_argument, {"box"}, [&] { whole.restrict_to({high, 0.1, 0.1}); });
         }
 }
 
 // A method that gives the distance and the triangle alone refuses a gradient before anything is done.
 BOOST_AUTO_TEST_CASE(what_a_method_cannot_give_is_refused_before_anything_changes) {
     const Mesh mesh = make_shape("sphere2");
-    const DistanceTransform slices(test_device(), mesh, {.method = papers_method({.scan = Scan::slices})});
+    const DistanceTransform slices = make_transform(test_device(), mesh, {.scan = Scan::slices});
     const Grid grid = grid_around(mesh, 16, 2);
     const Band band = Band::symmetric(2 * grid.voxel());
     const std::size_t samples = grid.sample_count();
 
     std::vector<float> first(samples, 77), second(samples, 77), gradient(3 * samples, 77);
-    const std::vector<Request> on_host{{grid, band, {.distance = first}},
-                                       {grid, band, {.distance = second, .gradient = gradient}}};
+    const std::vector<Request> on_host{{grid, band, first},
+                                       {grid, band, {{Output::distance, second}, {Output::gradient, gradient}}}};
     check_throws(ErrorCode::unsupported, {"request 1 of 2", "gradient"}, [&] { slices.compute(on_host); });
     for (const std::vector<float>* array : {&first, &second, &gradient})
         BOOST_TEST(std::ranges::all_of(*array, [](float value) { return value == 77; }));
@@ -281,13 +286,13 @@ BOOST_AUTO_TEST_CASE(what_a_method_cannot_give_is_refused_before_anything_change
     const device::Context& context = device::context_of(test_device());
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, samples * sizeof(float)),
         gradients(context.context(), CL_MEM_READ_WRITE, 3 * samples * sizeof(float));
-    Plan plan = slices.plan(Request{grid, band, {.distance = memory()}});
-    const Request refused{grid, band, {.distance = memory(), .gradient = gradients()}};
-    check_throws(ErrorCode::unsupported, {"gradient"}, [&] { plan.replan(slices, {&refused, 1}); });
-    cl::Event(plan.enqueue(nullptr)).wait();
+    Plan plan = slices.plan(Request{grid, band, {{Output::distance, memory()}}});
+    const Request refused{grid, band, {{Output::distance, memory()}, {Output::gradient, gradients()}}};
+    check_throws(ErrorCode::unsupported, {"gradient"}, [&] { plan.update(slices, {&refused, 1}); });
+    enqueue(plan, nullptr).wait();
     std::vector<float> values(samples);
     context.callers_queue().enqueueReadBuffer(memory, CL_TRUE, 0, samples * sizeof(float), values.data());
-    BOOST_TEST((bits_of(values) == bits_of(slices(grid, band).distance)));
+    BOOST_TEST((bits_of(values) == bits_of(slices.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(slabs_are_handed_out_as_they_are_foretold) {
@@ -297,7 +302,7 @@ BOOST_AUTO_TEST_CASE(slabs_are_handed_out_as_they_are_foretold) {
     const std::vector<Grid> foretold = DistanceTransform::slabs_of(large);
     BOOST_TEST(foretold.size() > 2U);
     std::vector<Grid> parts;
-    transform.compute_slabs(large, Band::symmetric(large.voxel()), {},
-                            [&](const Grid& part, const FieldSlab&) { parts.push_back(part); });
+    transform.compute(large, Band::symmetric(large.voxel()), Output::distance,
+                      [&](const Grid& part, const FieldSlab&) { parts.push_back(part); });
     BOOST_TEST((parts == foretold));
 }

@@ -57,22 +57,14 @@ public:
         components_ = components;
     }
 
-    /// Distances are floats, and may be stored as doubles.
-    void expect(const Grid& grid, const FieldArray<float>& values) {
-        if (element_ == sizeof(float))
-            expect_elements(grid, values);
-        else
-            expect_elements(grid, std::vector<double>(values.begin(), values.end()));
-    }
-    template <typename Values>
-    void expect(const Grid& grid, const Values& values) {
-        expect_elements(grid, values);
+    /// doubles: the distances in double.
+    void expect(const Field& field, std::span<const double> doubles, const OutputInfo& info) {
+        const bool in_double = element_ != bytes_of(info.type);
+        expect_elements(field.grid, in_double ? std::as_bytes(doubles) : field.bytes(info.output));
     }
 
-    template <typename Values>
-    void expect_elements(const Grid& grid, const Values& values) {
-        static_assert(sizeof(values[0]) <= 8);
-        BOOST_REQUIRE(sizeof(values[0]) == element_);
+    void expect_elements(const Grid& grid, std::span<const std::byte> values) {
+        BOOST_REQUIRE(values.size() == grid.sample_count() * components_ * element_);
         std::fill(expected.begin(), expected.end(), blank);
         std::size_t n = 0;
         for (std::int64_t z = 0; z < grid.size[2]; ++z)
@@ -82,7 +74,7 @@ public:
                         std::memcpy(expected.data() + target.offset + x * target.strides[0] + y * target.strides[1] +
                                         z * target.strides[2] +
                                         static_cast<std::ptrdiff_t>(c) * target.component_stride,
-                                    &values[n], element_);
+                                    &values[n * element_], element_);
     }
 
     void clear(const cl::CommandQueue& queue) const {
@@ -95,7 +87,7 @@ public:
         return bytes == expected;
     }
 
-    OutputTarget target{nullptr};
+    OutputArray target;
     std::vector<unsigned char> expected;
 
 private:
@@ -104,40 +96,38 @@ private:
     std::size_t components_;
 };
 
+/// The distance, and the others that are asked for.
+std::vector<OutputInfo> infos_of(OutputSet outputs) {
+    std::vector<OutputInfo> infos;
+    for (const OutputInfo& info : output_table())
+        if (info.output == Output::distance || outputs.contains(info.output)) infos.push_back(info);
+    return infos;
+}
+
 /// Boxes with their targets.
 struct Boxes {
     struct Box {
         Grid grid;
         Band band;
-        Outputs outputs;
+        OutputSet outputs;
         std::vector<Target> targets;  // distance, then those of the outputs
 
         bool has_elements_of(const Box& other) const {
-            return targets.front().target.element == other.targets.front().target.element;
+            return targets.front().target.type == other.targets.front().target.type;
         }
     };
     std::vector<Box> boxes;
     Device device = test_device();
 
-    void add(const Grid& grid, const Band& band, const Outputs& outputs, Random& random) {
+    void add(const Grid& grid, const Band& band, OutputSet outputs, Random& random) {
         Box box{grid, band, outputs, {}};
         const bool in_double = random.index(3) == 0;
-        box.targets.emplace_back(device, grid, 1, in_double ? 8 : 4, random);
-        if (in_double) box.targets.front().target.element = OutputTarget::Element::float64;
-        visit_extras(
-            [&](const char* name, bool wanted) {
-                if (!wanted) return;
-                const std::string of(name);
-                box.targets.emplace_back(device, grid,
-                                         of == "barycentric"                   ? 2
-                                         : of == "closest" || of == "gradient" ? 3
-                                                                               : 1,
-                                         of == "closest" ? 8
-                                         : of == "site"  ? 1
-                                                         : 4,
-                                         random);
-            },
-            outputs);
+        for (const OutputInfo& info : infos_of(outputs)) {
+            const bool has_doubles = in_double && info.output == Output::distance;
+            Target& target = box.targets.emplace_back(device, grid, info.components,
+                                                      has_doubles ? sizeof(double) : bytes_of(info.type), random);
+            if (has_doubles) target.target.type = ElementType::float64;
+        }
         boxes.push_back(std::move(box));
     }
 
@@ -145,13 +135,8 @@ struct Boxes {
         std::vector<Request> result;
         for (const Box& box : boxes) {
             OutputTargets targets;
-            targets.distance = box.targets.front().target;
-            std::size_t n = 1;
-            visit_extras(
-                [&](const char*, bool wanted, OutputTarget& target) {
-                    if (wanted) target = box.targets[n++].target;
-                },
-                box.outputs, targets);
+            std::size_t n = 0;
+            for (const OutputInfo& info : infos_of(box.outputs)) targets[info.output] = box.targets[n++].target;
             result.push_back({box.grid, box.band, targets});
         }
         return result;
@@ -175,13 +160,11 @@ struct Boxes {
 
     void expect(const DistanceTransform& transform) {
         for (Box& box : boxes) {
-            const Field field = transform(box.grid, box.band, box.outputs);
+            const Field field = transform.compute(box.grid, box.band, box.outputs);
+            std::vector<double> doubles(box.grid.sample_count());
+            transform.compute(box.grid, box.band, doubles);
             std::size_t n = 0;
-            visit_outputs(
-                [&](const char*, const auto& values) {
-                    if (!values.empty()) box.targets[n++].expect(box.grid, values);
-                },
-                field);
+            for (const OutputInfo& info : infos_of(box.outputs)) box.targets[n++].expect(field, doubles, info);
         }
     }
 
@@ -210,16 +193,16 @@ Boxes boxes_of_three_levels(const Mesh& mesh, Random& random) {
             first[axis] = level.first[axis] - 8 +
                           static_cast<std::int64_t>(random.index(static_cast<std::size_t>(level.size[axis]) + 8));
         }
-        Outputs outputs;
-        outputs.triangle = outputs.site = n % 4 == 0;
-        outputs.gradient = outputs.closest = outputs.barycentric = n % 8 == 0;
+        OutputSet outputs;
+        if (n % 4 == 0) outputs = Output::triangle | Output::site;
+        if (n % 8 == 0) outputs = all_outputs();
         boxes.add(level.block(first, size), Band::symmetric(3 * level.voxel()), outputs, random);
     }
     return boxes;
 }
 
 void run(Plan& plan, cl_command_queue queue) {
-    const cl::Event end(plan.enqueue(queue));
+    const cl::Event end(enqueue(plan, queue));
     end.wait();
 }
 
@@ -261,8 +244,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_one_request_takes_other_targets_from_run_to_run) 
     const Band band = Band::symmetric(3 * grid.voxel());
     for (const KernelBody body : both_bodies)
         for (const bool is_small : {false, true}) {
-            const bool all = !is_small;
-            const Outputs outputs{true, true, all, all, all};
+            const OutputSet outputs = is_small ? Output::triangle | Output::site : all_outputs();
             const Device device = is_small ? test_device().limited({.memory = std::size_t{6} << 20}) : test_device();
             const DistanceTransform transform(device, mesh, {.body = body});
             Boxes first{{}, device}, others{{}, device};
@@ -282,7 +264,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_one_request_takes_other_targets_from_run_to_run) 
             BOOST_TEST((plan.statistics().slabs > 1) == is_small);
             const cl::CommandQueue queue = callers_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, device);
             std::vector<cl::Event> ends;
-            for (const Request& request : requests) ends.emplace_back(plan.enqueue(queue(), request.targets));
+            for (const Request& request : requests) ends.emplace_back(enqueue(plan, queue(), request.targets));
             cl::Event::waitForEvents(ends);
             others.check();
         }
@@ -313,21 +295,21 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_takes_other_targets_from_run_to_run) {
                 boxes->clear();
             }
             // Both are under way at once.
-            const cl::Event first(plan.enqueue(queue(), other.targets()));
-            const cl::Event second(plan.enqueue(queue()));
+            const cl::Event first(enqueue(plan, queue(), other.targets()));
+            const cl::Event second(enqueue(plan, queue()));
             cl::Event::waitForEvents({first, second});
             other.check();
             planned.check();
             std::vector<Vec3> positions = mesh.vertices();
             for (Vec3& p : positions) p[0] += 0.1 * p[1];
-            transform.move(positions);
-            plan.move(transform);
+            transform.set_positions(positions);
+            plan.update(transform);
         }
 
         // A run that fails stores nothing, and leaves no place behind for the next one.
         cl::UserEvent gate(context().context());
         const std::array wait_list{gate()};
-        const cl::Event failed(plan.enqueue(queue(), other.targets(), wait_list));
+        const cl::Event failed(enqueue(plan, queue(), other.targets(), wait_list));
         gate.setStatus(-5);
         const cl_event handle = failed();
         BOOST_TEST(clWaitForEvents(1, &handle) == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST);
@@ -337,7 +319,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_takes_other_targets_from_run_to_run) {
             boxes->clear();
             boxes->expect(transform);
         }
-        cl::Event(plan.enqueue(queue(), other.targets())).wait();
+        enqueue(plan, queue(), other.targets()).wait();
         other.check();
         run(plan, queue());
         planned.check();
@@ -349,27 +331,27 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_grid_moves_and_takes_its_targets_from_run_to_ru
     DistanceTransform transform(test_device(), mesh);
     const Grid grid = grid_around(mesh, 40, 4);
     const Band band = Band::symmetric(3 * grid.voxel());
-    Plan plan = transform.plan(grid, band, {.triangle = true});
+    Plan plan = transform.plan(grid, band, Output::triangle);
     check_throws(ErrorCode::invalid_argument, {"has no targets", "give enqueue() targets"},
                  [&] { plan.enqueue(nullptr); });
     std::vector<Vec3> positions = mesh.vertices();
     for (Vec3& p : positions) p = {p[0], 1.1 * p[1], p[2] + 0.2 * p[0]};
-    transform.move(positions);
+    transform.set_positions(positions);
     const std::array places{grid.block({5, -3, 2}, grid.size).grown(1)};
-    plan.move(transform, places);
+    plan.update(transform, places);
     BOOST_TEST((plan.requests().front().grid == places.front()));
     const DeviceMemory distance(test_device().context(), places.front().sample_count()),
         triangle(test_device().context(), places.front().sample_count());
-    cl::Event(plan.enqueue(nullptr, {.distance = distance.handle(), .triangle = triangle.handle()})).wait();
-    const Field expected = transform(places.front(), band, {.triangle = true});
-    BOOST_TEST((distance.read(callers_queue()) == bits_of(expected.distance)));
-    BOOST_TEST(std::ranges::equal(triangle.read(callers_queue()), expected.triangle));
+    enqueue(plan, nullptr, {{Output::distance, distance.handle()}, {Output::triangle, triangle.handle()}}).wait();
+    const Field expected = transform.compute(places.front(), band, Output::triangle);
+    BOOST_TEST((distance.read(callers_queue()) == bits_of(expected.distance())));
+    BOOST_TEST(std::ranges::equal(triangle.read(callers_queue()), expected.triangle()));
     // With targets of its own from now on.
-    plan.replan(transform, std::vector<Request>{{grid, band, {.distance = distance.handle()}}});
+    plan.update(transform, std::vector<Request>{{grid, band, {{Output::distance, distance.handle()}}}});
     run(plan, nullptr);
     std::vector<std::uint32_t> bits = distance.read(callers_queue());
     bits.resize(grid.sample_count());
-    BOOST_TEST((bits == bits_of(transform(grid, band).distance)));
+    BOOST_TEST((bits == bits_of(transform.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(targets_that_a_run_of_a_plan_of_boxes_cannot_write_to_are_named) {
@@ -378,32 +360,33 @@ BOOST_AUTO_TEST_CASE(targets_that_a_run_of_a_plan_of_boxes_cannot_write_to_are_n
     const Grid grid = grid_around(mesh, 20, 2), fine = grid.refined(2);
     const Band band = Band::symmetric(2 * grid.voxel());
     const DeviceMemory of_grid(test_device().context(), 2 * grid.sample_count()),
-        of_fine(test_device().context(), 2 * fine.sample_count());
-    const OutputTarget packed = of_grid.handle(), doubles(of_fine.handle(), OutputTarget::Element::float64);
-    OutputTarget shifted = packed;
+        of_fine(test_device().context(), 2 * fine.sample_count()),
+        unplanned(test_device().context(), fine.sample_count());
+    const OutputArray packed = of_grid.handle(), doubles(of_fine.handle(), ElementType::float64);
+    OutputArray shifted = packed;
     shifted.offset = sizeof(float);
     // Two lattices: the first box is computed in place, the second is copied.
-    Plan plan =
-        transform.plan(std::vector<Request>{{grid, band, {.distance = packed}}, {fine, band, {.distance = doubles}}});
-    const auto enqueue = [&](const OutputTargets& first, const OutputTargets& second) {
+    Plan plan = transform.plan(std::vector<Request>{{grid, band, packed}, {fine, band, doubles}});
+    const auto run_with = [&](const OutputTargets& first, const OutputTargets& second) {
         const std::array targets{first, second};
-        cl::Event(plan.enqueue(nullptr, targets)).wait();
+        enqueue(plan, nullptr, targets).wait();
     };
-    check_throws(ErrorCode::unsupported, {"request 0 of 2", "begins at byte 4"},
-                 [&] { enqueue({.distance = shifted}, {.distance = doubles}); });
-    check_throws(ErrorCode::unsupported, {"request 1 of 2", "another type of elements"},
-                 [&] { enqueue({.distance = packed}, {.distance = of_fine.handle()}); });
+    check_throws(ErrorCode::unsupported, {"request 0 of 2", "begins at byte 4"}, [&] { run_with(shifted, doubles); });
+    check_throws(ErrorCode::unsupported, {"request 1 of 2", "another type of elements"}, [&] {
+        run_with(packed, {{Output::distance, of_fine.handle()}});
+    });
     check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "distance has no target"},
-                 [&] { enqueue({.distance = packed}, {}); });
-    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "triangle has a target"},
-                 [&] { enqueue({.distance = packed}, {.distance = doubles, .triangle = of_fine.handle()}); });
+                 [&] { run_with(packed, {}); });
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "triangle has a target"}, [&] {
+        run_with(packed, {{Output::distance, doubles}, {Output::triangle, unplanned.handle()}});
+    });
     check_throws(ErrorCode::invalid_argument, {"2 requests", "the targets of 1"},
-                 [&] { plan.enqueue(nullptr, OutputTargets{.distance = packed}); });
+                 [&] { plan.enqueue(nullptr, packed); });
     // Nothing was enqueued; the plan still works.
-    enqueue({.distance = packed}, {.distance = doubles});
+    run_with(packed, doubles);
     std::vector<std::uint32_t> bits = of_grid.read(callers_queue());
     bits.resize(grid.sample_count());
-    BOOST_TEST((bits == bits_of(transform(grid, band).distance)));
+    BOOST_TEST((bits == bits_of(transform.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_one_grid_cannot_write_to_are_named) {
@@ -411,26 +394,27 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_one_grid_cannot_write_to_are_named) 
     const DistanceTransform transform(test_device(), mesh);
     const Grid grid = grid_around(mesh, 20, 2);
     const Band band = Band::symmetric(2 * grid.voxel());
-    const DeviceMemory memory(test_device().context(), 3 * grid.sample_count());
+    const DeviceMemory memory(test_device().context(), 3 * grid.sample_count()),
+        unplanned(test_device().context(), grid.sample_count());
     Plan plan = transform.plan(grid, band);
-    OutputTarget strided = memory.handle(), shifted = memory.handle(),
-                 doubles(memory.handle(), OutputTarget::Element::float64);
+    OutputArray strided = memory.handle(), shifted = memory.handle(), doubles(memory.handle(), ElementType::float64);
     const auto row = static_cast<std::ptrdiff_t>(sizeof(float)) * (grid.size[0] + 1);
     strided.strides = {sizeof(float), row, row * grid.size[1]};
     shifted.offset = sizeof(float);
     for (const auto& [target, why] :
          {std::pair(strided, "has strides"), std::pair(shifted, "begins at byte 4"), std::pair(doubles, "doubles")}) {
         check_throws(ErrorCode::unsupported, {"output distance", why, "plan(request)"},
-                     [&] { plan.enqueue(nullptr, {.distance = target}); });
+                     [&] { plan.enqueue(nullptr, target); });
     }
-    Plan copying = transform.plan({grid, band, {.distance = shifted}});
+    Plan copying = transform.plan({grid, band, shifted});
     check_throws(ErrorCode::unsupported, {"output distance", "another type of elements"},
-                 [&] { copying.enqueue(nullptr, {.distance = doubles}); });
-    check_throws(ErrorCode::invalid_argument, {"triangle has a target"},
-                 [&] { copying.enqueue(nullptr, {.distance = shifted, .triangle = memory.handle()}); });
+                 [&] { copying.enqueue(nullptr, doubles); });
+    check_throws(ErrorCode::invalid_argument, {"triangle has a target"}, [&] {
+        copying.enqueue(nullptr, {{Output::distance, shifted}, {Output::triangle, unplanned.handle()}});
+    });
     check_throws(ErrorCode::invalid_argument, {"no target"}, [&] { transform.plan({grid, band, {}}); });
-    cl::Event(copying.enqueue(nullptr, {.distance = strided})).wait();
-    cl::Event(plan.enqueue(nullptr, {.distance = memory.handle()})).wait();
+    enqueue(copying, nullptr, strided).wait();
+    enqueue(plan, nullptr, {{Output::distance, memory.handle()}}).wait();
 }
 
 BOOST_AUTO_TEST_CASE(runs_of_a_plan_of_boxes_follow_one_another_and_the_callers_events) {
@@ -445,9 +429,9 @@ BOOST_AUTO_TEST_CASE(runs_of_a_plan_of_boxes_follow_one_another_and_the_callers_
                            in_order = callers_queue();
     cl::UserEvent gate(context().context());
     const cl_event wait_list[] = {gate()};
-    const cl::Event first(plan.enqueue(out_of_order(), wait_list));
+    const cl::Event first(enqueue(plan, out_of_order(), wait_list));
     // They return although nothing can begin.
-    const cl::Event second(plan.enqueue(out_of_order())), third(plan.enqueue(in_order()));
+    const cl::Event second(enqueue(plan, out_of_order())), third(enqueue(plan, in_order()));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     for (const cl::Event* event : {&first, &second, &third})
         BOOST_TEST(event->getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
@@ -465,13 +449,13 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_with_the_vertices_and_to_other_places
     Plan plan = transform.plan(boxes.requests());
     std::vector<Vec3> positions = mesh.vertices();
     for (Vec3& p : positions) p = {1.1 * p[0] + 0.1, p[1] - 0.05 * p[0], 0.9 * p[2]};
-    transform.move(positions);
+    transform.set_positions(positions);
     // Until it is moved, the plan has the positions it was made with.
     boxes.expect(DistanceTransform(test_device(), mesh));
     boxes.clear();
     run(plan, nullptr);
     boxes.check();
-    plan.move(transform);
+    plan.update(transform);
     boxes.expect(transform);
     boxes.clear();
     run(plan, nullptr);
@@ -483,7 +467,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_with_the_vertices_and_to_other_places
             box.grid.first[axis] += static_cast<std::int64_t>(random.index(20));
         places.push_back(box.grid);
     }
-    plan.move(transform, places);
+    plan.update(transform, places);
     boxes.expect(transform);
     boxes.clear();
     run(plan, nullptr);
@@ -500,20 +484,21 @@ BOOST_AUTO_TEST_CASE(a_plan_of_boxes_moves_to_any_number_of_other_boxes) {
     for (Boxes* boxes : {&few, &many}) boxes->expect(transform);
     Plan plan = transform.plan(few.requests());
     for (const Boxes* boxes : {&many, &few, &many}) {
-        plan.replan(transform, boxes->requests());
+        plan.update(transform, boxes->requests());
         BOOST_TEST(plan.requests().size() == boxes->boxes.size());
         boxes->clear();
         run(plan, nullptr);
         boxes->check();
     }
-    plan.replan(transform, {});
+    plan.update(transform, std::span<const Request>());
     BOOST_TEST(plan.requests().empty());
     few.clear();
     run(plan, nullptr);
     const Device other = one_compute_unit();
     const DistanceTransform of_other(other, mesh);
     if (device::context_of(other).context()() != context().context()())
-        check_throws(ErrorCode::invalid_argument, {"another device"}, [&] { plan.replan(of_other, {}); });
+        check_throws(ErrorCode::invalid_argument, {"another device"},
+                     [&] { plan.update(of_other, std::span<const Request>()); });
 }
 
 BOOST_AUTO_TEST_CASE(a_call_for_device_memory_begins_after_the_callers_events) {
@@ -534,9 +519,9 @@ BOOST_AUTO_TEST_CASE(a_call_for_device_memory_begins_after_the_callers_events) {
             cl::UserEvent(gate).setStatus(CL_COMPLETE);
         });
         if (one_by_one)
-            transform.compute(requests[0].grid, requests[0].band, requests[0].targets, {}, wait_list);
+            transform.compute(requests[0].grid, requests[0].band, requests[0].targets, {.wait_list = wait_list});
         else
-            transform.compute(requests, {}, wait_list);
+            transform.compute(requests, {.wait_list = wait_list});
         BOOST_TEST(is_open.load());
         opener.join();
         boxes.check();
@@ -546,9 +531,8 @@ BOOST_AUTO_TEST_CASE(a_call_for_device_memory_begins_after_the_callers_events) {
     cl::UserEvent(failed).setStatus(-5);
     const std::array wait_list{failed()};
     std::vector<float> distance(requests[0].grid.sample_count());
-    check_throws(ErrorCode::device_failure, {}, [&] {
-        transform.compute(requests[0].grid, requests[0].band, {distance, {}}, {}, wait_list);
-    });
+    check_throws(ErrorCode::device_failure, {},
+                 [&] { transform.compute(requests[0].grid, requests[0].band, distance, {.wait_list = wait_list}); });
 }
 
 BOOST_AUTO_TEST_CASE(the_memory_of_a_plan_of_boxes_is_known_before) {
@@ -588,41 +572,39 @@ BOOST_AUTO_TEST_CASE(targets_that_a_plan_of_boxes_cannot_write_to_are_named) {
     const Band band = Band::symmetric(2 * grid.voxel());
     const DeviceMemory memory(test_device().context(), grid.sample_count());
     const auto plan_with = [&](const OutputTargets& second) {
-        const std::vector<Request> requests{{grid, band, {.distance = memory.handle()}}, {grid, band, second}};
+        const std::vector<Request> requests{{grid, band, {{Output::distance, memory.handle()}}}, {grid, band, second}};
         transform.plan(requests);
     };
     std::vector<float> host(grid.sample_count());
     check_throws(ErrorCode::unsupported, {"request 1 of 2", "output distance", "memory of the host"},
-                 [&] { plan_with({.distance = host}); });
-    OutputTarget shifted = memory.handle();
+                 [&] { plan_with(host); });
+    OutputArray shifted = memory.handle();
     shifted.offset = 4;
-    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "reaches from byte"},
-                 [&] { plan_with({.distance = shifted}); });
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "reaches from byte"}, [&] { plan_with(shifted); });
     shifted.offset = 2;
     shifted.strides = {4, 4, 4};
-    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "multiples"},
-                 [&] { plan_with({.distance = shifted}); });
+    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "multiples"}, [&] { plan_with(shifted); });
     check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "distance has no target"}, [&] { plan_with({}); });
 
-    const std::vector<Request> one{{grid, band, {.distance = memory.handle()}}};
+    const std::vector<Request> one{{grid, band, {{Output::distance, memory.handle()}}}};
     Plan plan = transform.plan(one);
     const std::vector<Grid> two(2, grid);
-    check_throws(ErrorCode::invalid_argument, {"1 requests", "2 grids"}, [&] { plan.move(transform, two); });
+    check_throws(ErrorCode::invalid_argument, {"1 requests", "2 grids"}, [&] { plan.update(transform, two); });
     // A move to grids that are refused changes nothing.
     const std::vector<Grid> larger(1, grid.grown(1));
-    check_throws(ErrorCode::invalid_argument, {"output distance"}, [&] { plan.move(transform, larger); });
+    check_throws(ErrorCode::invalid_argument, {"output distance"}, [&] { plan.update(transform, larger); });
     BOOST_TEST((plan.requests().front().grid == grid));
     run(plan, nullptr);
-    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform.compute(grid, band).distance())));
     // One that fails later leaves nothing to enqueue, and the places as they were; the next one mends it.
     CallOptions stopped;
     stopped.should_stop = [calls = 0]() mutable { return ++calls > 1; };
     const std::vector<Grid> other(1, grid.block({1, 0, 0}, grid.size));
-    check_throws(ErrorCode::cancelled, {}, [&] { plan.move(transform, other, stopped); });
-    check_throws(ErrorCode::invalid_argument, {"move() or replan() failed"}, [&] { plan.enqueue(nullptr); });
-    plan.move(transform);
+    check_throws(ErrorCode::cancelled, {}, [&] { plan.update(transform, other, stopped); });
+    check_throws(ErrorCode::invalid_argument, {"last update() failed"}, [&] { plan.enqueue(nullptr); });
+    plan.update(transform);
     run(plan, nullptr);
-    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(memory_that_values_would_share_or_kernels_may_not_write_is_refused) {
@@ -631,17 +613,17 @@ BOOST_AUTO_TEST_CASE(memory_that_values_would_share_or_kernels_may_not_write_is_
     const Grid grid = grid_around(mesh, 12, 2);
     const Band band = Band::symmetric(2 * grid.voxel());
     std::vector<float> host(64 * grid.sample_count());
-    OutputTarget target(host);
+    OutputArray target(host);
     const auto check = [&](const char* what) {
         check_throws(ErrorCode::invalid_argument, {"output distance", what, "overlap"},
-                     [&] { transform.compute(grid, band, {.distance = target}); });
+                     [&] { transform.compute(grid, band, target); });
     };
     target.strides = {8, 0, 0};
     check("along y");
     target.strides = {8, 8 * grid.size[0], 16};
     check("along z");
     const cl::Buffer read_only(context().context(), CL_MEM_READ_ONLY, host.size() * sizeof(float));
-    const std::vector<Request> requests{{grid, band, {.distance = OutputTarget(read_only())}}};
+    const std::vector<Request> requests{{grid, band, {{Output::distance, OutputArray(read_only())}}}};
     check_throws(ErrorCode::invalid_argument, {"CL_MEM_READ_ONLY"}, [&] { transform.plan(requests); });
 }
 
@@ -651,7 +633,7 @@ BOOST_AUTO_TEST_CASE(a_plan_without_requests_waits_for_the_callers_events) {
     const cl::UserEvent before(context().context());
     const cl_event event = before();
     const cl::CommandQueue queue = callers_queue();
-    const cl::Event end(plan.enqueue(queue(), {&event, 1}));
+    const cl::Event end(enqueue(plan, queue(), {&event, 1}));
     BOOST_TEST(end.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() > CL_COMPLETE);
     cl::UserEvent(before).setStatus(CL_COMPLETE);
     end.wait();
@@ -667,14 +649,14 @@ BOOST_AUTO_TEST_CASE(more_boxes_than_a_launch_has_groups_are_all_stored) {
     for (std::int64_t z = 0; z < grid.size[2]; ++z)
         for (std::int64_t y = 0; y < grid.size[1]; ++y)
             for (std::int64_t x = 0; x < grid.size[0]; ++x) {
-                OutputTarget target = memory.handle();
+                OutputArray target = memory.handle();
                 target.offset = requests.size() * sizeof(float);
-                requests.push_back({grid.part({x, y, z}, {1, 1, 1}), band, {.distance = target}});
+                requests.push_back({grid.part({x, y, z}, {1, 1, 1}), band, target});
             }
     BOOST_REQUIRE(requests.size() > 32768U);
     Plan plan = transform.plan(requests);
     run(plan, nullptr);
-    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform(grid, band).distance)));
+    BOOST_TEST((memory.read(callers_queue()) == bits_of(transform.compute(grid, band).distance())));
 }
 
 BOOST_AUTO_TEST_CASE(plans_take_the_memory_that_their_transform_may_take) {
@@ -688,9 +670,9 @@ BOOST_AUTO_TEST_CASE(plans_take_the_memory_that_their_transform_may_take) {
     const auto add = [&] {
         memory.emplace_back(cl::Context(device.context(), true), CL_MEM_READ_WRITE,
                             2 * grid.sample_count() * sizeof(float));
-        OutputTarget target = memory.back()();
+        OutputArray target = memory.back()();
         target.strides = {8, 8 * grid.size[0], 8 * grid.size[0] * grid.size[1]};
-        plans.push_back(transform.plan(std::vector<Request>{{grid, band, {.distance = target}}}));
+        plans.push_back(transform.plan(std::vector<Request>{{grid, band, target}}));
     };
     add();
     BOOST_REQUIRE(plans.front().statistics().device_bytes > 2'000'000U);

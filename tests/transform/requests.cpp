@@ -23,54 +23,24 @@ constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 struct Boxes {
     std::vector<Field> fields;
 
-    void add(const Grid& grid, const Band& band, const Outputs& outputs = {}) {
-        Field& field = fields.emplace_back();
-        field.grid = grid;
-        field.band = band;
-        field.distance.resize(grid.sample_count());
-        visit_extras(
-            [&](const char*, bool wanted, auto& array, std::size_t bytes) {
-                if (wanted) array.resize(grid.sample_count() * bytes / sizeof(array[0]));
-            },
-            outputs, field, output_bytes);
+    void add(const Grid& grid, const Band& band, OutputSet outputs = {}) {
+        fields.emplace_back(FieldDescription{grid, band, SignRule::none, {}}, Output::distance | outputs);
     }
 
     std::vector<Request> requests() {
         std::vector<Request> result;
-        for (Field& field : fields) {
-            OutputTargets targets;
-            visit_outputs(
-                [](const char*, auto& array, OutputTarget& target) {
-                    if (!array.empty()) target = array;
-                },
-                field, targets);
-            result.push_back({field.grid, field.band, targets});
-        }
+        for (Field& field : fields) result.push_back({field.grid, field.band, field.targets()});
         return result;
     }
 };
 
-template <typename Array>
-bool are_same_bytes(const Array& one, const Array& other) {
-    return one.size() == other.size() &&
-           (one.empty() || std::memcmp(one.data(), other.data(), one.size() * sizeof(one[0])) == 0);
-}
-
-Outputs outputs_of(const Field& field) {
-    Outputs outputs;
-    visit_extras([](const char*, const auto& array, bool& wanted) { wanted = !array.empty(); }, field, outputs);
-    return outputs;
-}
-
 void check_each_alone(const DistanceTransform& transform, const Boxes& boxes) {
     for (std::size_t n = 0; n < boxes.fields.size(); ++n) {
         const Field& field = boxes.fields[n];
-        const Field alone = transform(field.grid, field.band, outputs_of(field));
-        BOOST_TEST_CONTEXT("request " << n) {
-            visit_outputs([](const char* name, const auto& one,
-                             const auto& other) { BOOST_TEST(are_same_bytes(one, other), name << " differs"); },
-                          field, alone);
-        }
+        const Field alone = transform.compute(field.grid, field.band, field.outputs());
+        BOOST_TEST_CONTEXT("request " << n)
+        for (const OutputInfo& info : output_table())
+            BOOST_TEST(same_bytes(field.slab(), alone.slab(), info.output), info.name << " differs");
     }
 }
 
@@ -99,13 +69,12 @@ BOOST_AUTO_TEST_CASE(boxes_of_three_levels_have_the_bytes_of_calls_of_their_own)
         for (int n = 0; n < 60; ++n) {
             const Grid level = n % 3 == 0 ? coarse : n % 3 == 1 ? coarse.refined(2) : coarse.refined_cells(4);
             const Band band = n % 5 == 0 ? Band::full() : Band::symmetric(3 * level.voxel());
-            Outputs outputs;
-            outputs.triangle = n % 4 == 0;
-            outputs.gradient = outputs.closest = n % 7 == 0;
+            OutputSet outputs;
+            if (n % 4 == 0) outputs.insert(Output::triangle);
+            if (n % 7 == 0) outputs = outputs | Output::gradient | Output::closest;
             boxes.add(box_in(level, random), band, outputs);
         }
-        TransformStatistics statistics;
-        transform.compute(boxes.requests(), {.statistics = &statistics});
+        const TransformStatistics statistics = transform.compute(boxes.requests());
         check_each_alone(transform, boxes);
         BOOST_TEST(statistics.slabs < boxes.fields.size());
     }
@@ -120,8 +89,8 @@ BOOST_AUTO_TEST_CASE(small_grids_one_after_the_other_have_the_bytes_of_the_whole
     const Grid grid = grid_around(mesh, 96, 4);
     const Band narrow = Band::symmetric(3 * grid.voxel()), wide = Band::symmetric(25 * grid.voxel());
     for (const Band& band : {narrow, wide}) {
-        const Outputs outputs{.triangle = true};
-        const Field whole = DistanceTransform(test_device(), mesh)(grid, band, outputs);
+        const OutputSet outputs = Output::triangle;
+        const Field whole = DistanceTransform(test_device(), mesh).compute(grid, band, outputs);
         const DistanceTransform kept(test_device(), mesh), forgetful(test_device(), mesh, {.kept_bytes = 0});
         for (int n = 0; n < 60; ++n) {
             Index3 first{}, size{};
@@ -131,14 +100,14 @@ BOOST_AUTO_TEST_CASE(small_grids_one_after_the_other_have_the_bytes_of_the_whole
                     static_cast<std::int64_t>(random.index(static_cast<std::size_t>(grid.size[axis] - size[axis])));
             }
             for (const DistanceTransform* transform : {&kept, &forgetful}) {
-                const Field part = (*transform)(grid.part(first, size), band, outputs);
+                const Field part = transform->compute(grid.part(first, size), band, outputs);
                 std::size_t at = 0;
                 for (std::int64_t z = first[2]; z < first[2] + size[2]; ++z)
                     for (std::int64_t y = first[1]; y < first[1] + size[1]; ++y)
                         for (std::int64_t x = first[0]; x < first[0] + size[0]; ++x, ++at) {
                             const std::size_t of_whole = grid.offset(x, y, z);
-                            BOOST_REQUIRE(std::memcmp(&part.distance[at], &whole.distance[of_whole], 4) == 0);
-                            BOOST_REQUIRE(part.triangle[at] == whole.triangle[of_whole]);
+                            BOOST_REQUIRE(std::memcmp(&part.distance()[at], &whole.distance()[of_whole], 4) == 0);
+                            BOOST_REQUIRE(part.triangle()[at] == whole.triangle()[of_whole]);
                         }
             }
         }
@@ -157,9 +126,7 @@ BOOST_AUTO_TEST_CASE(patches_that_fill_a_grid_are_computed_once) {
     for (std::int64_t z = 0; z < 64; z += 16)
         for (std::int64_t y = 0; y < 64; y += 16)
             for (std::int64_t x = 0; x < 64; x += 16) boxes.add(grid.part({x, y, z}, {16, 16, 16}).grown(2), band);
-    TransformStatistics statistics;
-    transform.compute(boxes.requests(), {.statistics = &statistics});
-    BOOST_TEST(statistics.slabs == 1U);
+    BOOST_TEST(transform.compute(boxes.requests()).slabs == 1U);
     check_each_alone(transform, boxes);
 }
 
@@ -173,7 +140,7 @@ BOOST_AUTO_TEST_CASE(boxes_far_from_each_other_are_computed_apart) {
     boxes.add(lattice.block({50000, 50000, -50000}, {4, 5, 6}), Band::symmetric(0.2));
     transform.compute(boxes.requests());
     check_each_alone(transform, boxes);
-    for (const float distance : boxes.fields[1].distance) BOOST_REQUIRE(distance == 0.2F);
+    for (const float distance : boxes.fields[1].distance()) BOOST_REQUIRE(distance == 0.2F);
 }
 
 // Each box goes to its place in one array with ghost samples around it, which stay as they are.
@@ -182,7 +149,7 @@ BOOST_AUTO_TEST_CASE(boxes_are_written_into_blocks_of_larger_arrays) {
     const DistanceTransform transform(test_device(), mesh);
     const Grid grid = grid_around(mesh, 24, 2);
     const Band band = Band::symmetric(4 * grid.voxel());
-    const Field whole = transform(grid, band);
+    const Field whole = transform.compute(grid, band);
     const std::ptrdiff_t row = grid.size[0] + 3, slice = row * (grid.size[1] + 2);
     std::vector<float> array(static_cast<std::size_t>(slice * (grid.size[2] + 1)), 77);
     std::vector<Request> requests;
@@ -192,17 +159,17 @@ BOOST_AUTO_TEST_CASE(boxes_are_written_into_blocks_of_larger_arrays) {
             for (std::int64_t x = 0; x < grid.size[0]; x += side) {
                 const Index3 size{std::min(side, grid.size[0] - x), std::min(side, grid.size[1] - y),
                                   std::min(side, grid.size[2] - z)};
-                OutputTarget target = array;
+                OutputArray target = array;
                 target.offset = sizeof(float) * static_cast<std::size_t>(x + y * row + z * slice);
                 target.strides = {4, 4 * row, 4 * slice};
-                requests.push_back({grid.part({x, y, z}, size), band, {.distance = target}});
+                requests.push_back({grid.part({x, y, z}, size), band, target});
             }
     transform.compute(requests);
     std::size_t written = 0;
     for (std::int64_t z = 0; z < grid.size[2]; ++z)
         for (std::int64_t y = 0; y < grid.size[1]; ++y)
             for (std::int64_t x = 0; x < grid.size[0]; ++x, ++written)
-                BOOST_REQUIRE(array[static_cast<std::size_t>(x + y * row + z * slice)] == whole.distance[written]);
+                BOOST_REQUIRE(array[static_cast<std::size_t>(x + y * row + z * slice)] == whole.distance()[written]);
     BOOST_TEST(static_cast<std::size_t>(std::count(array.begin(), array.end(), 77.0F)) == array.size() - written);
 }
 
@@ -212,13 +179,13 @@ BOOST_AUTO_TEST_CASE(a_request_that_is_refused_is_named_and_nothing_is_computed)
     const Grid grid = grid_around(mesh, 8, 1);
     Boxes boxes;
     for (int n = 0; n < 3; ++n) boxes.add(grid, Band::symmetric(0.1));
-    for (Field& field : boxes.fields) std::fill(field.distance.begin(), field.distance.end(), 77.0F);
+    for (Field& field : boxes.fields) std::fill(field.distance().begin(), field.distance().end(), 77.0F);
     std::vector<Request> requests = boxes.requests();
     requests[2].band = {};
     check_throws(ErrorCode::invalid_argument, {"request 2 of 3: band: the half widths are nan"},
                  [&] { transform.compute(requests); });
     requests = boxes.requests();
-    requests[1].targets.distance.bytes -= 4;
+    requests[1].targets[Output::distance].bytes -= 4;
     check_throws(ErrorCode::invalid_argument, {"request 1 of 3: the grid has"}, [&] { transform.compute(requests); });
     requests = boxes.requests();
     requests[0].grid.size[1] = 0;
@@ -228,7 +195,7 @@ BOOST_AUTO_TEST_CASE(a_request_that_is_refused_is_named_and_nothing_is_computed)
     check_throws(ErrorCode::invalid_argument, {"request 2 of 3: the grid's samples"},
                  [&] { transform.compute(requests); });
     for (const Field& field : boxes.fields)
-        for (const float value : field.distance) BOOST_REQUIRE(value == 77.0F);
+        for (const float value : field.distance()) BOOST_REQUIRE(value == 77.0F);
     transform.compute(std::span<const Request>());
 }
 
@@ -239,10 +206,10 @@ BOOST_AUTO_TEST_CASE(progress_of_many_boxes_rises_to_one_and_a_call_can_be_stopp
     Boxes boxes;
     for (std::int64_t n = 0; n < 6; ++n) boxes.add(lattice.block({4000 * n, 0, 0}, {20, 20, 20}), Band::symmetric(0.1));
     double latest = 0;
-    const auto progress = [&](double fraction) {
+    const auto progress = when_computing([&](double fraction) {
         BOOST_TEST(fraction >= latest);
         latest = fraction;
-    };
+    });
     transform.compute(boxes.requests(), {.progress = progress});
     BOOST_TEST(latest == 1);
     latest = 0;

@@ -3,6 +3,8 @@
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,14 +23,8 @@ namespace {
 constexpr std::array both_bodies{KernelBody::by_vector, KernelBody::by_group};
 
 void check_same(const Field& whole, const Field& part) {
-    visit_outputs(
-        [](const char* name, const auto& of_whole, const auto& of_part) {
-            BOOST_TEST(of_whole.size() == of_part.size());
-            if (of_whole.empty()) return;  // not asked for
-            BOOST_TEST(std::memcmp(of_whole.data(), of_part.data(), of_whole.size() * sizeof(of_whole[0])) == 0,
-                       name << " differs");
-        },
-        whole, part);
+    for (const OutputInfo& info : output_table())
+        BOOST_TEST(same_bytes(whole.slab(), part.slab(), info.output), info.name << " differs");
 }
 
 /// Awkward ones: within the mesh, at its end, thin, around all of it, beside it and far from it.
@@ -91,7 +87,7 @@ BOOST_AUTO_TEST_CASE(grids_in_the_box_have_the_bytes_of_the_whole) {
             for (const Box& box : boxes_about(mesh)) {
                 const double h = side / 40;
                 const double half_width = 9 * h;
-                const DistanceTransform part = whole.restrict_to(box, half_width, h);
+                const DistanceTransform part = whole.restrict_to({box, half_width, h});
                 for (const double spacing : {h, 0.43 * h})
                     for (const double voxels : {2.5, 9.0}) {
                         const Grid grid = samples_in(box, spacing, {0.1 * side, -0.3 * side, 0.2 * side});
@@ -100,7 +96,7 @@ BOOST_AUTO_TEST_CASE(grids_in_the_box_have_the_bytes_of_the_whole) {
                         BOOST_TEST_CONTEXT(mesh.name()
                                            << ", spacing " << spacing << ", band of " << voxels << " voxels, box from "
                                            << box.lower[0] << ", " << box.lower[1] << ", " << box.lower[2])
-                        check_same(whole(grid, band, all_outputs()), part(grid, band, all_outputs()));
+                        check_same(whole.compute(grid, band, all_outputs()), part.compute(grid, band, all_outputs()));
                     }
             }
         }
@@ -114,9 +110,10 @@ BOOST_AUTO_TEST_CASE(a_part_has_all_that_is_within_the_half_width_of_its_box) {
     const Grid grid = samples_in(box, h, {0.001, 0.002, 0.003});
     for (const KernelBody body : both_bodies) {
         const DistanceTransform whole(test_device(), mesh, {.body = body});
-        const Field expected = whole(grid, Band::symmetric(half_width), all_outputs());
-        BOOST_TEST(static_cast<double>(std::ranges::min(expected.distance)) < half_width);
-        check_same(expected, whole.restrict_to(box, half_width, h)(grid, Band::symmetric(half_width), all_outputs()));
+        const Field expected = whole.compute(grid, Band::symmetric(half_width), all_outputs());
+        BOOST_TEST(static_cast<double>(std::ranges::min(expected.distance())) < half_width);
+        check_same(expected,
+                   whole.restrict_to({box, half_width, h}).compute(grid, Band::symmetric(half_width), all_outputs()));
     }
 }
 
@@ -127,7 +124,7 @@ BOOST_AUTO_TEST_CASE(points_and_boxes_in_the_box_have_the_answers_of_the_whole) 
             const DistanceTransform whole(test_device(), mesh, {.body = body});
             Random random(3);
             for (const Box& box : boxes_about(mesh)) {
-                const DistanceTransform part = whole.restrict_to(box, half_width, side / 100);
+                const DistanceTransform part = whole.restrict_to({box, half_width, side / 100});
                 std::vector<Vec3> points(2000);
                 std::vector<Box> boxes(500);
                 const auto place = [&] {
@@ -160,17 +157,37 @@ BOOST_AUTO_TEST_CASE(points_and_boxes_in_the_box_have_the_answers_of_the_whole) 
         }
 }
 
+// Cubes in a diagonal row: neighbours share an edge of four faces, of which a part may have one or two.
+BOOST_AUTO_TEST_CASE(a_part_with_some_faces_of_an_edge_has_the_names_of_the_whole) {
+    std::vector<Mesh> cubes;
+    for (int i = 0; i < 100; ++i) cubes.push_back(shifted(cube(0.5), {i + 0.5, i + 0.5, 0.5}));
+    const Mesh mesh = weld(together(cubes, "cubes"));
+    for (const SignRule sign : {SignRule::automatic, SignRule::none}) {
+        const DistanceTransform whole(test_device(), mesh, {.sign = sign});
+        for (int i = 0; i < 100; i += 7) {
+            const Vec3 top{i + 0.5, i + 0.5, 0.95};
+            const Box box{{top[0] - 0.02, top[1] - 0.02, 0.93}, {top[0] + 0.02, top[1] + 0.02, 0.97}};
+            const DistanceTransform part = whole.restrict_to({box, 0.1, 0.01});
+            const Grid grid = samples_in(box, 0.01, {0, 0, 0});
+            check_same(whole.compute(grid, Band::symmetric(0.1), all_outputs()),
+                       part.compute(grid, Band::symmetric(0.1), all_outputs()));
+            const std::array<Vec3, 1> points{top};
+            check_same(query(whole, points, 0.1), query(part, points, 0.1));
+        }
+    }
+}
+
 BOOST_AUTO_TEST_CASE(a_part_outlives_the_whole_and_takes_a_part_of_its_memory) {
     const Mesh mesh = make_shape("sphere7");
     const Box eighth{{0, 0, 0}, {1.1, 1.1, 1.1}};
     const double h = 0.002;
     const Grid grid = samples_in({{0.5, 0.5, 0.5}, {0.6, 0.6, 0.7}}, h, {0, 0, 0});
     std::optional<DistanceTransform> whole(std::in_place, test_device(), mesh);
-    const DistanceTransform part = whole->restrict_to(eighth, 3 * h, h);
-    const Field expected = (*whole)(grid, Band::symmetric(3 * h));
+    const DistanceTransform part = whole->restrict_to({eighth, 3 * h, h});
+    const Field expected = whole->compute(grid, Band::symmetric(3 * h));
     const KeptMemory of_whole = whole->memory();
     whole.reset();
-    check_same(expected, part(grid, Band::symmetric(3 * h)));
+    check_same(expected, part.compute(grid, Band::symmetric(3 * h)));
     // It keeps the octant and the octant before it, a fourth of the sphere, and a seam.
     BOOST_TEST(part.memory().host_bytes < of_whole.host_bytes * 4 / 10);
 }
@@ -183,7 +200,7 @@ BOOST_AUTO_TEST_CASE(grids_of_a_part_share_records_of_what_is_near_it) {
     const Box eighth{{0, 0, 0}, {1.1, 1.1, 1.1}};
     const Band band = Band::symmetric(3 * h);
     const DistanceTransform whole(test_device(), mesh, {.kept_bytes = std::size_t{1} << 30});
-    const DistanceTransform part = whole.restrict_to(eighth, 3 * h, h);
+    const DistanceTransform part = whole.restrict_to({eighth, 3 * h, h});
     const Grid all = samples_in(eighth, h, {0.003, 0.003, 0.003});
     std::size_t most = 0;
     for (std::int64_t z = 0; z < all.size[2]; z += 28)
@@ -192,10 +209,10 @@ BOOST_AUTO_TEST_CASE(grids_of_a_part_share_records_of_what_is_near_it) {
                 const Grid grid = all.part({x, y, z}, {std::min<std::int64_t>(28, all.size[0] - x),
                                                        std::min<std::int64_t>(28, all.size[1] - y),
                                                        std::min<std::int64_t>(28, all.size[2] - z)});
-                check_same(whole(grid, band), part(grid, band));
+                check_same(whole.compute(grid, band), part.compute(grid, band));
                 most = std::max(most, part.memory().device_bytes);
             }
-    check_same(whole(all, band), part(all, band));
+    check_same(whole.compute(all, band), part.compute(all, band));
     // A record has 280 bytes; a GPU has 52 more of each face. Bricks and the band reach a tenth of a radius beyond the
     // octant: near them is a fifth of the sphere, and for the sign the part has half of it.
     const double records = 280 * static_cast<double>(mesh.triangles().size());
@@ -209,19 +226,19 @@ BOOST_AUTO_TEST_CASE(many_boxes_of_a_part_go_into_one_call) {
     const double h = mesh.box().longest_side() / 80;
     const Box box = boxes_about(mesh).front();
     const DistanceTransform whole(test_device(), mesh);
-    const DistanceTransform part = whole.restrict_to(box, 4 * h, h);
+    const DistanceTransform part = whole.restrict_to({box, 4 * h, h});
     const Grid all = samples_in(box, h, mesh.box().lower);
     const Grid outside = all.grown(2);
     std::vector<float> first(all.sample_count()), second(all.sample_count()), third(outside.sample_count());
     const Band band = Band::symmetric(4 * h);
-    const std::array<Request, 2> right{Request{all, band, {.distance = first}},
-                                       Request{all, band, {.distance = second}}};
+    const std::array<Request, 2> right{Request{all, band, first}, Request{all, band, second}};
     part.compute(right);
-    const Field expected = whole(all, band);
-    BOOST_TEST((bits_of(first) == bits_of(expected.distance)));
-    BOOST_TEST((bits_of(second) == bits_of(expected.distance)));
-    const std::array<Request, 2> wrong{right[0], Request{outside, band, {.distance = third}}};
-    check_throws(ErrorCode::invalid_argument, {"request 1 of 2", "reach from", "is restricted to the box from"},
+    const Field expected = whole.compute(all, band);
+    BOOST_TEST((bits_of(first) == bits_of(expected.distance())));
+    BOOST_TEST((bits_of(second) == bits_of(expected.distance())));
+    const std::array<Request, 2> wrong{right[0], Request{outside, band, third}};
+    check_throws(ErrorCode::invalid_argument,
+                 {"request 1 of 2", "reach from", "the nearest of its 1 regions is the box from"},
                  [&] { part.compute(wrong); });
 }
 
@@ -229,32 +246,158 @@ BOOST_AUTO_TEST_CASE(what_a_part_cannot_answer_is_an_error_that_names_it) {
     const Mesh mesh = cube(1);
     const DistanceTransform whole(test_device(), mesh);
     const Box box{{0, 0, 0}, {1, 1, 1}};
-    DistanceTransform part = whole.restrict_to(box, 0.3, 0.1);
+    DistanceTransform part = whole.restrict_to({box, 0.3, 0.1});
     const Grid inside = samples_in(box, 0.1, {0, 0, 0});
-    const char* const named = "is restricted to the box from (0, 0, 0) to (1, 1, 1), half widths up to 0.3";
+    const char* const named =
+        "the nearest of its 1 regions is the box from (0, 0, 0) to (1, 1, 1), for half widths up to 0.3";
     const auto refused = [&](const char* what, const auto& call) {
         check_throws(ErrorCode::invalid_argument, {what, named, "restrict the whole"}, call);
     };
-    refused("samples reach from", [&] { part(inside.grown(1), Band::symmetric(0.3)); });
-    refused("half width is 0.31", [&] { part(inside, Band::symmetric(0.31)); });
-    refused("half width is inf", [&] { part(inside, Band::full()); });
-    refused("spacing is 0.2", [&] { part(samples_in(box, 0.2, {0, 0, 0}), Band::symmetric(0.3)); });
+    refused("samples reach from", [&] { part.compute(inside.grown(1), Band::symmetric(0.3)); });
+    refused("half width 0.31", [&] { part.compute(inside, Band::symmetric(0.31)); });
+    refused("half width inf", [&] { part.compute(inside, Band::full()); });
+    refused("spacing is 0.2", [&] { part.compute(samples_in(box, 0.2, {0, 0, 0}), Band::symmetric(0.3)); });
     refused("samples reach from", [&] { part.plan(inside.grown(1), Band::symmetric(0.3)); });
     std::vector<float> distance(2);
     const std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}};
-    refused("point 1 lies at (0.5, 1.5, 0.5)", [&] { part.query(points, 0.3, {.distance = distance}); });
-    refused("within inf", [&] { part.query(points, std::numeric_limits<double>::infinity(), {.distance = distance}); });
+    refused("point 1 lies at (0.5, 1.5, 0.5)", [&] { part.query(points, 0.3, distance); });
+    refused("within inf", [&] { part.query(points, std::numeric_limits<double>::infinity(), distance); });
     std::vector<BoxPlace> places(1);
     const std::vector<Box> outside{{{0, 0, 0}, {2, 1, 1}}};
     refused("box 0 reaches", [&] { part.classify(outside, 0.3, places); });
-    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.move(mesh.vertices()); });
-    check_throws(ErrorCode::unsupported, {"restrict the whole one"}, [&] { part.restrict_to(box, 0.1, 0.1); });
+    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.set_positions(mesh.vertices()); });
+    check_throws(ErrorCode::unsupported, {"restrict the whole one"}, [&] { part.restrict_to({box, 0.1, 0.1}); });
     const double inf = std::numeric_limits<double>::infinity();
-    check_throws(ErrorCode::invalid_argument, {"half widths up to inf"}, [&] { whole.restrict_to(box, inf, 0.1); });
-    check_throws(ErrorCode::invalid_argument, {"spacings up to 0"}, [&] { whole.restrict_to(box, 0.1, 0); });
+    for (const double wrong : {0.0, -0.1, inf, std::numeric_limits<double>::quiet_NaN()})
+        check_throws(ErrorCode::invalid_argument, {"region 0 of 1", "half width", fmt::format("{}", wrong)}, [&] {
+            whole.restrict_to({box, wrong, 0.1});
+        });
+    for (const double wrong : {-0.1, inf, std::numeric_limits<double>::quiet_NaN()})
+        check_throws(ErrorCode::invalid_argument, {"region 0 of 1", "spacing", fmt::format("{}", wrong)}, [&] {
+            whole.restrict_to({box, 0.1, wrong});
+        });
     check_throws(ErrorCode::invalid_argument, {"corners exchanged"}, [&] {
-        whole.restrict_to({{1, 0, 0}, {0, 1, 1}}, 0.1, 0.1);
+        whole.restrict_to({{{1, 0, 0}, {0, 1, 1}}, 0.1, 0.1});
     });
+}
+
+// Of different boxes, half widths and spacings; two of them overlap.
+BOOST_AUTO_TEST_CASE(each_of_several_regions_has_the_bytes_of_the_whole) {
+    for (const KernelBody body : both_bodies)
+        for (const Mesh& mesh : meshes(body)) {
+            const double side = mesh.box().longest_side(), h = side / 60;
+            const DistanceTransform whole(test_device(), mesh, {.body = body});
+            std::vector<Region> regions;
+            for (const Box& box : boxes_about(mesh)) {
+                const auto n = static_cast<double>(regions.size());
+                regions.push_back({box, (3 + n) * h, (0.4 + 0.2 * n) * h});
+                if (regions.size() == 5) break;
+            }
+            const DistanceTransform part = whole.restrict_to(regions);
+            Random random(9);
+            for (const auto& [box, half_width, spacing] : regions)
+                BOOST_TEST_CONTEXT(mesh.name() << ", half width " << half_width / h) {
+                    for (const double fraction : {1.0, 0.6}) {
+                        const Grid grid = samples_in(box, fraction * spacing, {0.1 * side, -0.3 * side, 0.2 * side});
+                        if (!is_inside(grid, box)) continue;
+                        const Band band{0.4 * half_width, fraction * half_width};
+                        check_same(whole.compute(grid, band, all_outputs()), part.compute(grid, band, all_outputs()));
+                    }
+                    std::vector<Vec3> points(500);
+                    std::vector<Box> boxes(100);
+                    const auto place = [&, &box = box] {
+                        Vec3 p{};
+                        for (std::size_t axis = 0; axis < 3; ++axis)
+                            p[axis] = std::clamp(random.uniform(box.lower[axis], box.upper[axis]), box.lower[axis],
+                                                 box.upper[axis]);
+                        return p;
+                    };
+                    for (Vec3& p : points) p = place();
+                    for (Box& b : boxes) {
+                        const Vec3 p = place(), q = place();
+                        for (std::size_t axis = 0; axis < 3; ++axis)
+                            b.lower[axis] = std::min(p[axis], q[axis]), b.upper[axis] = std::max(p[axis], q[axis]);
+                    }
+                    check_same(query(whole, points, half_width), query(part, points, half_width));
+                    std::vector<BoxPlace> of_whole(boxes.size()), of_part(boxes.size());
+                    whole.classify(boxes, half_width, of_whole);
+                    part.classify(boxes, half_width, of_part);
+                    BOOST_TEST((of_whole == of_part));
+                }
+        }
+}
+
+BOOST_AUTO_TEST_CASE(what_lies_in_no_region_is_refused_with_the_nearest_one) {
+    const Mesh mesh = cube(1);
+    const DistanceTransform whole(test_device(), mesh);
+    const std::array regions{Region{{{-1.2, -1, -1}, {-0.2, 1, 1}}, 0.5, 0.1},
+                             Region{{{-0.2, -1, -1}, {1.2, 1, 1}}, 0.3, 0.2}};
+    const DistanceTransform part = whole.restrict_to(regions);
+    const char* const first =
+        "the nearest of its 2 regions is the box from (-1.2, -1, -1) to (-0.2, 1, 1), for half "
+        "widths up to 0.5 and spacings up to 0.1";
+    const char* const second =
+        "the nearest of its 2 regions is the box from (-0.2, -1, -1) to (1.2, 1, 1), for half "
+        "widths up to 0.3 and spacings up to 0.2";
+    const auto refused = [&](const char* nearest, const auto& call) {
+        check_throws(ErrorCode::invalid_argument, {nearest}, call);
+    };
+    std::vector<float> distance(2);
+    std::vector<Vec3> points{{-1, 0, 0}, {1.1, 0, 0}};
+    part.query(points, 0.3, distance);
+    // Within the half width of one region only.
+    check_throws(ErrorCode::invalid_argument, {"point 1 ", second}, [&] { part.query(points, 0.4, distance); });
+    points[0][0] = -1.3;
+    check_throws(ErrorCode::invalid_argument, {"point 0 ", first}, [&] { part.query(points, 0.3, distance); });
+    // Each sample lies in a region, and not all of them in one.
+    refused(first, [&] { part.compute(grid_at({-0.25, 0, 0}, 0.1, 2), Band::symmetric(0.3)); });
+    refused(second, [&] { part.compute(grid_at({0, 0, 0}, 0.1, 3), Band::symmetric(0.3)); });
+    // Too wide a spacing for the first, too wide a band for the second.
+    refused(first, [&] { part.compute(grid_at({-0.7, 0, 0}, 0.2, 2), Band::symmetric(0.3)); });
+    refused(second, [&] { part.compute(grid_at({0.5, 0, 0}, 0.1, 2), Band::symmetric(0.4)); });
+    check_same(whole.compute(grid_at({0.5, 0, 0}, 0.2, 2), Band::symmetric(0.3)),
+               part.compute(grid_at({0.5, 0, 0}, 0.2, 2), Band::symmetric(0.3)));
+    std::vector<BoxPlace> places(1);
+    const std::vector<Box> across{{{-0.4, 0, 0}, {-0.1, 0.5, 0.5}}};
+    refused(first, [&] { part.classify(across, 0.3, places); });
+}
+
+BOOST_AUTO_TEST_CASE(a_region_that_makes_no_sense_is_named_by_its_index) {
+    const DistanceTransform whole(test_device(), cube(1));
+    const Region right{{{0, 0, 0}, {1, 1, 1}}, 0.3, 0.1};
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    std::array<Region, 4> wrong;
+    wrong.fill(right);
+    wrong[0].box.upper[1] = nan;
+    wrong[1].box.lower[2] = 2;
+    wrong[2].half_width = 0;
+    wrong[3].spacing = -1;
+    for (const Region& region : wrong) {
+        const std::array regions{right, right, region, right};
+        check_throws(ErrorCode::invalid_argument, {"region 2 of 4"}, [&] { whole.restrict_to(regions); });
+    }
+    check_throws(ErrorCode::invalid_argument, {"there is none"}, [&] { whole.restrict_to(std::span<const Region>()); });
+}
+
+BOOST_AUTO_TEST_CASE(a_region_without_a_spacing_is_for_points_and_boxes) {
+    const Mesh mesh = tilted(make_shape("knot"));
+    const DistanceTransform whole(test_device(), mesh);
+    const Box box = boxes_about(mesh).front();
+    const double half_width = 0.1 * mesh.box().longest_side();
+    const DistanceTransform part = whole.restrict_to({box, half_width, 0});
+    Random random(21);
+    std::vector<Vec3> points(1000);
+    for (Vec3& p : points)
+        for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = random.uniform(box.lower[axis], box.upper[axis]);
+    check_same(query(whole, points, half_width), query(part, points, half_width));
+    const std::array boxes{box, Box{points[0], points[0]}};
+    std::array<BoxPlace, 2> of_whole{}, of_part{};
+    whole.classify(boxes, half_width, of_whole);
+    part.classify(boxes, half_width, of_part);
+    BOOST_TEST((of_whole == of_part));
+    const Grid grid = grid_at(points[0], 1e-6, 0);
+    check_throws(ErrorCode::invalid_argument, {"its spacing is 1e-06", "spacings up to 0"},
+                 [&] { part.compute(grid, Band::symmetric(half_width)); });
 }
 
 BOOST_AUTO_TEST_CASE(a_part_of_a_moved_mesh_has_its_positions) {
@@ -262,10 +405,11 @@ BOOST_AUTO_TEST_CASE(a_part_of_a_moved_mesh_has_its_positions) {
     std::vector<Vec3> positions = mesh.vertices();
     for (Vec3& p : positions) p[0] += 0.2 * p[1] * p[1];
     DistanceTransform whole(test_device(), mesh);
-    whole.move(positions);
+    whole.set_positions(positions);
     const Box box = boxes_about(mesh).front();
     const double h = mesh.box().longest_side() / 80;
-    const DistanceTransform part = whole.restrict_to(box, 4 * h, h);
+    const DistanceTransform part = whole.restrict_to({box, 4 * h, h});
     const Grid grid = samples_in(box, h, {0, 0, 0});
-    check_same(whole(grid, Band::symmetric(4 * h), all_outputs()), part(grid, Band::symmetric(4 * h), all_outputs()));
+    check_same(whole.compute(grid, Band::symmetric(4 * h), all_outputs()),
+               part.compute(grid, Band::symmetric(4 * h), all_outputs()));
 }

@@ -1,3 +1,4 @@
+#include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
@@ -77,29 +78,29 @@ BOOST_AUTO_TEST_CASE(an_event_may_fail_while_others_of_its_wait_list_are_pending
     const Grid grid = grid_around(mesh, 24, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
-    const Request request{grid, band, {.distance = memory()}};
+    const Request request{grid, band, {{Output::distance, memory()}}};
     const auto fail = [](cl::UserEvent& event) { event.setStatus(-1); };
     const auto end = [](cl::UserEvent& event) { event.setStatus(CL_COMPLETE); };
     for (const bool is_made_anew : {false, true}) {
         Plan plan = transform.plan(request);
         cl::UserEvent late(context.context()), failing(context.context());
         const std::array both{late(), failing()};
-        const cl::Event failed(plan.enqueue(queue(), both));
+        const cl::Event failed(enqueue(plan, queue(), both));
         fail(failing);
         if (is_made_anew) plan = transform.plan(request);
-        cl::Event(plan.enqueue(queue())).wait();
+        enqueue(plan, queue()).wait();
         end(late);
-        cl::Event(plan.enqueue(queue())).wait();
+        enqueue(plan, queue()).wait();
         BOOST_TEST(failed.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() < 0);
     }
     {
         Plan plan = transform.plan(request);
         cl::UserEvent late(context.context()), failing(context.context());
         const std::array first{late()}, second{failing()};
-        const cl::Event waits(plan.enqueue(queue(), first));
-        cl::Event(plan.enqueue(queue(), second));
+        const cl::Event waits(enqueue(plan, queue(), first));
+        enqueue(plan, queue(), second);
         fail(failing);
-        const cl::Event third(plan.enqueue(queue()));
+        const cl::Event third(enqueue(plan, queue()));
         end(late);
         third.wait();
     }
@@ -109,7 +110,7 @@ BOOST_AUTO_TEST_CASE(an_event_may_fail_while_others_of_its_wait_list_are_pending
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
         fail(failing);
     });
-    BOOST_CHECK_THROW(transform.compute({&request, 1}, {}, both), Error);
+    BOOST_CHECK_THROW(transform.compute({&request, 1}, {.wait_list = both}), Error);
     device.join();
     end(late);
     transform.compute({&request, 1});
@@ -151,20 +152,20 @@ BOOST_AUTO_TEST_CASE(a_plan_that_waits_for_its_run_keeps_no_thread_from_the_tran
     const cl::CommandQueue queue(context.context(), context.device());
     const Grid grid = grid_around(mesh, 24, 3);
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
-    Plan plan = transform.plan(Request{grid, Band::symmetric(grid.voxel()), {.distance = memory()}});
+    Plan plan = transform.plan(Request{grid, Band::symmetric(grid.voxel()), {{Output::distance, memory()}}});
     cl::UserEvent event(context.context());
     const std::array wait_list{event()};
-    const cl::Event run(plan.enqueue(queue(), wait_list));
+    const cl::Event run(enqueue(plan, queue(), wait_list));
     const Watchdog watchdog(event);
     std::thread other([&] {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         transform.memory();
         if (!watchdog.has_barked()) event.setStatus(CL_COMPLETE);
     });
-    plan.move(transform);
+    plan.update(transform);
     other.join();
     BOOST_TEST(!watchdog.has_barked());
-    cl::Event(plan.enqueue(queue())).wait();
+    enqueue(plan, queue()).wait();
 }
 
 // A plan may outlive the transform, and keeps its positions.
@@ -176,21 +177,23 @@ BOOST_AUTO_TEST_CASE(a_transform_moves_and_ends_while_a_run_of_its_plan_waits) {
     std::vector<float> values(grid.sample_count());
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, values.size() * sizeof(float));
     auto transform = std::make_unique<DistanceTransform>(test_device(), mesh);
-    const Field expected = (*transform)(grid, band);
-    Plan plan = transform->plan(Request{grid, band, {.distance = memory()}});
+    const Field expected = transform->compute(grid, band);
+    Plan plan = transform->plan(Request{grid, band, {{Output::distance, memory()}}});
     cl::UserEvent event(context.context());
     const std::array wait_list{event()};
-    const cl::Event run(plan.enqueue(nullptr, wait_list));
+    const cl::Event run(enqueue(plan, nullptr, wait_list));
     {
         const Watchdog watchdog(event);
-        transform->move(moved(mesh, [](const Vec3& v) { return Vec3{2 * v[0], 2 * v[1], 2 * v[2]}; }).vertices());
+        transform->set_positions(moved(mesh, [](const Vec3& v) {
+                                     return Vec3{2 * v[0], 2 * v[1], 2 * v[2]};
+                                 }).vertices());
         transform.reset();
         BOOST_TEST(!watchdog.has_barked());
     }
     event.setStatus(CL_COMPLETE);
     run.wait();
     context.callers_queue().enqueueReadBuffer(memory, CL_TRUE, 0, values.size() * sizeof(float), values.data());
-    BOOST_TEST((bits_of(values) == bits_of(expected.distance)));
+    BOOST_TEST((bits_of(values) == bits_of(expected.distance())));
 }
 
 // The call before it compiles and prepares, so that this one waits for its event when that fails.
@@ -201,15 +204,17 @@ BOOST_AUTO_TEST_CASE(an_event_that_fails_during_a_call_is_an_error_of_the_call) 
     const Grid grid = grid_around(mesh, 24, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, grid.sample_count() * sizeof(float));
-    const OutputTargets targets{.distance = OutputTarget(memory())};
+    const OutputTargets targets{{Output::distance, OutputArray(memory())}};
     transform.compute(grid, band, targets);
     cl::UserEvent event(context.context());
     std::thread failing([&] {
         std::this_thread::sleep_for(std::chrono::seconds(2));
         event.setStatus(-5);
     });
-    check_throws(ErrorCode::device_failure, {},
-                 [&] { transform.compute(grid, band, targets, {}, std::array{static_cast<cl_event>(event())}); });
+    check_throws(ErrorCode::device_failure, {}, [&] {
+        const std::array wait_list{static_cast<cl_event>(event())};
+        transform.compute(grid, band, targets, {.wait_list = wait_list});
+    });
     failing.join();
 }
 
@@ -221,28 +226,28 @@ BOOST_AUTO_TEST_CASE(an_event_of_the_caller_that_fails_ends_the_run_and_nothing_
     const device::Context& context = device::context_of(test_device());
     const Grid grid = grid_around(mesh, 40, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
-    const Field expected = transform(grid, band);
+    const Field expected = transform.compute(grid, band);
     const cl::Buffer memory(context.context(), CL_MEM_READ_WRITE, 2 * grid.sample_count() * sizeof(float));
-    OutputTarget spread(memory());
+    OutputArray spread(memory());
     spread.strides = {2 * sizeof(float), 0, 0};
     spread.strides[1] = spread.strides[0] * grid.size[0];
     spread.strides[2] = spread.strides[1] * grid.size[1];
-    for (const OutputTarget& target : {OutputTarget(memory()), spread}) {
-        Plan plan = transform.plan(std::vector<Request>{{grid, band, {.distance = target}}});
+    for (const OutputArray& target : {OutputArray(memory()), spread}) {
+        Plan plan = transform.plan(std::vector<Request>{{grid, band, target}});
         cl::UserEvent gate(context.context());
         const std::array wait_list{gate()};
-        const cl::Event failed(plan.enqueue(nullptr, wait_list)), after(plan.enqueue(nullptr));
+        const cl::Event failed(enqueue(plan, nullptr, wait_list)), after(enqueue(plan, nullptr));
         gate.setStatus(-5);
         for (const cl::Event& event : {failed, after}) {
             const cl_event handle = event();
             BOOST_TEST(clWaitForEvents(1, &handle) == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST);
         }
-        cl::Event(plan.enqueue(nullptr)).wait();
+        enqueue(plan, nullptr).wait();
         const std::size_t step = target.strides[0] == 0 ? 1 : 2;
         std::vector<float> values(step * grid.sample_count()), distance;
         context.callers_queue().enqueueReadBuffer(memory, CL_TRUE, 0, values.size() * sizeof(float), values.data());
         for (std::size_t i = 0; i < values.size(); i += step) distance.push_back(values[i]);
-        BOOST_TEST((bits_of(distance) == bits_of(expected.distance)));
+        BOOST_TEST((bits_of(distance) == bits_of(expected.distance())));
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/outputs.hpp"
 #include "device/context.hpp"
+#include "papers/scans.hpp"
 #include "transform/known_field.hpp"
 #include "transform/self_test.hpp"
 
@@ -36,7 +37,7 @@ TestCase bricks(KernelBody body, bool triangle, bool count, bool long_bricks = f
 
 TestCase slices(KernelBody body, bool triangle, bool count, bool key_64) {
     TestCase test_case = bricks(body, triangle, count);
-    test_case.method = papers_method(
+    test_case.method = papers::method_of(
         {.scan = Scan::slices, .slice_minimum = key_64 ? SliceMinimum::one_pass : SliceMinimum::two_passes});
     return test_case;
 }
@@ -58,7 +59,7 @@ TestCase without_sign(TestCase test_case) {
     return test_case;
 }
 
-/// A device with programs of its own, whose kernels' text is changed, and which keeps records in `folder`.
+/// A device with programs of its own, whose kernels' text is changed, and which keeps records and programs in `folder`.
 struct Changed {
     std::string file;  ///< empty: nothing is changed
     std::string from;
@@ -66,8 +67,9 @@ struct Changed {
     bool is_found = false;
 
     Device device(const std::string& folder) {
-        Device device = Device::best();
-        device.set_program_cache(folder);
+        Device device = Device::strongest();
+        device.keep_records(folder);
+        device::context_of(device).keep_programs(folder);
         device::context_of(device).set_text_edit([this](std::string_view name, std::string& text) {
             if (name != file) return;
             const std::size_t at = text.find(from);
@@ -82,22 +84,20 @@ struct Changed {
 /// A field as packed arrays.
 scan::HostArrays arrays_of(Field& field) {
     scan::HostArrays arrays;
-    for_each_output(
-        [](const OutputRow&, scan::HostArray& array, auto& values) {
-            using Value = typename std::remove_reference_t<decltype(values)>::value_type;
-            array = {!values.empty(), std::is_same_v<Value, double>, reinterpret_cast<std::byte*>(values.data())};
-        },
-        arrays, field);
+    for (const OutputInfo& info : output_table()) {
+        const std::span<std::byte> bytes = field.bytes(info.output);
+        arrays[info.output] = {!bytes.empty(), info.type == ElementType::float64, bytes.data()};
+    }
     return arrays;
 }
 
-/// The message of the error that test() throws; it must be a failure of the device.
+/// The message of the error that test() throws; it must be of wrong results.
 template <typename Test>
 std::string message_of(const Test& test) {
     try {
         test();
     } catch (const Error& error) {
-        BOOST_TEST((error.code() == ErrorCode::device_failure));
+        BOOST_TEST((error.code() == ErrorCode::wrong_results));
         return error.what();
     }
     return {};
@@ -146,19 +146,19 @@ BOOST_AUTO_TEST_CASE(is_the_reference_s_field) {
         const KnownField known(kind);
         DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
         TransformStatistics statistics;
-        Field field = transform(known.grid(), known.band(), all_outputs(), {.statistics = &statistics});
+        Field field = transform.compute(known.grid(), known.band(), all_outputs(), {}, &statistics);
         BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 500U);
         const std::optional<std::string> difference = known.difference(arrays_of(field));
         BOOST_TEST(!difference.has_value(), difference.value_or(""));
         // The purpose of the self-test: wrong compilers.
-        BOOST_TEST(statistics.point_sites == 1U);
-        BOOST_TEST(statistics.saddle_vertices > 0U);
-        BOOST_TEST(statistics.coarse_bricks == 8U);
-        const auto has = [&](const auto& is) { return std::ranges::any_of(field.distance, is); };
+        BOOST_TEST(statistics.work->point_sites == 1U);
+        BOOST_TEST(statistics.work->saddle_vertices > 0U);
+        BOOST_TEST(statistics.work->coarse_bricks == 8U);
+        const auto has = [&](const auto& is) { return std::ranges::any_of(field.distance(), is); };
         const auto sites_on_surface = [&](auto first, auto last) {
             std::size_t count = 0;
-            for (std::size_t i = 0; i < field.distance.size(); ++i)
-                count += std::abs(field.distance[i]) < 1e-8F && first <= field.site[i] && field.site[i] <= last;
+            for (std::size_t i = 0; i < field.distance().size(); ++i)
+                count += std::abs(field.distance()[i]) < 1e-8F && first <= field.site()[i] && field.site()[i] <= last;
             return count;
         };
         BOOST_TEST((sites_on_surface(0, 6) > 0) == kind.later);
@@ -176,51 +176,52 @@ BOOST_AUTO_TEST_CASE(has_coarse_bricks_without_polyhedra_inside_and_outside) {
             const KnownField known({.long_bricks = long_bricks, .fine = true});
             DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero, .body = body});
             TransformStatistics statistics;
-            Field field = transform(known.grid(), known.band(), all_outputs(), {.statistics = &statistics});
+            Field field = transform.compute(known.grid(), known.band(), all_outputs(), {}, &statistics);
             BOOST_TEST(check_exact(known.mesh(), field, guaranteed).band_samples > 30U);
             const std::optional<std::string> difference = known.difference(arrays_of(field));
             BOOST_TEST(!difference.has_value(), difference.value_or(""));
             // One of three coarse bricks: the first samples of a row lie outside, the last ones inside.
-            BOOST_TEST(statistics.coarse_bricks == 1U);
-            BOOST_TEST(field.distance.front() == static_cast<float>(known.band().outside));
-            BOOST_TEST(field.distance.back() == -static_cast<float>(known.band().inside));
+            BOOST_TEST(statistics.work->coarse_bricks == 1U);
+            BOOST_TEST(field.distance().front() == static_cast<float>(known.band().outside));
+            BOOST_TEST(field.distance().back() == -static_cast<float>(known.band().inside));
         }
 }
 
 BOOST_AUTO_TEST_CASE(tells_every_kind_of_difference) {
     const KnownField known({});
     DistanceTransform transform(test_device(), known.mesh(), {.sign = SignRule::nonzero});
-    const Field right = transform(known.grid(), known.band(), all_outputs());
+    const Field right = transform.compute(known.grid(), known.band(), all_outputs());
     const auto differs = [&](auto&& change) {
         Field field = right;
         change(field);
         return known.difference(arrays_of(field)).has_value();
     };
     std::size_t in_band = 0, beyond = 0;
-    while (right.triangle[in_band] == 0xFFFFFFFFU) ++in_band;
-    while (right.triangle[beyond] != 0xFFFFFFFFU) ++beyond;
+    while (right.triangle()[in_band] == 0xFFFFFFFFU) ++in_band;
+    while (right.triangle()[beyond] != 0xFFFFFFFFU) ++beyond;
     BOOST_TEST(!differs([](Field&) {}));
-    BOOST_TEST(differs([&](Field& field) { field.distance[in_band] += 1e-4F; }));
-    BOOST_TEST(differs([&](Field& field) { field.distance[beyond] = -field.distance[beyond]; }));
-    BOOST_TEST(differs([&](Field& field) { field.distance[0] = std::numeric_limits<float>::quiet_NaN(); }));
-    BOOST_TEST(differs([&](Field& field) { field.triangle[in_band] = 0xFFFFFFFFU; }));
-    BOOST_TEST(differs([&](Field& field) { field.triangle[in_band] = 1000; }));
-    BOOST_TEST(differs([&](Field& field) { field.triangle[beyond] = 0; }));
+    BOOST_TEST(differs([&](Field& field) { field.distance()[in_band] += 1e-4F; }));
+    BOOST_TEST(differs([&](Field& field) { field.distance()[beyond] = -field.distance()[beyond]; }));
+    BOOST_TEST(differs([&](Field& field) { field.distance()[0] = std::numeric_limits<float>::quiet_NaN(); }));
+    BOOST_TEST(differs([&](Field& field) { field.triangle()[in_band] = 0xFFFFFFFFU; }));
+    BOOST_TEST(differs([&](Field& field) { field.triangle()[in_band] = 1000; }));
+    BOOST_TEST(differs([&](Field& field) { field.triangle()[beyond] = 0; }));
     for (const unsigned site : {0U, 1U, 2U, 3U, 4U, 5U, 6U, 7U, 255U})
-        BOOST_TEST(differs([&](Field& field) { field.site[in_band] = static_cast<std::uint8_t>(site); }) ==
-                   (site != right.site[in_band]));
+        BOOST_TEST(differs([&](Field& field) { field.site()[in_band] = static_cast<std::uint8_t>(site); }) ==
+                   (site != right.site()[in_band]));
     for (std::size_t k = 0; k < 3; ++k) {
-        BOOST_TEST(differs([&](Field& field) { field.closest[3 * in_band + k] += 1e-3; }));
-        BOOST_TEST(differs([&](Field& field) { field.gradient[3 * in_band + k] += 1e-3F; }));
-        BOOST_TEST(differs([&](Field& field) { field.gradient[3 * in_band + k] = -field.gradient[3 * in_band + k]; }));
-        BOOST_TEST(differs([&](Field& field) { field.closest[3 * beyond + k] = 0; }));
-        BOOST_TEST(differs([&](Field& field) { field.gradient[3 * beyond + k] = 0; }));
+        BOOST_TEST(differs([&](Field& field) { field.closest()[3 * in_band + k] += 1e-3; }));
+        BOOST_TEST(differs([&](Field& field) { field.gradient()[3 * in_band + k] += 1e-3F; }));
+        BOOST_TEST(
+            differs([&](Field& field) { field.gradient()[3 * in_band + k] = -field.gradient()[3 * in_band + k]; }));
+        BOOST_TEST(differs([&](Field& field) { field.closest()[3 * beyond + k] = 0; }));
+        BOOST_TEST(differs([&](Field& field) { field.gradient()[3 * beyond + k] = 0; }));
     }
     for (std::size_t k = 0; k < 2; ++k) {
-        BOOST_TEST(differs([&](Field& field) { field.barycentric[2 * in_band + k] += 1e-3F; }));
-        BOOST_TEST(differs([&](Field& field) { field.barycentric[2 * beyond + k] = 0; }));
+        BOOST_TEST(differs([&](Field& field) { field.barycentric()[2 * in_band + k] += 1e-3F; }));
+        BOOST_TEST(differs([&](Field& field) { field.barycentric()[2 * beyond + k] = 0; }));
     }
-    BOOST_TEST(differs([&](Field& field) { field.site[beyond] = 6; }));
+    BOOST_TEST(differs([&](Field& field) { field.site()[beyond] = 6; }));
 }
 
 BOOST_AUTO_TEST_SUITE_END()
@@ -311,9 +312,9 @@ BOOST_AUTO_TEST_CASE(refuses_a_device_that_computes_something_else) {
 // The group body leaves to the fill only coarse bricks that no polyhedron overlaps.
 BOOST_AUTO_TEST_CASE(refuses_a_wrong_fill_inside_and_outside_of_either_body) {
     const TemporaryFolder folder;
-    const std::string right = "inside ? layout.inside_fill : layout.outside_fill";
+    const std::string right = "inside ? inside_fill : outside_fill";
     for (const KernelBody body : {vector_body, group_body}) {
-        for (const char* wrong : {"layout.inside_fill", "layout.outside_fill"}) {
+        for (const char* wrong : {"inside_fill", "outside_fill"}) {
             Changed changed{"fill.cl", right, wrong};
             check_refusal(wrong, changed, folder.file("cache"),
                           [&](const Device& device) { return message_of_test(device, bricks(body, false, false)); });
@@ -358,6 +359,12 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_outputs) {
         {"a closest point in double on the other side",
          group_body,
          {group_file, "nearest->position - offset", "nearest->position + offset"}},
+        {"a distance in double with the digits of a float",
+         group_body,
+         {group_file, "const double length = LESSER(root, most);", "const double length = (float)LESSER(root, most);"}},
+        {"a distance in double with the digits of a float",
+         vector_body,
+         {vector_file, "sqrt(rows->squared) * how.unit", "TO_DOUBLES(TO_FLOATS(sqrt(rows->squared))) * how.unit"}},
         {"barycentric coordinates of the other way along an edge",
          group_body,
          {group_file, "named.is_reversed ? 1.0 - first : first", "first"}},
@@ -393,12 +400,14 @@ BOOST_AUTO_TEST_CASE(refuses_wrong_points) {
     const Changed sign{"points.cl", "sides & (outward > 0.0 ?", "sides & (outward < 0.0 ?"},
         gradient{"points.cl", "nearest->sign / sqrt(squared)", "1.0 / sqrt(squared)"},
         frames{"mesh_records.cl", "to_foot = is_right ? f.right : -f.left;", "to_foot = is_right ? f.right : f.left;"},
+        doubles{"points.cl", "length > 0.0 ? length :", "length > 0.0 ? (float)length :"},
         groups{"mesh_records.cl", "groups[n / CLSDF_RECORD_GROUP]", "groups[0]"};
     std::vector<Mutation> mutations{
         {"signs of the other side", vector_body, {}, sign},
         {"signs of the other side", vector_body, {.are_scanned = true}, sign},
         {"signs of the other side", group_body, {}, sign},
         {"a gradient without the sign", vector_body, {}, gradient},
+        {"a distance in double with the digits of a float", vector_body, {}, doubles},
         {"a triangle beside its place", vector_body, {.are_scanned = true}, frames},
         {"records of other faces", vector_body, {.are_scanned = true, .is_later = true}, groups},
     };
@@ -424,7 +433,7 @@ BOOST_AUTO_TEST_CASE(stops_a_computation_before_it_begins) {
         return std::string();
     };
     const Grid grid = Grid::around(mesh, 16, band);
-    BOOST_TEST(message([&] { transform(grid, band); }).find("computes wrong fields") != std::string::npos);
+    BOOST_TEST(message([&] { transform.compute(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.plan(grid, band); }).find("computes wrong fields") != std::string::npos);
     BOOST_TEST(message([&] { transform.compile(grid, band); }).find("computes wrong fields") != std::string::npos);
 }
@@ -435,12 +444,13 @@ BOOST_AUTO_TEST_CASE(stops_a_computation_on_a_later_lattice) {
     const Mesh mesh = make_shape("sphere3");
     const Band band = Band::symmetric(0.1);
     DistanceTransform transform(device, mesh);
-    transform(Grid::around(mesh, 16, band), band);
+    transform.compute(Grid::around(mesh, 16, band), band);
     const auto is_refusal = [](const Error& error) {
         return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
     };
-    for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform(Grid::around(mesh, 20, band), band), Error, is_refusal);
-    transform(Grid::around(mesh, 16, band), band);
+    for (int i = 0; i < 2; ++i)
+        BOOST_CHECK_EXCEPTION(transform.compute(Grid::around(mesh, 20, band), band), Error, is_refusal);
+    transform.compute(Grid::around(mesh, 16, band), band);
 }
 
 BOOST_AUTO_TEST_CASE(stops_a_query_of_many_points_after_a_field) {
@@ -450,15 +460,14 @@ BOOST_AUTO_TEST_CASE(stops_a_query_of_many_points_after_a_field) {
     const Band band = Band::symmetric(0.1);
     DistanceTransform transform(device, mesh, {.body = vector_body});
     const Grid grid = Grid::around(mesh, 32, band);
-    transform(grid, band);
+    transform.compute(grid, band);
     std::vector<Vec3> points;
     for (std::int64_t i = 0; i < 16384; ++i) points.push_back(grid.position(i % 32, i / 32 % 32, i / 1024));
     const auto is_refusal = [](const Error& error) {
         return std::string_view(error.what()).find("computes wrong fields") != std::string_view::npos;
     };
     std::vector<float> distance(points.size());
-    for (int i = 0; i < 2; ++i)
-        BOOST_CHECK_EXCEPTION(transform.query(points, 1, {.distance = distance}), Error, is_refusal);
+    for (int i = 0; i < 2; ++i) BOOST_CHECK_EXCEPTION(transform.query(points, 1, distance), Error, is_refusal);
 }
 
 BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
@@ -471,12 +480,11 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
         const Device device = nothing.device(folder.file("cache"));
         DistanceTransform transform(device, mesh);
         TransformStatistics statistics;
-        const CallOptions call{.statistics = &statistics};
-        transform(grid, band, {}, call);
+        transform.compute(grid, band, Output::distance, {}, &statistics);
         BOOST_TEST(statistics.first_use == first);
         const double compile_seconds = statistics.compile_seconds;
         BOOST_TEST(compile_seconds > 0);
-        transform(grid, band, {}, call);
+        transform.compute(grid, band, Output::distance, {}, &statistics);
         BOOST_TEST(!statistics.first_use);
         BOOST_TEST(statistics.compile_seconds < compile_seconds);
     }
@@ -485,14 +493,14 @@ BOOST_AUTO_TEST_CASE(is_run_once_on_a_device_and_driver) {
         Changed nothing;
         const Device device = nothing.device("");
         DistanceTransform transform(device, mesh);
-        BOOST_TEST(transform.compile(grid, band));
-        BOOST_TEST(!transform.compile(grid, band));
+        BOOST_TEST(transform.compile(grid, band).first_use);
+        BOOST_TEST(!transform.compile(grid, band).first_use);
     }
     // Tested again on request.
     Changed nothing;
     const Device device = nothing.device(folder.file("cache"));
-    device.forget_tests();
-    BOOST_TEST(DistanceTransform(device, mesh).compile(grid, band));
+    device.forget_records();
+    BOOST_TEST(DistanceTransform(device, mesh).compile(grid, band).first_use);
 }
 
 BOOST_AUTO_TEST_CASE(is_run_for_large_triangles_also_where_a_sweep_finds_them_first) {
@@ -509,7 +517,7 @@ BOOST_AUTO_TEST_CASE(is_run_for_large_triangles_also_where_a_sweep_finds_them_fi
     const Device device = nothing.device("");
     const Band band = Band::symmetric(0.1);
     DistanceTransform transform(device, mesh);
-    transform(Grid::around(mesh, 64, band), band);
+    transform.compute(Grid::around(mesh, 64, band), band);
     TestCase test_case = bricks(KernelBody::automatic, false, false);
     test_case.body = scan::Programs(device::context_of(device), KernelBody::automatic).body;
     BOOST_TEST(device::context_of(device).is_tested(test_case.name()));

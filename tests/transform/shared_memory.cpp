@@ -1,3 +1,4 @@
+#include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/test_meshes.hpp"
@@ -102,21 +103,21 @@ BOOST_AUTO_TEST_CASE(buffers_of_shared_memory_are_positions_points_and_targets) 
     DistanceTransform transform(test_device(), mesh), expected(test_device(), mesh);
     positions->write(moved.vertices());
     places->write(points);
-    transform.move(Triples(positions->buffer(), NumberType::float64, moved.vertices().size()));
-    expected.move(moved.vertices());
-    const Field field = expected(grid, band);
-    BOOST_TEST(same_bytes(transform(grid, band), field));
+    transform.set_positions(InputArray(positions->buffer(), ElementType::float64, moved.vertices().size()));
+    expected.set_positions(moved.vertices());
+    const Field field = expected.compute(grid, band);
+    BOOST_TEST(same_bytes(transform.compute(grid, band), field));
 
-    transform.compute(grid, band, {.distance = OutputTarget(distance->buffer())});
-    BOOST_TEST(distance->holds(field.distance));
+    transform.compute(grid, band, {{Output::distance, OutputArray(distance->buffer())}});
+    BOOST_TEST(distance->holds(field.distance()));
 
     std::vector<float> of_points(points.size());
-    expected.query(points, 0.3, {.distance = of_points});
-    transform.query(Triples(places->buffer(), NumberType::float64, points.size()), 0.3,
-                    {.distance = OutputTarget(distance->buffer())});
+    expected.query(points, 0.3, of_points);
+    transform.query(InputArray(places->buffer(), ElementType::float64, points.size()), 0.3,
+                    {{Output::distance, OutputArray(distance->buffer())}});
     BOOST_TEST(distance->holds(of_points));
 
     Plan plan = transform.plan(grid, band);
-    cl::Event(plan.enqueue(nullptr, {.distance = distance->buffer()})).wait();
-    BOOST_TEST(distance->holds(field.distance));
+    enqueue(plan, nullptr, {{Output::distance, distance->buffer()}}).wait();
+    BOOST_TEST(distance->holds(field.distance()));
 }

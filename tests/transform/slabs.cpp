@@ -50,7 +50,7 @@ BOOST_AUTO_TEST_CASE(slabs_have_the_bytes_of_the_whole) {
             for (const std::size_t slices : {40U, 33U, 21U, 11U, 5U}) BOOST_TEST_CONTEXT(slices << " slices at most") {
                     DistanceTransform transform(with_largest_allocation(slices * slice_bytes(grid, widest)), mesh());
                     TransformStatistics statistics;
-                    BOOST_TEST(same_bytes(whole, transform(grid, band, all_outputs(), {.statistics = &statistics})));
+                    BOOST_TEST(same_bytes(whole, transform.compute(grid, band, all_outputs(), {}, &statistics)));
                     BOOST_TEST(statistics.slabs > 1U);
                 }
         }
@@ -64,8 +64,8 @@ BOOST_AUTO_TEST_CASE(slabs_computed_by_groups_have_the_bytes_of_the_whole) {
     std::size_t calls = 0;
     DistanceTransform transform(with_largest_allocation(21 * slice_bytes(grid, widest)), mesh(),
                                 {.body = KernelBody::by_group});
-    const CallOptions counted{.progress = [&](double) { ++calls; }};
-    BOOST_TEST(same_bytes(whole, transform(grid, band, all_outputs(), counted)));
+    const CallOptions counted{.progress = when_computing([&](double) { ++calls; })};
+    BOOST_TEST(same_bytes(whole, transform.compute(grid, band, all_outputs(), counted)));
     BOOST_TEST(calls > 3U, "the grid was not divided");
 }
 
@@ -73,17 +73,18 @@ BOOST_AUTO_TEST_CASE(progress_and_counts_run_over_all_slabs) {
     const Grid grid = around_mesh(0);
     const Band band = Band::symmetric(4 * grid.voxel());
     TransformStatistics at_once, by_slabs;
-    DistanceTransform(test_device(), mesh())(grid, band, {}, {.count = true, .statistics = &at_once});
+    DistanceTransform(test_device(), mesh()).compute(grid, band, Output::distance, {.count_work = true}, &at_once);
     std::vector<double> seen;
-    DistanceTransform(with_largest_allocation(33 * slice_bytes(grid, sizeof(float))), mesh())(
-        grid, band, {},
-        {.progress = [&](double fraction) { seen.push_back(fraction); }, .count = true, .statistics = &by_slabs});
+    DistanceTransform(with_largest_allocation(33 * slice_bytes(grid, sizeof(float))), mesh())
+        .compute(grid, band, Output::distance,
+                 {.progress = when_computing([&](double fraction) { seen.push_back(fraction); }), .count_work = true},
+                 &by_slabs);
     BOOST_TEST(seen.size() >= 3U);
     BOOST_TEST(seen.front() == 0);
     BOOST_TEST(seen.back() == 1);
     BOOST_TEST(std::is_sorted(seen.begin(), seen.end()));
-    BOOST_TEST(by_slabs.band_samples == at_once.band_samples);
-    BOOST_TEST(by_slabs.lanes_evaluated == at_once.lanes_evaluated);
+    BOOST_TEST(by_slabs.work->band_samples == at_once.work->band_samples);
+    BOOST_TEST(by_slabs.work->lanes_evaluated == at_once.work->lanes_evaluated);
 }
 
 // The memory of the lists is known only when they are made. If they do not fit, the slab is divided.
@@ -93,7 +94,7 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
     const Band band = Band::symmetric(16 * grid.voxel());
     const Field whole = compute(fine, grid, band);
     TransformStatistics unlimited;
-    DistanceTransform(test_device(), fine)(grid, band, all_outputs(), {.statistics = &unlimited});
+    DistanceTransform(test_device(), fine).compute(grid, band, all_outputs(), {}, &unlimited);
     BOOST_REQUIRE(unlimited.slabs == 1U);
     // The polyhedra fit, but with less and less other memory the whole field does not.
     const std::size_t polyhedra = fine.triangles().size() * sizeof(Polyhedron);
@@ -103,18 +104,19 @@ BOOST_AUTO_TEST_CASE(a_slab_whose_lists_do_not_fit_is_divided) {
         const std::size_t memory = polyhedra + (unlimited.device_bytes - polyhedra) * percent / 100;
         DistanceTransform transform(test_device().limited({.memory = memory}), fine);
         TransformStatistics statistics;
-        BOOST_TEST(same_bytes(whole, transform(grid, band, all_outputs(), {.statistics = &statistics})));
+        BOOST_TEST(same_bytes(whole, transform.compute(grid, band, all_outputs(), {}, &statistics)));
         BOOST_TEST(statistics.device_bytes <= memory);
         slabs = statistics.slabs;
     }
     // Nothing can be divided here.
     DistanceTransform hopeless(test_device().limited({.memory = polyhedra / 2}), fine);
-    check_throws(ErrorCode::out_of_memory, {"polyhedra", std::to_string(polyhedra / 2)}, [&] { hopeless(grid, band); });
+    check_throws(ErrorCode::out_of_memory, {"polyhedra", std::to_string(polyhedra / 2)},
+                 [&] { hopeless.compute(grid, band); });
 }
 
 BOOST_AUTO_TEST_CASE(what_does_not_fit_a_device_is_named) {
     const Mesh large = make_shape("sphere5");
     DistanceTransform transform(with_largest_allocation(1 << 20), large);
     check_throws(ErrorCode::out_of_memory, {"bytes", "1048576"},
-                 [&] { transform(grid_around(large, 32, 3), Band::symmetric(0.1)); });
+                 [&] { transform.compute(grid_around(large, 32, 3), Band::symmetric(0.1)); });
 }

@@ -231,7 +231,7 @@ std::size_t check_scan(const device::Context& context, unsigned lanes, const Cas
 }  // namespace
 
 BOOST_AUTO_TEST_CASE(every_sample_of_a_slender_polyhedron_has_its_distance_and_no_other_has_one) {
-    const Device device = Device::best();
+    const Device device = Device::strongest();
     constexpr std::uint64_t seed = 20261121;
     const std::vector<Case> cases{
         {{0, 0, 0}, {1, 1, 1}, 1.5, 25, 0.06},    {{-3, 2, 7}, {1, 1, 1}, 0.4, 25, 0.016},

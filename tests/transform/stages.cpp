@@ -66,9 +66,9 @@ BOOST_AUTO_TEST_CASE(small_boxes_have_the_bytes_of_the_whole) {
                     for (const Grid& part : small_parts(grid, random, 12)) {
                         const Field expected = part_of(whole, part);
                         BOOST_TEST(same_bytes(compute(mesh, part, band, body), expected));
-                        BOOST_TEST(same_bytes(kept(part, band, all_outputs()), expected));
+                        BOOST_TEST(same_bytes(kept.compute(part, band, all_outputs()), expected));
                     }
-                    BOOST_TEST(same_bytes(kept(grid, band, all_outputs()), whole));
+                    BOOST_TEST(same_bytes(kept.compute(grid, band, all_outputs()), whole));
                 }
             }
     }
@@ -83,10 +83,10 @@ BOOST_AUTO_TEST_CASE(what_is_kept_changes_no_byte) {
     for (const std::size_t budget : {std::size_t{0}, std::size_t{1} << 20, std::size_t{1} << 30}) {
         DistanceTransform transform(test_device(), mesh, {.kept_bytes = budget});
         for (int round = 0; round < 3; ++round) {
-            BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), first));
-            BOOST_TEST(same_bytes(transform(finer, band, all_outputs()), second));
-            BOOST_TEST(same_bytes(transform(grid, wide, all_outputs()), third));
-            BOOST_TEST((transform(grid, band).distance == first.distance));
+            BOOST_TEST(same_bytes(transform.compute(grid, band, all_outputs()), first));
+            BOOST_TEST(same_bytes(transform.compute(finer, band, all_outputs()), second));
+            BOOST_TEST(same_bytes(transform.compute(grid, wide, all_outputs()), third));
+            BOOST_TEST((bits_of(transform.compute(grid, band).distance()) == bits_of(first.distance())));
         }
     }
 }
@@ -98,8 +98,8 @@ BOOST_AUTO_TEST_CASE(what_does_not_fit_in_the_budget_drives_out_nothing_that_doe
     const std::size_t records = 280 * mesh.triangles().size(), tree = 550 * mesh.triangles().size();
     DistanceTransform transform(test_device(), mesh, {.kept_bytes = (records + tree) / 2});
     std::vector<float> distance(mesh.vertices().size());
-    transform(grid, band);
-    transform.query(mesh.vertices(), 1.0, {.distance = distance});
+    transform.compute(grid, band);
+    transform.query(mesh.vertices(), 1.0, distance);
     BOOST_TEST(transform.memory().device_bytes >= records);
     BOOST_TEST(transform.memory().device_bytes < tree);
 }
@@ -115,11 +115,11 @@ BOOST_AUTO_TEST_CASE(nothing_is_kept_if_nothing_may_be) {
     BOOST_TEST(kept() == 0U);
     const Plan plan = transform.plan(grid, band);
     BOOST_TEST(kept() == 0U);
-    transform(grid, band);
+    transform.compute(grid, band);
     BOOST_TEST(kept() == 0U);
     CallOptions call;
     call.should_stop = [calls = 0]() mutable { return ++calls > 3; };
-    BOOST_CHECK_THROW(transform(grid, band, {}, call), Error);
+    BOOST_CHECK_THROW(transform.compute(grid, band, Output::distance, call), Error);
     BOOST_TEST(kept() == 0U);
 }
 
@@ -128,7 +128,7 @@ BOOST_AUTO_TEST_CASE(records_that_only_plans_of_small_grids_hold_count_as_kept) 
     const Grid grid = grid_around(mesh, 40, 4);
     const Grid small = grid.part({0, 0, 0}, {20, 20, 20});
     const DistanceTransform transform(test_device(), mesh);
-    const Field field = transform(small, Band::symmetric(3 * grid.voxel()));
+    const Field field = transform.compute(small, Band::symmetric(3 * grid.voxel()));
     BOOST_TEST(transform.memory().device_bytes > 280 * mesh.triangles().size() / 20);
 }
 
@@ -144,11 +144,12 @@ BOOST_AUTO_TEST_CASE(memory_that_is_only_kept_is_given_up_for_a_plan) {
     const DistanceTransform transform(test_device().limited({.memory = 4 * needed}), mesh);
     for (const int resolution : {95, 90, 85, 80, 75, 70}) {
         const Grid other = grid_around(mesh, resolution, 4);
-        transform(other, Band::symmetric(3 * other.voxel()));
+        transform.compute(other, Band::symmetric(3 * other.voxel()));
     }
     BOOST_TEST(transform.plan(grid, band).statistics().device_bytes > 0U);
     std::vector<float> distance(20000);
-    transform.query(std::vector<Vec3>(distance.size()), 0.1, {.distance = distance});
+    const std::vector<Vec3> points(distance.size());
+    transform.query(points, 0.1, distance);
 }
 
 BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
@@ -157,7 +158,7 @@ BOOST_AUTO_TEST_CASE(a_plan_of_a_small_box_holds_what_is_near_it) {
     DistanceTransform transform(test_device(), mesh);
     const Band band = Band::symmetric(3 * grid.voxel());
     const Plan small = transform.plan(grid.part({0, 120, 120}, {16, 16, 16}), band);
-    BOOST_TEST(small.statistics().coarse_pairs > 0U);
+    BOOST_TEST(small.statistics().work->coarse_pairs > 0U);
     BOOST_TEST(small.statistics().device_bytes < 4U << 20);
     // The plan has the polyhedra near it. A GPU also keeps the faces that all polyhedra are made of.
     const std::size_t of_faces = is_processor() ? 0 : 52 * mesh.triangles().size();
@@ -178,19 +179,19 @@ BOOST_AUTO_TEST_CASE(moved_vertices_have_an_exact_field) {
     const Band band = Band::symmetric(3 * grid.voxel());
     for (const KernelBody body : both_bodies) {
         DistanceTransform transform(test_device(), first, {.body = body});
-        const Field before = transform(grid, band, all_outputs());
+        const Field before = transform.compute(grid, band, all_outputs());
         for (const double angle : {0.2, -0.4}) {
             const Mesh moved(twisted(first, angle), first.triangles(), first.name());
-            transform.move(moved.vertices());
-            const Field field = transform(grid, band, all_outputs());
+            transform.set_positions(moved.vertices());
+            const Field field = transform.compute(grid, band, all_outputs());
             BOOST_TEST(!same_bytes(field, before));
             BOOST_TEST(check_exact(moved, field).band_samples > 0U);
             // A box of the moved part, without the rest.
             const Grid part = grid.part({20, 20, 20}, {9, 9, 9});
-            BOOST_TEST(same_bytes(transform(part, band, all_outputs()), part_of(field, part)));
+            BOOST_TEST(same_bytes(transform.compute(part, band, all_outputs()), part_of(field, part)));
         }
-        transform.move(first.vertices());
-        BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), before));
+        transform.set_positions(first.vertices());
+        BOOST_TEST(same_bytes(transform.compute(grid, band, all_outputs()), before));
     }
 }
 
@@ -200,13 +201,14 @@ BOOST_AUTO_TEST_CASE(bytes_after_a_move_depend_on_the_first_and_the_last_positio
     const Band band = Band::symmetric(4 * grid.voxel());
     const std::vector<Vec3> last = twisted(first, 0.3);
     DistanceTransform at_once(test_device(), first), by_way(test_device(), first);
-    at_once.move(last);
-    by_way(grid, band);
-    by_way.move(twisted(first, -1));
-    by_way(grid.part({3, 4, 5}, {7, 7, 7}), band);
-    by_way.move(twisted(first, 0.1));
-    by_way.move(last);
-    BOOST_TEST(same_bytes(at_once(grid, band, all_outputs()), by_way(grid, band, all_outputs())));
+    at_once.set_positions(last);
+    by_way.compute(grid, band);
+    const std::vector<Vec3> far = twisted(first, -1), near = twisted(first, 0.1);
+    by_way.set_positions(far);
+    by_way.compute(grid.part({3, 4, 5}, {7, 7, 7}), band);
+    by_way.set_positions(near);
+    by_way.set_positions(last);
+    BOOST_TEST(same_bytes(at_once.compute(grid, band, all_outputs()), by_way.compute(grid, band, all_outputs())));
 }
 
 /// About the axis (1, 2, 2) / 3.
@@ -229,11 +231,11 @@ BOOST_AUTO_TEST_CASE(rigid_motions_do_not_drift) {
         const Grid grid = grid_around(first, 40, 10);
         const Band band = Band::symmetric(3 * grid.voxel());
         DistanceTransform transform(test_device(), first);
-        const Field before = transform(grid, band, all_outputs());
-        for (int step = 1; step < 1000; ++step) transform.move(rotation_by(0.01 * step), {0.001 * step, 0, 0});
+        const Field before = transform.compute(grid, band, all_outputs());
+        for (int step = 1; step < 1000; ++step) transform.set_motion(rotation_by(0.01 * step), {0.001 * step, 0, 0});
         const std::array<Vec3, 3> rotation = rotation_by(0.3);
         const Vec3 translation{0.01, -0.02, 0.03};
-        transform.move(rotation, translation);
+        transform.set_motion(rotation, translation);
         std::vector<Vec3> expected = first.vertices();
         for (Vec3& x : expected) {
             const Vec3 from = x;
@@ -241,13 +243,13 @@ BOOST_AUTO_TEST_CASE(rigid_motions_do_not_drift) {
                 x[a] = std::fma(rotation[a][0], from[0],
                                 std::fma(rotation[a][1], from[1], std::fma(rotation[a][2], from[2], translation[a])));
         }
-        const Field field = transform(grid, band, all_outputs());
+        const Field field = transform.compute(grid, band, all_outputs());
         BOOST_TEST(check_exact(Mesh(expected, first.triangles(), first.name()), field).band_samples > 0U);
         DistanceTransform other(test_device(), first);
-        other.move(expected);
-        BOOST_TEST(same_bytes(other(grid, band, all_outputs()), field));
-        transform.move(rotation_by(0), {0, 0, 0});
-        BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), before));
+        other.set_positions(expected);
+        BOOST_TEST(same_bytes(other.compute(grid, band, all_outputs()), field));
+        transform.set_motion(rotation_by(0), {0, 0, 0});
+        BOOST_TEST(same_bytes(transform.compute(grid, band, all_outputs()), before));
     }
 }
 
@@ -256,18 +258,18 @@ BOOST_AUTO_TEST_CASE(what_is_no_rotation_is_refused) {
     DistanceTransform transform(test_device(), mesh);
     const Vec3 none{0, 0, 0};
     check_throws(ErrorCode::invalid_argument, {"rows 0 and 0 is 4"}, [&] {
-        transform.move({Vec3{2, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, none);
+        transform.set_motion({Vec3{2, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, none);
     });
     check_throws(ErrorCode::invalid_argument, {"rows 0 and 1", "1e-12"}, [&] {
-        transform.move({Vec3{1, 0, 0}, Vec3{1e-11, 1, 0}, Vec3{0, 0, 1}}, none);
+        transform.set_motion({Vec3{1, 0, 0}, Vec3{1e-11, 1, 0}, Vec3{0, 0, 1}}, none);
     });
     check_throws(ErrorCode::invalid_argument, {"reflection"}, [&] {
-        transform.move({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}}, none);
+        transform.set_motion({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}}, none);
     });
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    check_throws(ErrorCode::invalid_mesh, {"inf"}, [&] { transform.move(rotation_by(0.1), {infinite, 0, 0}); });
+    check_throws(ErrorCode::invalid_mesh, {"inf"}, [&] { transform.set_motion(rotation_by(0.1), {infinite, 0, 0}); });
     const Grid grid = grid_around(mesh, 20, 3);
-    check_exact(mesh, transform(grid, Band::symmetric(0.2), all_outputs()));  // where it was
+    check_exact(mesh, transform.compute(grid, Band::symmetric(0.2), all_outputs()));  // where it was
 }
 
 BOOST_AUTO_TEST_CASE(faces_lose_their_area_and_regain_it) {
@@ -275,15 +277,16 @@ BOOST_AUTO_TEST_CASE(faces_lose_their_area_and_regain_it) {
     const Grid grid = grid_around(mesh, 40, 6);
     const Band band = Band::symmetric(3 * grid.voxel());
     DistanceTransform transform(test_device(), mesh);
-    const Field before = transform(grid, band, all_outputs());
+    const Field before = transform.compute(grid, band, all_outputs());
     std::vector<Vec3> flat = mesh.vertices();
     for (Vec3& position : flat) position[2] = 0;
-    transform.move(flat);
-    check_exact(Mesh(flat, mesh.triangles(), "flat"), transform(grid, band, all_outputs()));
-    transform.move(std::vector<Vec3>(flat.size(), Vec3{0.01, 0.02, 0.03}));
-    BOOST_TEST(std::isfinite(transform(grid, band).distance[0]));
-    transform.move(mesh.vertices());
-    BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), before));
+    transform.set_positions(flat);
+    check_exact(Mesh(flat, mesh.triangles(), "flat"), transform.compute(grid, band, all_outputs()));
+    const std::vector<Vec3> one_point(flat.size(), Vec3{0.01, 0.02, 0.03});
+    transform.set_positions(one_point);
+    BOOST_TEST(std::isfinite(transform.compute(grid, band).distance()[0]));
+    transform.set_positions(mesh.vertices());
+    BOOST_TEST(same_bytes(transform.compute(grid, band, all_outputs()), before));
 }
 
 BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
@@ -296,19 +299,19 @@ BOOST_AUTO_TEST_CASE(vertices_that_are_one_move_together) {
     std::vector<Vec3> apart = mesh.vertices();
     apart[5] = {0, 1, 0.5};
     check_throws(ErrorCode::invalid_argument, {"vertices 2 and 5 of hinge", "(0, 1, 0.5)"},
-                 [&] { transform.move(apart); });
-    check_exact(mesh, transform(grid, band, all_outputs()));  // at the first positions
+                 [&] { transform.set_positions(apart); });
+    check_exact(mesh, transform.compute(grid, band, all_outputs()));  // at the first positions
     apart[2] = apart[5] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
-    check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.move(apart); });
+    check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.set_positions(apart); });
     apart[2] = {0, 1, 0};
-    check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.move(apart); });
+    check_throws(ErrorCode::invalid_mesh, {"not finite"}, [&] { transform.set_positions(apart); });
     apart[5] = {0, 1, 0.5};
     std::vector<Vec3> together = apart;
     together[2] = together[5];
     together[6] = {std::numeric_limits<double>::quiet_NaN(), 0, 0};  // which no triangle uses
-    transform.move(together);
+    transform.set_positions(together);
     together[6] = {9, 9, 9};
-    check_exact(Mesh(together, mesh.triangles(), "moved hinge"), transform(grid, band, all_outputs()));
+    check_exact(Mesh(together, mesh.triangles(), "moved hinge"), transform.compute(grid, band, all_outputs()));
 }
 
 BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
@@ -316,14 +319,14 @@ BOOST_AUTO_TEST_CASE(what_cannot_be_moved_to_is_refused_and_the_mesh_stays) {
     const Grid grid = grid_around(mesh, 30, 3);
     const Band band = Band::symmetric(3 * grid.voxel());
     DistanceTransform transform(test_device(), mesh);
-    const Field before = transform(grid, band);
+    const Field before = transform.compute(grid, band);
     std::vector<Vec3> positions = mesh.vertices();
     positions[7][1] = std::numeric_limits<double>::infinity();
-    check_throws(ErrorCode::invalid_mesh, {"vertex 7", "inf"}, [&] { transform.move(positions); });
+    check_throws(ErrorCode::invalid_mesh, {"vertex 7", "inf"}, [&] { transform.set_positions(positions); });
     positions.pop_back();
     check_throws(ErrorCode::invalid_argument, {"positions", std::to_string(positions.size())},
-                 [&] { transform.move(positions); });
-    BOOST_TEST(same_bytes(transform(grid, band), before));
+                 [&] { transform.set_positions(positions); });
+    BOOST_TEST(same_bytes(transform.compute(grid, band), before));
 }
 
 // If the call forgot data that the plan holds, no memory would be freed, and the next call would allocate it again.
@@ -340,13 +343,14 @@ BOOST_AUTO_TEST_CASE(a_call_that_was_short_of_memory_can_be_repeated_beside_a_pl
         TransformStatistics statistics;
         try {
             plan = transform.plan(grid, band);
-            BOOST_TEST(same_bytes(transform(grid, band, all_outputs(), {.statistics = &statistics}), expected));
+            BOOST_TEST(same_bytes(transform.compute(grid, band, all_outputs(), {}, &statistics), expected));
         } catch (const Error& error) {
             BOOST_TEST((error.code() == ErrorCode::out_of_memory));
             continue;
         }
         BOOST_TEST_CONTEXT(memory << " bytes, " << statistics.slabs << " slabs")
-        for (int call = 0; call < 2; ++call) BOOST_TEST(same_bytes(transform(grid, band, all_outputs()), expected));
+        for (int call = 0; call < 2; ++call)
+            BOOST_TEST(same_bytes(transform.compute(grid, band, all_outputs()), expected));
         divided += statistics.slabs > 1 ? 1 : 0;
     }
     BOOST_TEST(divided > 0U);
@@ -367,11 +371,11 @@ void compute_at_once(const DistanceTransform& transform, const Mesh& mesh, const
             for (const Grid& part : small_parts(grid, random, 8)) {
                 TransformStatistics statistics;
                 double done = 0;
-                const Field field =
-                    transform(part, band, all_outputs(),
-                              {.progress = [&](double fraction) { done = fraction; }, .statistics = &statistics});
+                const Field field = transform.compute(
+                    part, band, all_outputs(), {.progress = when_computing([&](double fraction) { done = fraction; })},
+                    &statistics);
                 wrong[n] += same_bytes(field, part_of(expected, part)) && done == 1 && statistics.slabs == 1 ? 0U : 1U;
-                wrong[n] += same_bytes(transform(grid, band, all_outputs()), expected) ? 0U : 1U;
+                wrong[n] += same_bytes(transform.compute(grid, band, all_outputs()), expected) ? 0U : 1U;
             }
         });
     for (std::thread& thread : threads) thread.join();

@@ -52,20 +52,26 @@ struct Collected {
     TransformStatistics statistics;
 
     void add(const Grid& whole, const Grid& part, const FieldSlab& values) {
-        const std::int64_t slices = static_cast<std::int64_t>(field.distance.size()) / (whole.size[0] * whole.size[1]);
+        const std::int64_t slices =
+            static_cast<std::int64_t>(field.distance().size()) / (whole.size[0] * whole.size[1]);
         BOOST_REQUIRE((part == whole.part({0, 0, slices}, {whole.size[0], whole.size[1], part.size[2]})));
-        BOOST_REQUIRE(values.distance.size() == part.sample_count());
-        visit_outputs([](const char*, auto& all, const auto& of_part) { all.append(of_part); }, field, values);
+        BOOST_REQUIRE(values.distance().size() == part.sample_count());
+        for (const OutputInfo& info : output_table()) {
+            const std::span<const std::byte> bytes = values.bytes(info.output);
+            if (bytes.empty()) continue;
+            const std::size_t before = field.bytes(info.output).size();
+            const std::span<std::byte> all = field.resize(info.output, (before + bytes.size()) / info.sample_bytes());
+            std::ranges::copy(bytes, all.begin() + static_cast<std::ptrdiff_t>(before));
+        }
         ++slabs;
     }
 };
 
-Collected collect(DistanceTransform& transform, const Grid& grid, const Outputs& outputs,
-                  const SlabOptions& options = {}) {
+Collected collect(DistanceTransform& transform, const Grid& grid, OutputSet outputs, const SlabOptions& options = {}) {
     Collected collected;
-    transform.compute_slabs(grid, band_on(grid), outputs,
-                            [&](const Grid& part, const FieldSlab& values) { collected.add(grid, part, values); },
-                            options, {.statistics = &collected.statistics});
+    collected.statistics = transform.compute(
+        grid, band_on(grid), outputs,
+        [&](const Grid& part, const FieldSlab& values) { collected.add(grid, part, values); }, options);
     return collected;
 }
 
@@ -80,7 +86,7 @@ BOOST_AUTO_TEST_CASE(has_the_bytes_of_the_whole) {
                 const Grid grid = long_grid(first);
                 const Field whole = compute(mesh(), grid, band_on(grid), body);
                 DistanceTransform transform(small_device(grid, widest), mesh(), {.body = body});
-                const Collected collected = collect(transform, grid, all_outputs(), {.overlap = overlap});
+                const Collected collected = collect(transform, grid, all_outputs(), {.sink_has_own_thread = overlap});
                 BOOST_TEST(same_bytes(whole, collected.field));
                 BOOST_TEST(collected.slabs >= 4U);
                 BOOST_TEST(collected.statistics.slabs == collected.slabs);
@@ -96,7 +102,7 @@ BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
     const_cast<device::Context::Capabilities&>(device::context_of(device).capabilities()).is_processor = false;
     DistanceTransform transform(device, mesh());
     TransformStatistics statistics;
-    BOOST_TEST(same_bytes(whole, transform(grid, band_on(grid), all_outputs(), {.statistics = &statistics})));
+    BOOST_TEST(same_bytes(whole, transform.compute(grid, band_on(grid), all_outputs(), {}, &statistics)));
     BOOST_TEST(statistics.slabs >= 4U);
     const Collected collected = collect(transform, grid, all_outputs());
     BOOST_TEST(same_bytes(whole, collected.field));
@@ -108,21 +114,26 @@ BOOST_AUTO_TEST_CASE(comes_from_a_device_with_memory_of_its_own) {
 BOOST_AUTO_TEST_CASE(has_no_triangles_unless_asked_for) {
     const Grid grid = long_grid();
     DistanceTransform transform(small_device(grid), mesh());
-    BOOST_TEST(collect(transform, grid, {}).field.triangle.empty());
+    BOOST_TEST(collect(transform, grid, {}).field.triangle().empty());
 }
 
-// The first slab of the second grid is a slice shorter than the third, which takes its place.
+// The first slab of the second grid is a slice shorter than the third, which takes its place. A sink on the calling
+// thread gets the only one.
 BOOST_AUTO_TEST_CASE(holds_two_slabs_at_a_time) {
     for (const std::int64_t first : {0, 1}) BOOST_TEST_CONTEXT("from slice " << first) {
             const Grid grid = long_grid(first);
             DistanceTransform transform(small_device(grid), mesh());
-            const Collected collected = collect(transform, grid, {.triangle = true});
-            BOOST_REQUIRE(collected.slabs > 2U);
             const auto slice = static_cast<std::size_t>(grid.size[0] * grid.size[1] * 4);
-            BOOST_TEST(collected.statistics.host_bytes >= 2UL * 2 * 32 * slice);
-            BOOST_TEST(collected.statistics.host_bytes <= 2UL * 2 * 40 * slice);
+            for (const bool overlap : {true, false}) {
+                const Collected collected =
+                    collect(transform, grid, Output::triangle, {.sink_has_own_thread = overlap});
+                BOOST_REQUIRE(collected.slabs > 2U);
+                const std::size_t held = overlap ? 2 : 1;
+                BOOST_TEST(collected.statistics.host_bytes >= held * 2 * 32 * slice);
+                BOOST_TEST(collected.statistics.host_bytes <= held * 2 * 40 * slice);
+            }
             TransformStatistics in_place;
-            transform(grid, band_on(grid), {}, {.statistics = &in_place});
+            transform.compute(grid, band_on(grid), Output::distance, {}, &in_place);
             BOOST_TEST(in_place.host_bytes == 0U);
         }
 }
@@ -138,16 +149,16 @@ BOOST_AUTO_TEST_CASE(comes_one_slab_at_a_time_while_the_next_is_computed) {
             while (!is_done() && watch.seconds() < seconds) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         };
         CallOptions call;
-        call.progress = [&](double fraction) {
+        call.progress = when_computing([&](double fraction) {
             // The second slab waits for the sink, which has the first, and the sink for the second slab; not for ever,
             // since one of the first slab that comes late would wait as well.
             if (overlap && fraction > 0.5 / slabs) wait(2, [&] { return inside > 0 || computed_meanwhile; });
             if (inside > 0) computed_meanwhile = true;
-        };
+        });
         DistanceTransform transform(small_device(grid), mesh());
         bool own_thread = false;
-        transform.compute_slabs(
-            grid, band_on(grid), {},
+        transform.compute(
+            grid, band_on(grid), Output::distance,
             [&, caller = std::this_thread::get_id()](const Grid&, const FieldSlab&) {
                 BOOST_TEST(++inside == 1);
                 own_thread = std::this_thread::get_id() != caller;
@@ -155,11 +166,28 @@ BOOST_AUTO_TEST_CASE(comes_one_slab_at_a_time_while_the_next_is_computed) {
                 --inside;
                 if (!overlap) ++slabs;
             },
-            {.overlap = overlap}, call);
+            {.sink_has_own_thread = overlap}, call);
         BOOST_TEST(computed_meanwhile == overlap);
         BOOST_TEST(own_thread == overlap);
         BOOST_TEST(slabs >= 3);
     }
+}
+
+BOOST_AUTO_TEST_CASE(comes_on_the_calling_thread_unless_it_is_asked_for_otherwise) {
+    const Grid grid = long_grid();
+    DistanceTransform transform(small_device(grid), mesh());
+    const std::thread::id caller = std::this_thread::get_id();
+    std::size_t on_caller = 0, on_another = 0;
+    const SlabSink count = [&](const Grid&, const FieldSlab&) {
+        ++(std::this_thread::get_id() == caller ? on_caller : on_another);
+    };
+    transform.compute(grid, band_on(grid), Output::distance, count);
+    BOOST_TEST(on_caller >= 3U);
+    BOOST_TEST(on_another == 0U);
+    on_caller = 0;
+    transform.compute(grid, band_on(grid), Output::distance, count, {.sink_has_own_thread = true});
+    BOOST_TEST(on_caller == 0U);
+    BOOST_TEST(on_another >= 3U);
 }
 
 BOOST_AUTO_TEST_CASE(ends_with_what_the_sink_throws) {
@@ -172,17 +200,20 @@ BOOST_AUTO_TEST_CASE(ends_with_what_the_sink_throws) {
             const auto refuse = [&](const Grid&, const FieldSlab&) {
                 if (++calls == refused) throw Refusal();
             };
-            BOOST_CHECK_THROW(transform.compute_slabs(grid, band_on(grid), {}, refuse, {.overlap = overlap}), Refusal);
+            BOOST_CHECK_THROW(
+                transform.compute(grid, band_on(grid), Output::distance, refuse, {.sink_has_own_thread = overlap}),
+                Refusal);
             BOOST_TEST(calls == refused);
             // The transform is as good as new.
-            BOOST_TEST(same_bytes(collect(transform, grid, {.triangle = true}).field,
-                                  DistanceTransform(test_device(), mesh())(grid, band_on(grid), {.triangle = true})));
+            BOOST_TEST(
+                same_bytes(collect(transform, grid, Output::triangle).field,
+                           DistanceTransform(test_device(), mesh()).compute(grid, band_on(grid), Output::triangle)));
         }
     // Memory that the sink lacks is no reason to compute smaller slabs.
     DistanceTransform transform(small_device(grid), mesh());
     int calls = 0;
     check_throws(ErrorCode::out_of_memory, {"the sink's"}, [&] {
-        transform.compute_slabs(grid, band_on(grid), {}, [&](const Grid&, const FieldSlab&) {
+        transform.compute(grid, band_on(grid), Output::distance, [&](const Grid&, const FieldSlab&) {
             ++calls;
             throw Error(ErrorCode::out_of_memory, "the sink's");
         });
@@ -195,8 +226,8 @@ BOOST_AUTO_TEST_CASE(ends_when_it_is_cancelled_and_calls_the_sink_no_more) {
     DistanceTransform transform(small_device(grid), mesh());
     std::atomic<int> calls = 0;
     check_throws(ErrorCode::cancelled, {"cancelled"}, [&] {
-        transform.compute_slabs(grid, band_on(grid), {}, [&](const Grid&, const FieldSlab&) { ++calls; }, {},
-                                {.should_stop = [&] { return calls >= 2; }});
+        transform.compute(grid, band_on(grid), Output::distance, [&](const Grid&, const FieldSlab&) { ++calls; }, {},
+                          {.should_stop = [&] { return calls >= 2; }});
     });
     BOOST_TEST(calls >= 2);
     BOOST_TEST(calls <= 3);
@@ -209,7 +240,7 @@ BOOST_AUTO_TEST_CASE(needs_a_sink) {
     const Grid grid = long_grid();
     DistanceTransform transform(test_device(), mesh());
     check_throws(ErrorCode::invalid_argument, {"sink"},
-                 [&] { transform.compute_slabs(grid, band_on(grid), {}, SlabSink()); });
+                 [&] { transform.compute(grid, band_on(grid), Output::distance, SlabSink()); });
 }
 
 BOOST_AUTO_TEST_SUITE_END()

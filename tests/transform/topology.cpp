@@ -19,18 +19,18 @@ struct Outcome {
 
 Outcome compute_right(const Mesh& mesh, SignRule asked = SignRule::automatic) {
     Outcome outcome;
-    DistanceTransform transform(
-        test_device(), mesh, {.sign = asked, .log = [&](const std::string& message) { outcome.warnings += message; }});
+    DistanceTransform transform(test_device(), mesh, {.sign = asked},
+                                {.log = [&](const std::string& message) { outcome.warnings += message; }});
     outcome.rule = transform.sign();
     const Grid grid = grid_around(mesh, 36, 5);
-    outcome.field = transform(grid, Band::symmetric(3 * grid.voxel()), {.triangle = true});
+    outcome.field = transform.compute(grid, Band::symmetric(3 * grid.voxel()), Output::triangle);
     BOOST_TEST(check_exact(mesh, outcome.field).band_samples > 0U);
     return outcome;
 }
 
 std::size_t count_inside(const Field& field) {
     std::size_t count = 0;
-    for (const float distance : field.distance)
+    for (const float distance : field.distance())
         if (std::signbit(distance)) ++count;
     return count;
 }
@@ -192,7 +192,7 @@ BOOST_AUTO_TEST_CASE(shells_within_shells_have_the_sign_of_their_rule) {
     const auto is_inside = [](const Field& field, double x) {
         const Grid& grid = field.grid;
         const auto i = std::llround((x - grid.origin[0]) / grid.spacing[0]);
-        return std::signbit(field.distance[grid.offset(i, grid.size[1] / 2, grid.size[2] / 2)]);
+        return std::signbit(field.distance()[grid.offset(i, grid.size[1] / 2, grid.size[2] / 2)]);
     };
     BOOST_TEST(is_inside(solid, 0));
     BOOST_TEST(is_inside(solid, 0.42));
