@@ -13,6 +13,8 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
+#include <vector>
 
 namespace clsdf::points {
 
@@ -122,28 +124,36 @@ PointLeaf leaf_of(const PointNode& node, std::span<const FaceFrame> frames) {
     return leaf;
 }
 
-/// The lowest face, in the caller's order, among those with the same three vertices as `face`.
-std::uint32_t lowest_equal(const polyhedra::MeshTopology& topology, std::uint32_t face) {
+/// The lower, in the caller's order, of a face and of the one across its first edge if they have the same three
+/// vertices.
+std::uint32_t lower_of_two(const polyhedra::MeshTopology& topology, std::uint32_t face) {
     const std::span<const Triangle> triangles(topology.faces.triangles);
-    const Triangle& own = triangles[face];
     const polyhedra::FaceEdges& edges = topology.edges.faces[face];
-    std::uint32_t lowest = face;
-    const auto take = [&](std::uint32_t other, bool is_equal) {
-        if (is_equal && topology.order[other] < topology.order[lowest]) lowest = other;
-    };
-    if ((edges.marks[0] & polyhedra::edge_non_manifold) != 0) {
-        const polyhedra::OneRings& rings = topology.rings;
-        const std::uint32_t vertex =
-            *std::ranges::min_element(own, {}, [&](std::uint32_t corner) { return rings.size(corner); });
-        for (std::size_t i = 0; i < rings.size(vertex); ++i) {
-            const std::uint32_t other = rings.corner(vertex, i).face;
-            take(other, std::ranges::is_permutation(own, triangles[other]));
+    constexpr unsigned without_face = polyhedra::edge_open | polyhedra::edge_at_box | polyhedra::edge_non_manifold;
+    if ((edges.marks[0] & without_face) != 0) return face;
+    const polyhedra::Corner across = polyhedra::Corner::unpack(edges.across[0]);
+    const bool is_equal = triangles[across.face][polyhedra::previous_of_three(across.vertex)] == triangles[face][2];
+    return is_equal && topology.order[across.face] < topology.order[face] ? across.face : face;
+}
+
+/// Sets the lowest face with the same three vertices, in the caller's order, of each face. Faces at edges of more than
+/// two are sorted by their vertices: any number of them may be equal.
+void set_lowest_equal(const polyhedra::MeshTopology& topology, std::span<FaceFrame> frames) {
+    for_each_index(frames.size(), [&](std::size_t face) {
+        frames[face].lowest = lower_of_two(topology, static_cast<std::uint32_t>(face));
+    });
+    std::vector<std::pair<Triangle, std::uint32_t>> sorted;  // vertices ascending, face
+    for (std::uint32_t face = 0; face < frames.size(); ++face)
+        if (topology.edges.is_non_manifold(face)) {
+            sorted.emplace_back(topology.faces.triangles[face], face);
+            std::ranges::sort(sorted.back().first);
         }
-    } else if ((edges.marks[0] & (polyhedra::edge_open | polyhedra::edge_at_box)) == 0) {
-        const polyhedra::Corner across = polyhedra::Corner::unpack(edges.across[0]);
-        take(across.face, triangles[across.face][polyhedra::previous_of_three(across.vertex)] == own[2]);
+    std::ranges::sort(sorted, {},
+                      [&](const auto& entry) { return std::pair(entry.first, topology.order[entry.second]); });
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        const bool is_first = i == 0 || sorted[i].first != sorted[i - 1].first;
+        frames[sorted[i].second].lowest = is_first ? sorted[i].second : frames[sorted[i - 1].second].lowest;
     }
-    return lowest;
 }
 
 /// Writes nodes of the first level, and their faces' frames and records.
@@ -162,7 +172,6 @@ public:
             records_[face] = polyhedra::pack(faces.frame(face), {}, topology.order[face], mesh_.positions,
                                              triangles[face], mesh_.lattice);
             frames_[face] = frame_of(records_[face]);
-            frames_[face].lowest = lowest_equal(topology, static_cast<std::uint32_t>(face));
             for (const Vec3& corner : mesh_.corners(face)) add_corner(mesh_.nodes[node], i, corner);
         }
         leaves_[node] = leaf_of(mesh_.nodes[node], frames_.subspan(begin, count));
@@ -261,6 +270,7 @@ PointMesh make_point_mesh(device::Context& context, const std::shared_ptr<device
     for_each_chunk(result.tree.count[0], width, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t node = begin; node < end; ++node) writer.write(node);
     });
+    set_lowest_equal(*result.topology, {static_cast<FaceFrame*>(frames.memory()), result.face_count()});
     fill_upper_levels(result);
     result.leaves = leaves.finish();
     result.frames = frames.finish();
