@@ -64,7 +64,7 @@ public:
     /// Null if there is no such member.
     const Json& operator[](std::string_view name) const;
 
-    /// Indented by two spaces. What is not UTF-8 is replaced: names of files need not be.
+    /// Indented by two spaces. Bytes that are not UTF-8 are replaced: names of files may have them.
     std::string dump() const;
 
 private:

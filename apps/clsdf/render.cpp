@@ -104,7 +104,7 @@ std::optional<double> read_options(RenderOptions& options) {
 
 ExitStatus run(RenderOptions options, Report& report) {
     const std::optional<double> offset = read_options(options);
-    SurfacePictures::check_output(options.output);
+    SurfacePictures::check_path(options.output);
     keep_input(options.field, options.output, "field");
     const clsdf::Field field = clsdf::read_field(options.field);
     const Interruption interruption;

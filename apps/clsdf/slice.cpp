@@ -58,7 +58,7 @@ std::vector<std::string> write_all(const SlicePictures& pictures, Axis axis, std
 
 ExitStatus run(const SliceOptions& options, Report& report) {
     const Axis axis = clsdf::picture::parse_axis(options.axis);
-    SlicePictures::check_output(options.output);
+    SlicePictures::check_path(options.output);
     keep_input(options.field, options.output, "field");
     const clsdf::Field field = clsdf::read_field(options.field);
     const SlicePictures pictures(field, options.picture);

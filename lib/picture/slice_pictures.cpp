@@ -209,17 +209,17 @@ Slice SlicePictures::middle(Axis axis) const {
 }
 
 void SlicePictures::write_slice(const Slice& slice, const std::string& path) const {
-    check_output(path);
+    check_path(path);
     const Plane plane = plane_of(field_, slice, axes_beside(slice.axis));
     Drawing(field_, lower_, upper_, has_sign_, options_.pixels).slice(plane, slice, path);
 }
 
 void SlicePictures::write_mosaic(const Index3& at, const std::string& path) const {
-    check_output(path);
+    check_path(path);
     Drawing(field_, lower_, upper_, has_sign_, options_.pixels).mosaic(at, path);
 }
 
-void SlicePictures::check_output(const std::string& path) {
+void SlicePictures::check_path(const std::string& path) {
     is_pdf(path);
     check_writable(path);
 }

@@ -153,7 +153,7 @@ void draw_legend(Canvas& canvas, const Scene& scene, const SurfaceOptions& optio
 
 void SurfacePictures::write(const SurfaceOptions& options, const std::string& path) const {
     const Scene& scene = held_by(scene_, "SurfacePictures");
-    check_output(path);
+    check_path(path);
     const Camera camera = scene.camera(options);
     const Manner manner = scene.manner(camera);
     const SurfaceShading shading = scene.shading(options, camera, manner);
@@ -178,7 +178,7 @@ void SurfacePictures::write(const SurfaceOptions& options, const std::string& pa
     write_file(path, canvas.png(margin * manner.unit));
 }
 
-void SurfacePictures::check_output(const std::string& path) {
+void SurfacePictures::check_path(const std::string& path) {
     ending_of(path, {".png"});
     check_writable(path);
 }

@@ -1,6 +1,7 @@
 #include "polyhedra/cluster_index.hpp"
 
 #include "core/parallel.hpp"
+#include "mesh/box_index.hpp"
 #include "mesh/mesh_arrays.hpp"
 
 #include <algorithm>
@@ -30,13 +31,6 @@ void add(Box& box, const Box& other) {
         box.lower[axis] = std::min(box.lower[axis], other.lower[axis]);
         box.upper[axis] = std::max(box.upper[axis], other.upper[axis]);
     }
-}
-
-bool overlap(const Box& a, const Box& b) {
-    bool result = true;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        result &= a.lower[axis] <= b.upper[axis] && b.lower[axis] <= a.upper[axis];
-    return result;
 }
 
 /// Around the foot of the altitude on the longest edge: the ball that the kernels put around a face.
@@ -116,9 +110,8 @@ ClusterIndex::ClusterIndex(const MeshTopology& topology, const Frusta& frusta)
 }
 
 NearRecords ClusterIndex::near(std::span<const Box> boxes) const {
-    const auto is_near = [&](const Box& box) {
-        return std::any_of(boxes.begin(), boxes.end(), [&](const Box& other) { return overlap(box, other); });
-    };
+    const BoxIndex given(boxes);
+    const auto is_near = [&](const Box& box) { return given.any(box); };
     NearRecords found;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
         if (!is_near(blocks_[b])) continue;

@@ -1,6 +1,7 @@
 #include "transform/blocks.hpp"
 
 #include "core/outputs.hpp"
+#include "transform/requests.hpp"
 
 #include <clsdf/error.hpp>
 
@@ -58,13 +59,32 @@ std::vector<Request> requests_of(const BlockSet& blocks, std::size_t begin, std:
             array.block_stride = 0;
             array.offset += static_cast<std::size_t>(strides[number++] * static_cast<std::ptrdiff_t>(n));
             // An array with an offset may be larger than what is written to it.
-            if (n == 0 && array.offset == 0 && array.strides == ArrayLayout().strides && array.component_stride == 0 &&
+            if (array.offset == 0 && array.strides == ArrayLayout().strides && array.component_stride == 0 &&
                 array.bytes != ArrayLayout::unknown_size)
                 array.component_stride = static_cast<std::ptrdiff_t>(
                     bytes_of(array.type == ElementType::automatic ? info_of(target.output).type : array.type));
         }
     }
     return requests;
+}
+
+void check_blocks(const BlockSet& blocks, std::size_t begin, std::size_t end, const device::Context& context,
+                  const std::function<void(const Request&)>& check, std::vector<scan::WrittenArray>& written) {
+    const std::vector<Request> requests = requests_of(blocks, begin, end);
+    const bool on_device = scan::are_on_device(blocks.targets);
+    for (std::size_t n = begin; n < end; ++n)
+        for_request(n, blocks.first.size(), [&] {
+            const Request& request = requests[n - begin];
+            request.grid.validate();
+            request.band.validate();
+            check(request);
+            device::guarded([&] {
+                if (on_device)
+                    scan::DeviceTargets(request.targets, request.grid, context).add_written(n, written);
+                else
+                    scan::HostTargets(request.targets, request.grid).add_written(n, written);
+            });
+        });
 }
 
 }  // namespace clsdf::transform

@@ -141,6 +141,17 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
         constexpr std::size_t most = std::size_t{1} << 15;
         State& state = this->state();
         const std::size_t count = blocks.first.size();
+        if (count > most) {  // else the only part is checked as a whole
+            std::vector<scan::WrittenArray> written;
+            for (std::size_t begin = 0; begin < count; begin += most)
+                transform::check_blocks(
+                    blocks, begin, std::min(begin + most, count), device::context_of(state.device),
+                    [&](const Request& request) {
+                        state.check(request.grid, request.band, scan::outputs_of(request.targets));
+                    },
+                    written);
+            scan::refuse_overlap(written);
+        }
         CallStatistics total;
         for (std::size_t begin = 0; begin < count; begin += most) {
             const std::size_t end = std::min(begin + most, count);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace clsdf::transform {
 
@@ -32,10 +33,20 @@ double square_between(const Box& a, const Box& b) {
     return square;
 }
 
+std::vector<Box> boxes_of(const std::vector<Region>& regions) {
+    std::vector<Box> boxes;
+    boxes.reserve(regions.size());
+    for (const Region& region : regions) boxes.push_back(region.box);
+    return boxes;
+}
+
 }  // namespace
 
+Restriction::Restriction(std::vector<Region> regions_in) : regions(std::move(regions_in)), index_(boxes_of(regions)) {}
+
 bool Restriction::holds(const Box& box, double half_width, double spacing, double slack) const {
-    return std::any_of(regions.begin(), regions.end(), [&](const Region& region) {
+    return index_.any(widened(box, slack), [&](std::size_t n) {
+        const Region& region = regions[n];
         return half_width <= region.half_width && spacing <= region.spacing && is_within(box, region.box, slack);
     });
 }

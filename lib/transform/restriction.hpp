@@ -5,6 +5,7 @@
 #include <clsdf/mesh.hpp>
 #include <clsdf/topology.hpp>
 
+#include "mesh/box_index.hpp"
 #include "scan/prepared_mesh.hpp"
 
 #include <cstdint>
@@ -15,7 +16,10 @@
 namespace clsdf::transform {
 
 /// The regions of a restricted transform, and the values that it needs of the whole mesh.
-struct Restriction {
+class Restriction {
+public:
+    explicit Restriction(std::vector<Region> regions_in);
+
     std::vector<Region> regions;
     std::size_t record_count = 0;        ///< that a lattice keeps at most
     std::vector<std::uint32_t> numbers;  ///< of the part's triangles, in the whole mesh
@@ -28,6 +32,8 @@ struct Restriction {
     void check(std::span<const Box> boxes, double half_width) const;
 
 private:
+    BoxIndex index_;  // of the regions
+
     /// Whether a region with such lengths holds the box. slack: of its limits.
     bool holds(const Box& box, double half_width, double spacing, double slack) const;
     [[noreturn]] void refuse(const std::string& what, const Box& box) const;

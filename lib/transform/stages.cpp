@@ -32,15 +32,6 @@ Box box_of(const Grid& grid, const std::int32_t* first_block, const std::int32_t
     return box;
 }
 
-/// The box widened by `margin`, in the mesh's units, and by the rounding of its coordinates.
-Box widened(Box box, double margin) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] -= margin + 1e-12 * std::abs(box.lower[axis]);
-        box.upper[axis] += margin + 1e-12 * std::abs(box.upper[axis]);
-    }
-    return box;
-}
-
 /// Triangles farther than this from a brick, in the mesh's units, decide none of its samples: they are farther than the
 /// half width from each, by more than the rounding of distances and of the tests in kernels/coarse_clusters.h.
 double greatest_distance_of(const Layout& layout) {
@@ -118,8 +109,7 @@ std::unique_ptr<Stages> Stages::restricted(std::shared_ptr<device::BufferPool> p
             rows.push_back(widened(region.box, (CLSDF_BRICK + 1) * region.spacing));
             rows.back().lower[0] = -std::numeric_limits<double>::infinity();
         }
-        Restriction restriction;
-        restriction.regions = std::move(regions);
+        Restriction restriction(std::move(regions));
         polyhedra::NearRecords near = index().near(boxes);
         restriction.record_count = near.face_count + near.site_count;
         if (sign != SignRule::none) {

@@ -120,6 +120,9 @@ BOOST_AUTO_TEST_CASE(requests_and_points_take_arrays_of_unknown_size) {
     const DistanceTransform transform(test_device(), mesh());
     const Grid grid = ::grid();
     const Field expected = transform.compute(grid, band());
+    std::vector<float> at_an_address(grid.sample_count());
+    transform.compute(grid, band(), at_an_address.data());
+    BOOST_TEST(std::ranges::equal(at_an_address, expected.distance()));
     // Whole arrays backwards: the first sample is the last value.
     const std::size_t count = grid.sample_count();
     std::vector<float> packed(count), backwards(count);

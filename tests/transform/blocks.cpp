@@ -179,10 +179,33 @@ BOOST_AUTO_TEST_CASE(more_blocks_than_are_computed_at_once_have_the_bytes_of_the
     check_throws(ErrorCode::invalid_argument, {std::to_string(places.size()) + " blocks", "distance"}, [&] {
         transform.compute({grid, narrow, {1, 1, 1}, places, small});
     });
+
+    // From the last one on backwards.
+    std::vector<float> backwards(places.size());
+    OutputArray reversed(backwards);
+    reversed.offset = sizeof(float) * (places.size() - 1);
+    reversed.block_stride = -static_cast<std::ptrdiff_t>(sizeof(float));
+    transform.compute({grid, narrow, {1, 1, 1}, places, reversed});
+    BOOST_TEST(std::equal(distance.begin(), distance.end(), backwards.rbegin()));
+
+    // If a block is refused, none is computed.
+    const std::vector<float> before(places.size(), -7);
+    distance = before;
+    const std::string last = std::to_string(places.size() - 1);
+    OutputArray triangles(reinterpret_cast<std::uint32_t*>(&distance.back()));  // the first block's on the last's
+    check_throws(ErrorCode::invalid_argument, {"triangle of request 0", "distance of request " + last, "same bytes"},
+                 [&] {
+                     transform.compute({grid,
+                                        narrow,
+                                        {1, 1, 1},
+                                        places,
+                                        {{Output::distance, OutputArray(distance)}, {Output::triangle, triangles}}});
+                 });
     places.back()[1] = std::int64_t{1} << 31;
-    check_throws(ErrorCode::invalid_argument, {"blocks 32768 to " + std::to_string(places.size() - 1), "request"}, [&] {
+    check_throws(ErrorCode::invalid_argument, {"request " + last + " of " + std::to_string(places.size())}, [&] {
         transform.compute({grid, narrow, {1, 1, 1}, places, distance});
     });
+    BOOST_TEST(distance == before, boost::test_tools::per_element());
 }
 
 BOOST_AUTO_TEST_CASE(distances_of_blocks_may_be_doubles_and_their_arrays_of_unknown_size) {

@@ -327,6 +327,41 @@ BOOST_AUTO_TEST_CASE(each_of_several_regions_has_the_bytes_of_the_whole) {
         }
 }
 
+// As the leaves of a forest are: small boxes beside each other, and so many that none may look at all of them.
+BOOST_AUTO_TEST_CASE(a_hundred_thousand_regions_have_the_bytes_of_the_whole) {
+    const Mesh mesh = make_shape("sphere4");
+    const DistanceTransform whole(test_device(), mesh);
+    constexpr std::int64_t samples = 8, leaves = 48;
+    const double h = mesh.box().longest_side() / static_cast<double>(samples * leaves);
+    Grid lattice;
+    lattice.origin = mesh.box().lower;
+    lattice.spacing = {h, h, h};
+    std::vector<Region> regions;
+    std::vector<Index3> firsts;
+    for (std::int64_t k = 0; k < leaves; ++k)
+        for (std::int64_t j = 0; j < leaves; ++j)
+            for (std::int64_t i = 0; i < leaves - 4; ++i) {
+                const Grid leaf = lattice.block({samples * i, samples * j, samples * k}, {samples, samples, samples});
+                regions.push_back(
+                    {{leaf.position(0, 0, 0), leaf.position(samples - 1, samples - 1, samples - 1)}, 4 * h, h});
+                firsts.push_back(leaf.first);
+            }
+    BOOST_REQUIRE(regions.size() > 100'000U);
+    const DistanceTransform part = whole.restrict_to(regions);
+    const Band band = Band::symmetric(4 * h);
+    // One leaf of a hundred.
+    std::vector<Index3> some;
+    for (std::size_t n = 0; n < firsts.size(); n += 100) some.push_back(firsts[n]);
+    std::vector<float> of_whole(some.size() * samples * samples * samples), of_part(of_whole.size());
+    const Index3 size{samples, samples, samples};
+    whole.compute({lattice, band, size, some, of_whole});
+    part.compute({lattice, band, size, some, of_part});
+    BOOST_TEST(std::memcmp(of_whole.data(), of_part.data(), of_whole.size() * sizeof(float)) == 0);
+    const Grid between = lattice.block({samples - 1, 0, 0}, {2, 1, 1});
+    check_throws(ErrorCode::invalid_argument, {"the nearest of its"},
+                 [&] { static_cast<void>(part.compute(between, band)); });
+}
+
 BOOST_AUTO_TEST_CASE(what_lies_in_no_region_is_refused_with_the_nearest_one) {
     const Mesh mesh = cube(1);
     const DistanceTransform whole(test_device(), mesh);

@@ -114,7 +114,7 @@ public:
 
     /// The field on the host. A large grid is computed in slabs; the bytes are the same. The distance is always among
     /// the outputs. `statistics`, if not null, is set when the call succeeds.
-    Field compute(const Grid& grid, const Band& band, OutputSet outputs = {}, const CallOptions& call = {},
+    Field compute(const Grid& grid, const Band& band, OutputSet outputs = Output::distance, const CallOptions& call = {},
                   TransformStatistics* statistics = nullptr) const;
 
     /// Into the caller's arrays; the distance must have one. They are all on the host or all on the device. A call that
@@ -136,7 +136,7 @@ public:
     TransformStatistics compute(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     /// A field of any size, slab by slab: hands whole slices to the sink in the order of z, at most slabs_of() at a
-    /// time. All outputs of two slabs are in memory. The bytes are those of the whole. After an error the sink has
+    /// time. All outputs of a slab are in memory, of two if the sink has its own thread. The bytes are those of the whole. After an error the sink has
     /// returned and is not called again. Throws what the others and the sink throw, Error(invalid_argument) for an
     /// empty sink.
     TransformStatistics compute(const Grid& grid, const Band& band, OutputSet outputs, const SlabSink& sink,
@@ -184,7 +184,7 @@ public:
 
     /// A plan of one grid, without targets: each Plan::enqueue() gets them. They must be packed and aligned. Blocks;
     /// sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory, device_failure or cancelled).
-    Plan plan(const Grid& grid, const Band& band, OutputSet outputs = {}, const CallOptions& call = {}) const;
+    Plan plan(const Grid& grid, const Band& band, OutputSet outputs = Output::distance, const CallOptions& call = {}) const;
 
     /// A plan of boxes, as compute() has them, into buffers of the device's context, which must outlive it. Offsets and
     /// strides are multiples of a number's size. If an array is not packed or not aligned, or shares a block with other
@@ -213,7 +213,7 @@ public:
     /// compile_seconds and first_use. Throws Error(wrong_results) that names the device, its platform and their
     /// versions if the device computes wrong values; Error(device_failure) if its compiler fails or has ended earlier
     /// processes; Error(cancelled).
-    TransformStatistics compile(const Grid& grid, const Band& band, OutputSet outputs = {},
+    TransformStatistics compile(const Grid& grid, const Band& band, OutputSet outputs = Output::distance,
                                 const CallOptions& call = {}) const;
 
 private:

@@ -109,6 +109,12 @@ public:
     OutputTargets(const OutputArray& distance) : targets_{{Output::distance, distance}} {}
     // NOLINTNEXTLINE(google-explicit-constructor): a buffer is the distance's
     OutputTargets(cl_mem distance) : OutputTargets(OutputArray(distance)) {}
+    /// Packed distances from an address on; their number is not checked.
+    template <typename Value>
+    requires(detail::element_type<Value>().has_value() && !std::is_const_v<Value>)
+        // NOLINTNEXTLINE(google-explicit-constructor): memory is the distance's
+        OutputTargets(Value* distance)
+        : OutputTargets(OutputArray(distance)) {}
     template <typename Array>
     requires(detail::NumberArray<Array>&& std::is_constructible_v<OutputArray, Array>)
         // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): an array is the

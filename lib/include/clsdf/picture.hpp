@@ -59,7 +59,7 @@ public:
 
     /// Throws the error that a write would throw for the path's ending or folder, before any work is done. Leaves no
     /// file.
-    static void check_output(const std::string& path);
+    static void check_path(const std::string& path);
 
 private:
     const Field& field_;
@@ -158,7 +158,7 @@ public:
     void write(const SurfaceOptions& options, const std::string& path) const;
 
     /// Throws what write() would throw for the path's ending or folder. Leaves nothing behind.
-    static void check_output(const std::string& path);
+    static void check_path(const std::string& path);
 
 private:
     std::unique_ptr<const Scene> scene_;

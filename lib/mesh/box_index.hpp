@@ -1,0 +1,59 @@
+#pragma once
+
+#include <clsdf/mesh.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace clsdf {
+
+/// Whether the boxes have a point in common; their limits belong to them.
+bool overlap(const Box& a, const Box& b);
+
+/// The box widened by `margin`, in the mesh's units, and by the rounding of its coordinates.
+Box widened(Box box, double margin);
+
+/// Finds the boxes of a list that overlap another one, without a look at all of them.
+class BoxIndex {
+public:
+    /// Lower limits may be infinite.
+    explicit BoxIndex(std::span<const Box> boxes);
+
+    /// Whether `holds` is true for the index of a box that overlaps `box`. Asks in no particular order.
+    template <typename Predicate>
+    bool any(const Box& box, const Predicate& holds) const {
+        std::vector<std::uint32_t> open;
+        if (!nodes_.empty()) open.push_back(0);
+        while (!open.empty()) {
+            const Node& node = nodes_[open.back()];
+            open.pop_back();
+            if (!overlap(node.box, box)) continue;
+            for (std::size_t i = node.begin; i < node.end; ++i)
+                if (overlap(boxes_[order_[i]], box) && holds(order_[i])) return true;
+            if (node.begin == node.end) {
+                open.push_back(node.child);
+                open.push_back(node.child + 1);
+            }
+        }
+        return false;
+    }
+    bool any(const Box& box) const {
+        return any(box, [](std::size_t) { return true; });
+    }
+
+private:
+    struct Node {
+        Box box;                         ///< around all boxes below
+        std::size_t begin = 0, end = 0;  ///< of a leaf, in order_; equal if it has children
+        std::uint32_t child = 0;         ///< the first of two
+    };
+    void divide(std::uint32_t number, std::size_t begin, std::size_t end);
+
+    std::vector<Box> boxes_;
+    std::vector<std::size_t> order_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace clsdf
