@@ -9,7 +9,7 @@
 #include "core/parallel.hpp"
 #include "device/context.hpp"
 #include "disguise/disguise.hpp"
-#include "scan/brick_kernel.hpp"
+#include "scan/brick_scan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -323,37 +323,15 @@ BOOST_AUTO_TEST_CASE(a_grid_of_many_slices_or_rows_is_computed_in_several_launch
         }
 }
 
-namespace {
-
-/// The launches of coarse bricks with one pair each.
-struct Launches : scan::BrickKernel {
-    Launches(const scan::ScanInputs& inputs, const scan::CoarseLists& lists) : BrickKernel(inputs, lists, 1e9, 0) {}
-    void enqueue_reset(scan::CommandChain&, const scan::OutputBuffers&) override {}
-    void enqueue_launch(scan::CommandChain&, std::size_t) override {}
-    const auto& all() const { return launches_; }
-};
-
-}  // namespace
-
 BOOST_AUTO_TEST_CASE(a_launch_of_bricks_has_at_most_two_to_the_thirty_work_items) {
-    device::Context& context = device::context_of(test_device());
     scan::CoarseLists lists;
     lists.order.resize((1U << 18) + 1);
     lists.lengths.assign(lists.order.size(), 1);
     lists.pairs = lists.order.size();
-    const auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(test_device()));
-    const scan::PreparedMesh mesh;
-    const scan::Programs programs(context, KernelBody::by_group);
-    const Launches launches({.context = context,
-                             .programs = programs,
-                             .pool = pool,
-                             .layout = {},
-                             .mesh = mesh,
-                             .launches = scan::ShortLaunches(context, {})},
-                            lists);
-    BOOST_TEST_REQUIRE(launches.launch_count() == 3U);
+    const std::vector<scan::BrickLaunch> launches = scan::launches_of(lists, 1e9);
+    BOOST_TEST_REQUIRE(launches.size() == 3U);
     cl_uint begin = 0;
-    for (const auto& launch : launches.all()) {
+    for (const auto& launch : launches) {
         BOOST_TEST(launch.begin == begin);
         BOOST_TEST(std::uint64_t{launch.end - launch.begin} * 64 * 128 <= std::uint64_t{1} << 30);
         begin = launch.end;
