@@ -97,10 +97,8 @@ class SlabPipeline {
 public:
     class Slot {
     public:
-        /// The buffers to which the device writes the slab.
-        OutputBuffers buffers() const { return memories_.buffers(); }
-        /// Enqueued behind what computes the slab.
-        void enqueue_handover(const cl::CommandQueue& queue) const { memories_.enqueue_handover(queue); }
+        /// The memory to which the device writes the slab.
+        const OutputMemories& memories() const { return memories_; }
 
     private:
         friend SlabPipeline;

@@ -5,12 +5,14 @@
 
 #include "device/context.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace clsdf::transform {
 
@@ -43,6 +45,36 @@ private:
     const CallOptions& options_;
     bool has_thrown_ = false;
 };
+
+/// A way to need less memory.
+struct Remedy {
+    std::function<bool()> apply;  ///< returns whether it has changed anything
+    bool repeats = false;         ///< may be applied again and again
+};
+
+/// Returns what attempt() returns. When memory is short, applies the first remedy that changes anything, and tries
+/// again; when none is left, the error is thrown. caller: whose functions are called; null: none.
+template <typename Attempt>
+auto with_remedies(const Caller* caller, std::vector<Remedy> remedies, const Attempt& attempt) {
+    std::reverse(remedies.begin(), remedies.end());
+    const auto apply_next = [&] {
+        bool has_changed = false;
+        while (!has_changed && !remedies.empty()) {
+            has_changed = remedies.back().apply();
+            if (!has_changed || !remedies.back().repeats) remedies.pop_back();
+        }
+        return has_changed;
+    };
+    for (;;) {
+        try {
+            return attempt();
+        } catch (const Error& error) {
+            const bool is_short =
+                caller != nullptr ? caller->is_short_of_memory(error) : error.code() == ErrorCode::out_of_memory;
+            if (!is_short || !apply_next()) throw;
+        }
+    }
+}
 
 /// A mutex that detects a second lock() by the same thread: a function of CallOptions uses the transform that called
 /// it. Then lock() throws Error(invalid_argument); it would wait for ever.

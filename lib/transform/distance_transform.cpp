@@ -103,7 +103,7 @@ KeptMemory DistanceTransform::memory() const {
     const std::scoped_lock lock(state.mutex);
     KeptMemory memory{state.stages->host_bytes() + state.first_positions.size() * sizeof(Vec3),
                       state.stages->device_bytes()};
-    for (const State::KeptPlan& kept : state.plans) memory.device_bytes += state.bytes_of(*kept.plan);
+    for (const auto& plan : state.plans) memory.device_bytes += state.bytes_of(*plan);
     return memory;
 }
 
@@ -114,9 +114,10 @@ TransformStatistics DistanceTransform::compile(const Grid& grid, const Band& ban
         transform::Caller caller(call);
         caller.throw_if_stopped();
         const std::scoped_lock lock(state.mutex);
-        state.check(grid, band, scan::extras_of(outputs));
+        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        state.check(job);
         transform::Compiling compiling(caller);
-        state.compile(grid, band, scan::extras_of(outputs), call.count_work, compiling);
+        state.compile(job, compiling);
         CallStatistics statistics;
         statistics.compile_seconds = compiling.seconds;
         statistics.first_use = compiling.first_use;
@@ -147,7 +148,7 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
                 transform::check_blocks(
                     blocks, begin, std::min(begin + most, count), device::context_of(state.device),
                     [&](const Request& request) {
-                        state.check(request.grid, request.band, scan::outputs_of(request.targets));
+                        state.check(transform::job_of(request, scan::outputs_of(request.targets)));
                     },
                     written);
             scan::refuse_overlap(written);
@@ -178,15 +179,12 @@ TransformStatistics DistanceTransform::compute(const BlockSet& blocks, const Cal
 
 CallStatistics DistanceTransform::State::compute(std::span<const Request> requests, const CallOptions& call) {
     if (!requests.empty() && scan::are_on_device(requests.front().targets)) return compute_on_device(requests, call);
-    device::wait_for(device::context_of(device), call.wait_list);
-    if (requests.size() != 1) return compute_requests(requests, call);
-    const Request& request = requests.front();
-    return compute_grid(request.grid, request.band, scan::outputs_of(request.targets),
-                        transform::targets_of(requests).front(), call);
+    device::wait_for(context(), call.wait_list);
+    return requests.size() == 1 ? compute_one(requests.front(), call) : compute_many(requests, call);
 }
 
 CallStatistics DistanceTransform::State::compute_on_device(std::span<const Request> requests, const CallOptions& call) {
-    const device::Context& context = device::context_of(device);
+    const device::Context& context = this->context();
     const auto plan = this->plan(true, {requests.begin(), requests.end()}, std::nullopt, call, call.count_work);
     device::guarded([&] {
         const Stopwatch watch;
@@ -207,22 +205,16 @@ TransformStatistics DistanceTransform::compute(const Grid& grid, const Band& ban
         State& state = this->state();
         grid.validate();
         grid.sample_count();
-        const OutputSet extras = scan::extras_of(outputs);
-        state.check(grid, band, extras);
+        const transform::Job job{grid, band, scan::extras_of(outputs), {}, call.count_work};
+        state.check(job);
         if (!sink) throw Error(ErrorCode::invalid_argument, "a field in slabs needs a sink, and it is empty");
-        const device::Context& context = device::context_of(state.device);
-        device::wait_for(context, call.wait_list);
+        device::wait_for(state.context(), call.wait_list);
         const auto hand_on = [&](const Grid& part, const scan::HostArrays& values) {
             sink(part, scan::slab_of(values, part.sample_count()));
         };
-        scan::SlabPipeline pipeline(context, state.pool, hand_on, options.sink_has_own_thread);
-        const scan::HostArrays arrays = scan::arrays_for(extras);
-        return state
-            .compute_slabs(
-                grid, band, extras, arrays, false,
-                scan::slabs_of(grid, scan::stream_limits_of(context.capabilities()), scan::widest_of(arrays)), {},
-                pipeline, call)
-            .published();
+        scan::SlabPipeline pipeline(state.context(), state.pool, hand_on, options.sink_has_own_thread);
+        const scan::HostArrays arrays = scan::arrays_for(job.outputs);
+        return state.run(job, state.slabs(job, arrays, false), arrays, false, pipeline, call).published();
     });
 }
 

@@ -10,41 +10,35 @@
 
 namespace clsdf::transform {
 
-GridPlan::GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs,
-                   Inputs inputs_in, const Grid& grid_in, const Band& band_in, SignRule sign_in, OutputSet outputs_in,
-                   const PlanOptions& options, const std::function<void()>& between_launches)
-    : device(std::move(device_in)),
-      pool(std::move(pool_in)),
-      inputs(std::move(inputs_in)),
-      grid(grid_in),
-      band(band_in),
-      sign(sign_in),
-      outputs(outputs_in),
-      wanted(options.wanted) {
+GridPlan::GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
+                   const std::function<void()>& between_launches)
+    : device(workshop.device), inputs(std::move(inputs_in)), job(job_in) {
     const Stopwatch watch;
-    device::Context& context = device::context_of(device);
-    const Layout layout = layout_of(grid, band, sign);
+    device::Context& context = workshop.context();
+    const Layout layout = layout_of(job.grid, job.band, workshop.sign);
     const ShortLaunches launches(context, between_launches);
     Stopwatch sign_watch;
-    SignSweep sweep({context, programs, pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection, sign, launches});
+    SignSweep sweep({context, workshop.programs, workshop.pool, layout, inputs.sweep_mesh.get(), inputs.sweep_selection,
+                     workshop.sign, launches});
     statistics.sign_seconds = sign_watch.seconds();
     const PreparedMesh& records = *inputs.records;
     if (inputs.sites)
-        finishing_.emplace(grid, band, layout, inputs.sites, inputs.is_inside_out && sign != SignRule::none);
+        finishing_.emplace(job.grid, job.band, layout, inputs.sites,
+                           inputs.is_inside_out && workshop.sign != SignRule::none);
     device::guarded([&] {
         const ScanInputs scan_inputs{.context = context,
-                                     .programs = programs,
-                                     .pool = pool,
+                                     .programs = workshop.programs,
+                                     .pool = workshop.pool,
                                      .layout = layout,
                                      .mesh = records,
                                      .launches = launches,
-                                     .variant = {outputs != OutputSet{}, options.count, has_long_bricks(grid)},
+                                     .variant = {job.outputs != OutputSet{}, job.counts, has_long_bricks(job.grid)},
                                      .sign_bits = sweep.bits(),
                                      .selection = inputs.selection,
                                      .points = inputs.points,
                                      .finishing = finishing_ ? &*finishing_ : nullptr,
-                                     .wanted = options.wanted};
-        scan_ = options.method ? options.method->make_scan(scan_inputs) : make_brick_scan(scan_inputs);
+                                     .wanted = job.wanted};
+        scan_ = workshop.method ? workshop.method->make_scan(scan_inputs) : make_brick_scan(scan_inputs);
         // To wait takes as long as a small kernel: the host waits for the sign and the lists together.
         sign_watch = Stopwatch();
         SignBits signs = sweep.finish();
@@ -91,11 +85,8 @@ void GridPlan::enqueue(CommandChain& chain, const OutputBuffers& buffers,
     last_ = chain.last();
 }
 
-void GridPlan::read_counters() {
-    scan_->read_counters(device::context_of(device).queue(), statistics);
-}
-
-void GridPlan::read_times(const cl::CommandQueue& queue) {
+void GridPlan::read_back(const cl::CommandQueue& queue) {
+    if (job.counts) scan_->read_counters(device::context_of(device).queue(), statistics);
     if ((queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE) == 0) return;
     const auto seconds = [](const cl::Event& from, const cl::Event& to) {
         const cl_ulong begin = from.getProfilingInfo<CL_PROFILING_COMMAND_END>();

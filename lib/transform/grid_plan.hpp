@@ -1,29 +1,19 @@
 #pragma once
 
-#include <clsdf/distance_transform.hpp>
-
 #include "scan/field_scan.hpp"
-#include "scan/programs.hpp"
+#include "transform/job.hpp"
 #include "transform/stages.hpp"
 
 #include <functional>
 #include <memory>
-#include <vector>
+#include <optional>
 
 namespace clsdf::transform {
 
-struct PlanOptions {
-    bool count = false;  ///< see CallOptions::count
-    std::shared_ptr<const FieldMethod> method{};
-    /// The blocks whose samples are needed; other samples may stay undefined. Empty: all samples are needed.
-    std::vector<Grid> wanted{};
-};
-
-/// A plan's buffers and launches, for one grid or slab. `between_launches` of the set-up may throw.
+/// A job's buffers and launches. `between_launches` of the set-up may throw.
 struct GridPlan {
-    GridPlan(Device device_in, std::shared_ptr<device::BufferPool> pool_in, const Programs& programs, Inputs inputs_in,
-             const Grid& grid_in, const Band& band_in, SignRule sign_in, OutputSet outputs_in,
-             const PlanOptions& options, const std::function<void()>& between_launches);
+    GridPlan(const Workshop& workshop, Inputs inputs_in, const Job& job_in,
+             const std::function<void()>& between_launches);
 
     /// No command that uses it may be under way, unless the device is lost.
     ~GridPlan();
@@ -36,20 +26,13 @@ struct GridPlan {
     void enqueue(CommandChain& chain, const OutputBuffers& buffers,
                  const std::function<void(double)>& between_launches);
 
-    /// Adds the counters of the last computation to the statistics, if PlanOptions::count is set.
-    void read_counters();
-
-    /// Reads the kernels' times of the last computation, which has ended, if its queue measures them.
-    void read_times(const cl::CommandQueue& queue);
+    /// Sets the counters and the kernels' times of the last computation, which has ended: the counters if the job has
+    /// them, the times if its queue measures them.
+    void read_back(const cl::CommandQueue& queue);
 
     Device device;
-    std::shared_ptr<device::BufferPool> pool;
     Inputs inputs;
-    Grid grid;
-    Band band;
-    SignRule sign;
-    OutputSet outputs;
-    std::vector<Grid> wanted;  ///< see PlanOptions
+    Job job;
     CallStatistics statistics;
     bool has_large_triangles = false;  ///< see SignBits
 

@@ -70,7 +70,7 @@ PerOutput<std::vector<Place>> PlanState::places_of(const Part& part, std::span<c
         for_each_output(
             [&](const OutputInfo&, const OutputArray& target, const HostArray& array, std::vector<Place>& places) {
                 if (!array.is_wanted) return;
-                if (const auto box = stored_box(part.plan->grid, requests[n].grid, target))
+                if (const auto box = stored_box(part.plan->job.grid, requests[n].grid, target))
                     places.push_back({target.device, *box});
             },
             targets[n].targets(), part.arrays, all_places);
@@ -175,7 +175,7 @@ void PlanState::read_counters() {
                                                      &CallStatistics::samples_covered, &CallStatistics::band_samples};
     for (const auto counter : counters) statistics.*counter = 0;
     for (const Part& part : parts_) {
-        part.plan->read_counters();
+        part.plan->read_back(device::context_of(device).queue());
         for (const auto counter : counters) statistics.*counter += part.plan->statistics.*counter;
     }
 }

@@ -46,7 +46,7 @@ std::vector<PlanState::Block> blocks_of(std::span<const Batch> batches, std::spa
         const bool in_place = batch.requests.size() == 1 && any.in_place().has_value();
         const auto limits =
             in_place ? scan::SlabLimits{largest, largest, largest} : scan::stream_limits_of(context.capabilities());
-        const std::vector<Grid> slabs = scan::slabs_of(batch.block, limits, scan::widest_of(any.arrays()));
+        const std::vector<Grid> slabs = scan::slabs_of(batch.job.grid, limits, scan::widest_of(any.arrays()));
         for (const Grid& slab : slabs) blocks.push_back({&batch, slab, in_place && slabs.size() == 1});
     }
     return blocks;
@@ -72,7 +72,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Requ
         throw Error(ErrorCode::invalid_argument,
                     "the transform has another device than the plan; move the plan with a transform of its Device");
     const auto check_request = [&](const Request& request) {
-        check(request.grid, request.band, outputs_without_targets.value_or(scan::outputs_of(request.targets)));
+        check(transform::job_of(request, outputs_without_targets.value_or(scan::outputs_of(request.targets))));
     };
     const std::vector<scan::DeviceTargets> targets =
         outputs_without_targets ? transform::device_targets_of(requests, *outputs_without_targets, check_request)
@@ -97,7 +97,8 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
     const device::Context& context = device::context_of(device);
     std::vector<scan::HostArrays> arrays;
     for (const scan::DeviceTargets& target : targets) arrays.push_back(target.arrays());
-    const std::vector<transform::Batch> batches = transform::batches_of(made.requests, arrays, mesh().box());
+    const std::vector<transform::Batch> batches =
+        transform::batches_of(made.requests, arrays, mesh().box(), made.counts);
     const std::vector<transform::PlanState::Block> blocks = transform::blocks_of(batches, targets, context);
 
     const KeepsBudget keeps_budget(*this);
@@ -122,9 +123,8 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::span<const 
             context.drain();  // the set-up's commands use what is given back
             throw;
         }
-        return true;
     };
-    make_room_for([&] { return device::guarded(make); }, &caller);
+    transform::with_remedies(&caller, {forgetting()}, [&] { device::guarded(make); });
     device::guarded([&] { context.queue().finish(); });  // errors of the set-up's commands are thrown here
     if (made.has_own_pool) made.pool->release();
     made.is_whole = true;
@@ -138,29 +138,23 @@ void DistanceTransform::State::add_blocks(transform::PlanState& made,
                                           std::span<const scan::DeviceTargets> targets, transform::Caller& caller,
                                           transform::Compiling& compiling) {
     double polyhedra_seconds = 0;
-    transform::Inputs inputs_of_batch;
+    transform::Inputs batch_inputs;
     const transform::Batch* batch = nullptr;
     for (const transform::PlanState::Block& block : blocks) {
-        const std::size_t first = block.batch->requests.front();
-        const Band& band = made.requests[first].band;
-        const OutputSet outputs = scan::outputs_of(targets[first].arrays());
         if (block.batch != batch) {
             batch = block.batch;
-            compile(batch->block, band, outputs, made.counts, compiling);
+            compile(batch->job, compiling);
             const Stopwatch watch;
-            inputs_of_batch = inputs(batch->block, band, outputs, true);
+            batch_inputs = inputs(batch->job, true);
             polyhedra_seconds += watch.seconds();
         }
-        std::vector<Grid> wanted;
-        if (batch->requests.size() > 1)
-            for (const std::size_t n : batch->requests) wanted.push_back(made.requests[n].grid);
-        transform::Inputs inputs_of_block = inputs_of_batch;
-        if (!(block.grid == batch->block))
-            stages->select(block.grid, scan::layout_of(block.grid, band, sign), inputs_of_block);
-        auto of_block = make_plan(std::move(inputs_of_block), block.grid, band, outputs, wanted, made.counts, caller,
-                                  compiling, made.pool);
-        add_slab(made.statistics, of_block->statistics);
-        made.add(block, std::move(of_block), targets, programs);
+        transform::Inputs block_inputs = batch_inputs;
+        if (!(block.grid == batch->job.grid))
+            stages->select(block.grid, scan::layout_of(block.grid, batch->job.band, sign), block_inputs);
+        auto block_plan =
+            make_plan(with(made.pool), std::move(block_inputs), batch->job.part(block.grid), caller, compiling);
+        add_slab(made.statistics, block_plan->statistics);
+        made.add(block, std::move(block_plan), targets, programs);
     }
     made.statistics.polyhedra_seconds = polyhedra_seconds;
     keep_within_budget();

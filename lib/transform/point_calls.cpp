@@ -21,11 +21,11 @@ namespace clsdf {
 std::shared_ptr<const points::PointMesh> DistanceTransform::State::points() {
     const KeepsBudget keeps_budget(*this);
     const std::scoped_lock lock(mutex);
-    return make_room_for([&] { return stages->points(); });
+    return transform::with_remedies(nullptr, {forgetting()}, [&] { return stages->points(); });
 }
 
 points::PointInputs DistanceTransform::State::point_inputs(OutputSet outputs, std::size_t count) {
-    return make_room_for_points([&] {
+    return transform::with_remedies(nullptr, {forgetting(), without_tables()}, [&] {
         points::PointInputs inputs;
         inputs.mesh = stages->points();
         const bool has_room = !points_are_short_of_memory;
@@ -85,49 +85,37 @@ CallStatistics DistanceTransform::State::query(std::span<const Vec3> all, double
         }
     }
     scan::OwnArrays own;
-    std::size_t most = points::most_points, count = 0;
-    bool has_forgotten = false;
-    for (std::size_t begin = 0; begin < all.size(); begin += count) {
-        count = std::min(most, all.size() - begin);
-        const std::span<const Vec3> part = all.subspan(begin, count);
+    std::size_t most = points::most_points;
+    const auto fewer_than = [&most](std::size_t least) {
+        return transform::Remedy{[&most, least] {
+                                     if (most <= least) return false;
+                                     most /= 2;
+                                     return true;
+                                 },
+                                 true};
+    };
+    for (std::size_t begin = 0, count = 0; begin < all.size(); begin += count) {
         scan::HostArrays arrays;
-        if (targets.are_packed())
-            for_each_output([&](const OutputInfo& row, const scan::HostArray& array,
-                                scan::HostArray& of_part) { of_part = array.from_sample(row, begin); },
-                            targets.arrays(), arrays);
-        else
-            arrays = own.for_samples(targets.arrays(), part.size());
-        const auto between = [&](double fraction) {
-            caller.throw_if_stopped();
-            const double done = static_cast<double>(begin) + fraction * static_cast<double>(part.size());
-            caller.progress(done / static_cast<double>(all.size()));
-        };
-        const std::scoped_lock lock(mutex);
-        points::PointTimes times;
-        try {
-            times = query(part, all.size(), half_width, outputs, arrays, between);
-        } catch (const Error& error) {
-            if (!caller.is_short_of_memory(error)) throw;
-            // Without what is kept, then with fewer points at once, then without the tables for many points.
-            constexpr std::size_t few = std::size_t{1} << 15, fewest = 256;
-            if (!has_forgotten && forget()) {
-                has_forgotten = true;
-            } else {
-                has_forgotten = false;
-                if (count <= few && !points_are_short_of_memory)
-                    points_are_short_of_memory = true;
-                else if (count > fewest)
-                    most = count / 2;
+        const auto times = transform::with_remedies(
+            &caller, {forgetting(), fewer_than(std::size_t{1} << 15), without_tables(), fewer_than(256)}, [&] {
+                count = most = std::min(most, all.size() - begin);
+                const std::span<const Vec3> part = all.subspan(begin, count);
+                if (targets.are_packed())
+                    for_each_output([&](const OutputInfo& row, const scan::HostArray& array,
+                                        scan::HostArray& part_array) { part_array = array.from_sample(row, begin); },
+                                    targets.arrays(), arrays);
                 else
-                    throw;
-            }
-            count = 0;
-            continue;
-        }
-        has_forgotten = false;
+                    arrays = own.for_samples(targets.arrays(), count);
+                const std::scoped_lock lock(mutex);
+                return query(part, all.size(), half_width, outputs, arrays, [&](double fraction) {
+                    caller.throw_if_stopped();
+                    const double done = static_cast<double>(begin) + fraction * static_cast<double>(count);
+                    caller.progress(done / static_cast<double>(all.size()));
+                });
+            });
         statistics.sign_seconds += times.sign;
         statistics.field_seconds += times.nearest;
-        if (!targets.are_packed()) targets.store_row(begin, part.size(), arrays);
+        if (!targets.are_packed()) targets.store_row(begin, count, arrays);
     }
     {
         const std::scoped_lock lock(mutex);

@@ -50,11 +50,11 @@ public:
     /// longest axis. Changes their order.
     std::vector<Batch> divide(std::span<std::size_t> chosen) const {
         Batch whole;
-        whole.block = block_around(requests_, chosen);
-        whole.cost = cost(whole.block, chosen);
+        whole.job.grid = block_around(requests_, chosen);
+        whole.cost = cost(whole.job.grid, chosen);
         std::vector<Batch> batches;
         if (chosen.size() > 1) {
-            const Index3& size = whole.block.size;
+            const Index3& size = whole.job.grid.size;
             const auto axis = static_cast<std::size_t>(std::max_element(size.begin(), size.end()) - size.begin());
             const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
             std::nth_element(chosen.begin(), middle, chosen.end(),
@@ -143,7 +143,8 @@ std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, 
                                   [&](const Request& request) { return DeviceTargets(outputs, request.grid); });
 }
 
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box) {
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
+                              bool counts) {
     if (requests.empty()) return {};
     std::map<decltype(kind_of(requests.front(), arrays.front())), std::vector<std::size_t>> kinds;
     for (std::size_t n = 0; n < requests.size(); ++n) kinds[kind_of(requests[n], arrays[n])].push_back(n);
@@ -151,6 +152,14 @@ std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const
     for (auto& [kind, chosen] : kinds) {
         std::vector<Batch> of_kind = Division(requests, box).divide(chosen);
         std::move(of_kind.begin(), of_kind.end(), std::back_inserter(batches));
+    }
+    for (Batch& batch : batches) {
+        const std::size_t first = batch.requests.front();
+        batch.job.band = requests[first].band;
+        batch.job.outputs = outputs_of(arrays[first]);
+        batch.job.counts = counts;
+        if (batch.requests.size() > 1)
+            for (const std::size_t n : batch.requests) batch.job.wanted.push_back(requests[n].grid);
     }
     return batches;
 }

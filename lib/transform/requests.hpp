@@ -4,6 +4,7 @@
 #include <clsdf/error.hpp>
 
 #include "scan/output_targets.hpp"
+#include "transform/job.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +19,7 @@ using namespace scan;
 
 /// Requests of one lattice, one band and the same outputs that are computed together, as one block of the lattice.
 struct Batch {
-    Grid block;
+    Job job;
     std::vector<std::size_t> requests;  ///< their indices
     double cost = 0;                    ///< estimated, in nanoseconds of a processor with two cores
 };
@@ -48,6 +49,7 @@ std::vector<DeviceTargets> device_targets_of(std::span<const Request> requests, 
 /// Each request in one batch. `arrays`: the outputs of each, and their elements. A block has samples that no request
 /// asks for, and a call for each request has a cost of its own: requests of a lattice are divided if that is
 /// estimated to be cheaper. The division changes no byte. box: the mesh's.
-std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box);
+std::vector<Batch> batches_of(std::span<const Request> requests, std::span<const HostArrays> arrays, const Box& box,
+                              bool counts);
 
 }  // namespace clsdf::transform

@@ -81,8 +81,8 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
     device::guarded([&] { memories.place(context, *stages.pool(), arrays, grid.sample_count()); });
     Inputs inputs = stages.inputs(grid, layout_of(grid, known.band(), sign), sign);
     if (is_finished) inputs.sites = stages.sites(true, stages.may_meet_samples(grid));
-    GridPlan plan(device, stages.pool(), programs, std::move(inputs), grid, known.band(), sign, outputs,
-                  {test_case.variant.count, test_case.method}, watch.begins);
+    GridPlan plan({device, stages.pool(), programs, test_case.method, sign}, std::move(inputs),
+                  {grid, known.band(), outputs, {}, test_case.variant.count}, watch.begins);
     return device::guarded([&] {
         const auto between = [&](double) {
             if (watch.begins) watch.begins();
@@ -92,7 +92,7 @@ std::optional<std::string> run_field_test(const Device& device, const Programs& 
         memories.enqueue_handover(context.queue());
         context.queue().finish();
         memories.read(context, context.queue());
-        plan.read_counters();
+        plan.read_back(context.queue());
         std::optional<std::string> difference = known.difference(arrays);
         if (!difference && test_case.variant.count) difference = wrong_counts(known, arrays, plan.statistics);
         return difference;

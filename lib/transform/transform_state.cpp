@@ -22,40 +22,47 @@ namespace {
 /// For the grids of a time step. More would keep the memory that the next one needs.
 constexpr std::size_t most_plans = 4;
 
-}  // namespace
-
-bool DistanceTransform::State::KeptPlan::fits(const Grid& grid, const Band& band, OutputSet outputs,
-                                              std::span<const Grid> wanted, bool counts) const {
-    return plan->grid == grid && plan->band == band && plan->outputs == outputs && count == counts &&
-           std::ranges::equal(plan->wanted, wanted);
+/// With the programs that all jobs need.
+transform::Workshop workshop_of(Device device, std::shared_ptr<const FieldMethod> method,
+                                const TransformOptions& options, const CallOptions& call) {
+    transform::Caller caller(call);
+    caller.throw_if_stopped();
+    const Stopwatch watch;
+    transform::TestCase test_case;
+    test_case.method = method;
+    transform::Compiling compiling(caller);
+    scan::Programs programs = device::guarded([&] {
+        return scan::Programs(device::context_of(device), options.body,
+                              compiling.watch(transform::step_count(test_case)));
+    });
+    const double seconds = watch.seconds();
+    auto pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
+    return {std::move(device), std::move(pool), std::move(programs), std::move(method), SignRule::none, seconds};
 }
+
+}  // namespace
 
 DistanceTransform::State::State(Device device_in, Mesh mesh, const TransformOptions& options, const CallOptions& call,
                                 std::shared_ptr<const FieldMethod> method_in)
-    : device(std::move(device_in)),
-      method(std::move(method_in)),
+    : Workshop(workshop_of(std::move(device_in), std::move(method_in), options, call)),
       topology(describe_topology(mesh)),
-      vertices(mesh, topology.coincident_vertices > 0),
-      programs(build_programs(options, call)),
-      pool(std::make_shared<device::BufferPool>(device::shared_context_of(device))) {
+      vertices(mesh, topology.coincident_vertices > 0) {
+    setup.compile_seconds = compile_seconds;
+    setup.work = std::make_shared<const WorkCounts>();
     const ResolvedSignRule resolved = resolve_sign_rule(options.sign, topology);
     sign = resolved.rule;
     if (!resolved.warning.empty() && call.log) call.log(resolved.warning);
     stages = std::make_unique<transform::Stages>(
-        device::context_of(device), pool, std::move(mesh),
+        context(), pool, std::move(mesh),
         transform::Stages::Options{method, transform::SetUpBy{programs.mesh_records, programs.mesh_lanes()},
                                    programs.body == KernelBody::by_vector, options.kept_bytes});
 }
 
 DistanceTransform::State::State(const State& other, const std::shared_ptr<device::BufferPool>& own_pool,
                                 std::unique_ptr<transform::Stages> own_stages)
-    : device(other.device),
-      method(other.method),
+    : Workshop(other.with(own_pool)),
       topology(other.topology),
-      sign(other.sign),
       vertices(other.vertices),
-      programs(other.programs),
-      pool(own_pool),
       stages(std::move(own_stages)) {}
 
 std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(std::vector<Region> regions) {
@@ -87,27 +94,13 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
         throw Error(ErrorCode::unsupported,
                     "a transform with polyhedra or a scan of clsdf::papers cannot be restricted; use the whole");
     auto own_pool = std::make_shared<device::BufferPool>(device::shared_context_of(device));
-    auto own_stages = make_room_for([&] { return stages->restricted(own_pool, regions, sign); });
+    auto own_stages =
+        transform::with_remedies(nullptr, {forgetting()}, [&] { return stages->restricted(own_pool, regions, sign); });
     return std::unique_ptr<State>(new State(*this, own_pool, std::move(own_stages)));
 }
 
 DistanceTransform::State::~State() {
-    if (device::context_of(device).is_lost()) keep_for_good(stages);  // the device reads its mesh in the host's memory
-}
-
-scan::Programs DistanceTransform::State::build_programs(const TransformOptions& options, const CallOptions& call) {
-    transform::Caller caller(call);
-    caller.throw_if_stopped();
-    const Stopwatch watch;
-    transform::TestCase any;
-    any.method = method;
-    transform::Compiling compiling(caller);
-    scan::Programs result = device::guarded([&] {
-        return scan::Programs(device::context_of(device), options.body, compiling.watch(transform::step_count(any)));
-    });
-    setup.compile_seconds = watch.seconds();
-    setup.work = std::make_shared<const WorkCounts>();
-    return result;
+    if (context().is_lost()) keep_for_good(stages);  // the device reads its mesh in the host's memory
 }
 
 void DistanceTransform::State::set_positions(std::span<const Vec3> positions) {
@@ -140,109 +133,96 @@ void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
     plans.clear();
 }
 
-transform::TestCase DistanceTransform::State::test_case_of(const Grid& grid, const Band& band, OutputSet outputs,
-                                                           bool count) const {
-    const Layout layout = scan::layout_of(grid, band, sign);
+transform::TestCase DistanceTransform::State::test_case_of(const transform::Job& job) const {
+    const Layout layout = scan::layout_of(job.grid, job.band, sign);
     transform::TestCase test_case;
     test_case.body = programs.body;
-    test_case.variant = {outputs != OutputSet{}, count, scan::has_long_bricks(grid)};
+    test_case.variant = {job.outputs != OutputSet{}, job.counts, scan::has_long_bricks(job.grid)};
     test_case.is_signed = sign != SignRule::none;
     if (method)
-        test_case.method =
-            device::guarded([&] { return method->tested_as(device::context_of(device), layout, test_case.variant); });
+        test_case.method = device::guarded([&] { return method->tested_as(context(), layout, test_case.variant); });
     else
         test_case.is_wide = !scan::has_uniform_bounds(layout);
     return test_case;
 }
 
-bool DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
-    if (device::context_of(device).is_tested(test_case.name())) return false;
+void DistanceTransform::State::test(const transform::TestCase& test_case, transform::Compiling& compiling) const {
+    if (context().is_tested(test_case.name())) return;
     const Stopwatch watch;
-    const bool is_tested_here =
+    compiling.first_use |=
         transform::ensure_tested(device, programs, test_case, compiling.watch(transform::step_count(test_case)));
-    compiling.first_use |= is_tested_here;
     compiling.seconds += watch.seconds();
-    return is_tested_here;
 }
 
-void DistanceTransform::State::check(const Grid& grid, const Band& band, OutputSet outputs) const {
+void DistanceTransform::State::check(const transform::Job& job) const {
     if (method) {
-        method->check_outputs(outputs);
-        if (outputs.contains(Output::distance))
+        method->check_outputs(job.outputs);
+        if (job.outputs.contains(Output::distance))
             throw Error(ErrorCode::unsupported,
                         "distances in double are computed from leaned frusta, scanned by bricks, alone; give the "
                         "distance an array of floats");
     }
-    stages->check(grid, band, sign);
+    stages->check(job.grid, job.band, sign);
 }
 
-bool DistanceTransform::State::compile(const Grid& grid, const Band& band, OutputSet outputs, bool count,
-                                       transform::Compiling& compiling) const {
-    device::context_of(device).require_usable();
-    transform::TestCase test_case = test_case_of(grid, band, outputs, count);
-    transform::TestCase large = test_case;
+void DistanceTransform::State::compile(const transform::Job& job, transform::Compiling& compiling) const {
+    context().require_usable();
+    transform::TestCase test_case = test_case_of(job), large = test_case;
     large.is_large = true;
     // It runs all that the other one runs.
-    if (device::context_of(device).is_tested(large.name())) return false;
-    return test(test_case.is_signed && scan::expects_large_triangles(grid, mesh()) ? large : test_case, compiling);
+    if (context().is_tested(large.name())) return;
+    test(test_case.is_signed && scan::expects_large_triangles(job.grid, mesh()) ? large : test_case, compiling);
 }
 
-transform::Inputs DistanceTransform::State::inputs(const Grid& grid, const Band& band, OutputSet outputs, bool lone) {
-    return make_room_for([&] { return make_inputs(grid, band, outputs, lone); });
+transform::Inputs DistanceTransform::State::inputs(const transform::Job& job, bool lone) {
+    return transform::with_remedies(nullptr, {forgetting()}, [&] {
+        transform::Inputs inputs = stages->inputs(job.grid, scan::layout_of(job.grid, job.band, sign), sign, lone);
+        if (job.outputs == OutputSet{} || method) return inputs;
+        const bool has_gradients = job.outputs.contains(Output::gradient);
+        inputs.sites =
+            stages->sites(transform::names_sites(job.outputs), has_gradients && stages->may_meet_samples(job.grid));
+        inputs.is_inside_out = has_gradients && topology.balanced && stages->encloses_negative_volume();
+        return inputs;
+    });
 }
 
-transform::Inputs DistanceTransform::State::make_inputs(const Grid& grid, const Band& band, OutputSet outputs,
-                                                        bool lone) {
-    transform::Inputs inputs = stages->inputs(grid, scan::layout_of(grid, band, sign), sign, lone);
-    if (outputs == OutputSet{} || method) return inputs;
-    inputs.sites = stages->sites(transform::names_sites(outputs),
-                                 outputs.contains(Output::gradient) && stages->may_meet_samples(grid));
-    inputs.is_inside_out =
-        outputs.contains(Output::gradient) && topology.balanced && stages->encloses_negative_volume();
-    return inputs;
-}
-
-std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(
-    transform::Inputs inputs, const Grid& grid, const Band& band, OutputSet outputs, std::span<const Grid> wanted,
-    bool count, transform::Caller& caller, transform::Compiling& compiling, std::shared_ptr<device::BufferPool> from) {
-    if (!from) from = pool;
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::make_plan(const transform::Workshop& from,
+                                                                         transform::Inputs inputs,
+                                                                         const transform::Job& job,
+                                                                         transform::Caller& caller,
+                                                                         transform::Compiling& compiling) {
     auto plan =
-        std::make_unique<transform::GridPlan>(device, from, programs, std::move(inputs), grid, band, sign, outputs,
-                                              transform::PlanOptions{count, method, {wanted.begin(), wanted.end()}},
-                                              [&caller] { caller.throw_if_stopped(); });
-    // Only the sweep sees whether triangles are large, and only the stages whether records are made of kept frusta.
+        std::make_unique<transform::GridPlan>(from, std::move(inputs), job, [&caller] { caller.throw_if_stopped(); });
+    // Known only now: large triangles, and records made from kept frusta. Each has a kernel that must be tested.
     const bool is_later = plan->inputs.records->is_later;
     if (plan->has_large_triangles || is_later) {
-        transform::TestCase found = test_case_of(grid, band, outputs, count);
+        transform::TestCase found = test_case_of(job);
         found.is_large = plan->has_large_triangles;
         found.is_later = is_later;
         try {
             test(found, compiling);
         } catch (...) {
-            device::context_of(device).drain();  // the set-up's commands use the plan's buffers
+            context().drain();  // the set-up's commands use the plan's buffers
             throw;
         }
     }
-    from->trim();
+    from.pool->trim();
     return plan;
 }
 
-std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const Grid& grid, const Band& band,
-                                                                         OutputSet outputs,
-                                                                         std::span<const Grid> wanted, bool count) {
-    const auto found = std::find_if(plans.begin(), plans.end(), [&](const KeptPlan& kept) {
-        return kept.fits(grid, band, outputs, wanted, count);
-    });
+std::unique_ptr<transform::GridPlan> DistanceTransform::State::take_plan(const transform::Job& job) {
+    const auto found = std::ranges::find(
+        plans, job, [](const auto& plan) -> const auto& { return plan->job; });
     if (found == plans.end()) return nullptr;
-    std::unique_ptr<transform::GridPlan> plan = std::move(found->plan);
+    std::unique_ptr<transform::GridPlan> plan = std::move(*found);
     plans.erase(found);
     // The time of its set-up belongs to the call that made it.
     plan->statistics.lists_seconds = plan->statistics.sign_seconds = 0;
     return plan;
 }
 
-void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan, bool count) {
-    if (!method) plans.push_front({count, std::move(plan)});
+void DistanceTransform::State::keep(std::unique_ptr<transform::GridPlan> plan) {
+    if (!method) plans.push_front(std::move(plan));
     plan.reset();
     if (plans.size() > most_plans) plans.pop_back();
 }
@@ -256,7 +236,7 @@ void DistanceTransform::State::keep_within_budget() {
     const std::size_t lattices = stages->device_bytes();
     std::size_t bytes = lattices;
     for (auto kept = plans.begin(); kept != plans.end();) {
-        const std::size_t more = bytes_of(*kept->plan);
+        const std::size_t more = bytes_of(**kept);
         if (bytes + more > budget) {
             kept = plans.erase(kept);
         } else {
