@@ -45,6 +45,24 @@ const OutputInfo& info_of(Output output) {
     return table[number];
 }
 
+void detail::check_type(Output output, ElementType type) {
+    const OutputInfo& info = info_of(output);
+    if (type != info.type)
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("values of the output {} are given as {}; in fields they are {}", info.name,
+                                name_of(type), name_of(info.type)));
+}
+
+void detail::check_targets(std::span<const OutputTarget> targets) {
+    OutputSet given;
+    for (const OutputTarget& target : targets) {
+        if (given.contains(target.output))
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the output {} has two targets; give it one", info_of(target.output).name));
+        given.insert(target.output);
+    }
+}
+
 std::vector<OutputInfo> infos_of(OutputSet outputs) {
     std::vector<OutputInfo> infos;
     for (const OutputInfo& info : table)

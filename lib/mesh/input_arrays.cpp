@@ -67,7 +67,7 @@ void refuse_triangle(const InputArray& triangles, std::size_t triangle, const st
         std::memcpy(&index, at + k * steps.number, sizeof index);
         if (index >= no_index)
             throw Error(ErrorCode::invalid_mesh,
-                        fmt::format("{}: triangle {} has the vertex index {}, and indices must be from 0 to {}",
+                        fmt::format("{}: triangle {} has the vertex index {}, and indices count from 0, to {} at most",
                                     mesh_name, triangle, static_cast<std::int64_t>(index), no_index - 1));
     }
 }
@@ -94,11 +94,15 @@ void check_array(const InputArray& triples, ArrayKind kind, const char* what, Er
                                 triples.offset, triples.strides[0], triples.component_stride, what, width));
     if (triples.device != nullptr) return;
     if (triples.count > 0 && triples.host == nullptr)
-        throw Error(code, fmt::format("there are {} {} and no memory for them", triples.count, what));
+        throw Error(code, fmt::format("there are {} {} and no memory for them; set the array's host or device",
+                                      triples.count, what));
     if (triples.bytes == ArrayLayout::unknown_size) return;
     const std::size_t numbers = triples.bytes / bytes_of(triples.type);
     if (triples.offset == 0 && triples.strides[0] == 0 && triples.component_stride == 0 && numbers % 3 != 0)
-        throw Error(code, fmt::format("the array of {} has {} numbers, which is no multiple of three", what, numbers));
+        throw Error(
+            code,
+            fmt::format("the array of {} has {} numbers, which is no multiple of three; each of its items has three",
+                        what, numbers));
     range_of(triples, triples.bytes, what, code);
 }
 

@@ -27,13 +27,17 @@ void throw_if_bad(std::size_t t, const std::vector<Vec3>& vertices, const std::v
     for (const std::uint32_t index : triangles[t]) {
         if (index >= vertices.size())
             throw Error(ErrorCode::invalid_mesh,
-                        fmt::format("{}: triangle {} has the vertex index {}, but there are only {} vertices", name, t,
-                                    index, vertices.size()));
+                        fmt::format("{}: triangle {} has the vertex index {}{}, but there are only {} vertices; "
+                                    "indices count from 0",
+                                    name, t, index,
+                                    index >> 31 != 0 ? fmt::format(" (signed: {})", static_cast<std::int32_t>(index))
+                                                     : std::string(),
+                                    vertices.size()));
         const Vec3& vertex = vertices[index];
         if (!is_finite(vertex))
-            throw Error(ErrorCode::invalid_mesh,
-                        fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, {}, {})", name, index, t,
-                                    vertex[0], vertex[1], vertex[2]));
+            throw Error(ErrorCode::invalid_mesh, fmt::format("{}: vertex {}, used by triangle {}, is not finite: ({}, "
+                                                             "{}, {}); repair it, or leave the triangle out",
+                                                             name, index, t, vertex[0], vertex[1], vertex[2]));
     }
 }
 

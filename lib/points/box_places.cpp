@@ -131,18 +131,22 @@ double least_side(const Box& box) {
 
 }  // namespace
 
+void check_box(const Box& box, const std::string& name) {
+    const auto& [lower, upper] = box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool is_finite = std::isfinite(lower[axis]) && std::isfinite(upper[axis]);
+        if (is_finite && lower[axis] <= upper[axis]) continue;
+        throw Error(ErrorCode::invalid_argument,
+                    fmt::format("{} from ({}, {}, {}) to ({}, {}, {}) {}", name, lower[0], lower[1], lower[2], upper[0],
+                                upper[1], upper[2],
+                                is_finite ? "has its corners exchanged; give the lower one first"
+                                          : "is not finite; clip it or leave it out"));
+    }
+}
+
 void check_boxes(std::span<const Box> boxes) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-        const auto& [lower, upper] = boxes[i];
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const bool is_finite = std::isfinite(lower[axis]) && std::isfinite(upper[axis]);
-            if (is_finite && lower[axis] <= upper[axis]) continue;
-            throw Error(ErrorCode::invalid_argument,
-                        fmt::format("box {} from ({}, {}, {}) to ({}, {}, {}) {}", i, lower[0], lower[1], lower[2],
-                                    upper[0], upper[1], upper[2],
-                                    is_finite ? "has its corners exchanged; give the lower one first"
-                                              : "is not finite; clip it or leave it out"));
-        }
+        check_box(boxes[i], fmt::format("box {}", i));
     }
 }
 

@@ -10,6 +10,8 @@
 
 namespace clsdf::points {
 
+/// Throws Error(invalid_argument) if the box is not finite or has its corners exchanged. name: for the message.
+void check_box(const Box& box, const std::string& name);
 /// Throws Error(invalid_argument) that names the first box that is not finite or has its corners exchanged.
 void check_boxes(std::span<const Box> boxes);
 

@@ -84,8 +84,9 @@ void check_overlap(const OutputInfo& row, const Grid& grid, const OutputArray& t
         if (axis.step < span)
             throw misuse(
                 fmt::format("the target of the output {} has a stride of {:.0f} bytes {}, and {:.0f} bytes are "
-                            "written at each step: values would overlap; set all strides, or none",
-                            row.name, axis.step, axis.name, span));
+                            "written at each step: values would overlap; a stride of {:.0f} bytes or more is needed, "
+                            "or strides of 0 for packed values",
+                            row.name, axis.step, axis.name, span, span));
         span += axis.step * (axis.count - 1);
     }
 }
@@ -105,15 +106,19 @@ ByteRange range_of(const OutputInfo& row, const Grid& grid, const OutputArray& t
     if (bytes != ArrayLayout::unknown_size && (lowest < 0 || highest > static_cast<double>(bytes)))
         throw misuse(
             fmt::format("the target of the output {} reaches from byte {:.0f} to {:.0f} with its offset and "
-                        "strides, and its memory holds {} bytes",
+                        "strides, and its memory holds {} bytes; give more memory, or other strides (with negative "
+                        "ones the offset names the first sample)",
                         row.name, lowest, highest, bytes));
-    const auto is_whole = [&](std::ptrdiff_t length) { return length % width == 0; };
-    if (!is_whole(static_cast<std::ptrdiff_t>(target.offset)) || !is_whole(target.component_stride) ||
-        !std::all_of(target.strides.begin(), target.strides.end(), is_whole))
+    const auto check_multiple = [&](const char* what, std::ptrdiff_t length) {
+        if (length % width == 0) return;
         throw misuse(
-            fmt::format("the offset and the strides of the target of the output {} are no multiples of its "
-                        "elements' {} bytes",
-                        row.name, width));
+            fmt::format("the target of the output {} has {} of {} bytes, which is no multiple of the {} bytes "
+                        "of its elements; copy through an array that is aligned",
+                        row.name, what, length, width));
+    };
+    check_multiple("an offset", static_cast<std::ptrdiff_t>(target.offset));
+    check_multiple("a component stride", target.component_stride);
+    for (const std::ptrdiff_t stride : target.strides) check_multiple("a stride", stride);
     check_overlap(row, grid, target);
     if (lowest < 0) return {};  // of unknown memory
     return {static_cast<std::size_t>(lowest), static_cast<std::size_t>(highest)};
@@ -130,8 +135,8 @@ void check_host_memory(const OutputInfo& row, const Grid& grid, const char* owne
     if (is_plain && target.bytes != ArrayLayout::unknown_size) {
         if (target.bytes == packed_bytes(row, target, grid)) return;
         throw misuse(
-            fmt::format("{}, and the array given for the output {} holds {} values of {}; give a span of "
-                        "exactly these, or set the strides",
+            fmt::format("{}, and the array given for the output {} has room for {} values; {} are needed: give a span "
+                        "of exactly these, or set the strides",
                         fmt::format(fmt::runtime(owner), grid.sample_count()), row.name,
                         target.bytes / static_cast<std::size_t>(width),
                         static_cast<std::size_t>(grid.sample_count()) * row.components));
@@ -388,8 +393,8 @@ DeviceTargets::DeviceTargets(const OutputTargets& targets, const Grid& grid, con
             if (target.device == nullptr)
                 throw Error(ErrorCode::unsupported,
                             fmt::format("the target of the output {} is memory of the host, and this call writes to "
-                                        "the device's; give all targets memory of the device, or all memory of the "
-                                        "host",
+                                        "the device's; give all targets memory of the device, or call compute() "
+                                        "with memory of the host",
                                         row.name));
             resolve_type(row, target);
             const bool is_packed = resolve_strides(row, grid, target);

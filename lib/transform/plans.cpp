@@ -4,6 +4,7 @@
 #include "device/mapped_memory.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/slabs.hpp"
+#include "transform/blocks.hpp"
 #include "transform/stored_boxes.hpp"
 #include "transform/transform_state.hpp"
 
@@ -70,7 +71,7 @@ void DistanceTransform::State::plan(transform::PlanState& made, std::vector<Requ
     const device::Context& context = device::context_of(device);
     if (&device::context_of(made.device) != &context)
         throw Error(ErrorCode::invalid_argument,
-                    "the transform has another device than the plan; move the plan with a transform of its Device");
+                    "the transform has another device than the plan; update the plan with a transform of its Device");
     const auto check_request = [&](const Request& request) {
         check(transform::job_of(request, outputs_without_targets.value_or(scan::outputs_of(request.targets))));
     };
@@ -242,6 +243,11 @@ Plan DistanceTransform::plan(std::span<const Request> requests, const CallOption
     return with_host_memory("for the plan; give fewer requests", [&] {
         return Plan(state().plan(requests.size() != 1, {requests.begin(), requests.end()}, std::nullopt, call));
     });
+}
+
+Plan DistanceTransform::plan(const BlockSet& blocks, const CallOptions& call) const {
+    return with_host_memory("for the plan; give fewer blocks",
+                            [&] { return plan(transform::requests_of(blocks, 0, blocks.first.size()), call); });
 }
 
 std::size_t DistanceTransform::plan_bytes(std::span<const Request> requests, const CallOptions& call) const {

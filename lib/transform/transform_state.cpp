@@ -70,15 +70,12 @@ std::unique_ptr<DistanceTransform::State> DistanceTransform::State::restricted(s
         throw Error(ErrorCode::invalid_argument, "a transform is restricted to regions, and there is none; give one");
     for (std::size_t n = 0; n < regions.size(); ++n) {
         const auto& [box, half_width, spacing] = regions[n];
-        try {
-            points::check_boxes({&box, 1});
-        } catch (const Error& error) {
-            throw Error(error.code(), fmt::format("region {} of {}: {}", n, regions.size(), error.what()));
-        }
+        points::check_box(box, fmt::format("the box of region {} of {}", n, regions.size()));
         if (!(half_width > 0 && std::isfinite(half_width)))
             throw Error(ErrorCode::invalid_argument,
-                        fmt::format("region {} of {} has the half width {}, which must be positive and finite; without "
-                                    "an end every triangle can matter: use the whole transform",
+                        fmt::format("region {} of {} has the half width {}, which must be positive and finite: "
+                                    "give the largest one that is asked for; for fields without a band use the whole "
+                                    "transform",
                                     n, regions.size(), half_width));
         if (!(spacing >= 0 && std::isfinite(spacing)))
             throw Error(ErrorCode::invalid_argument,
@@ -118,9 +115,10 @@ void DistanceTransform::State::set_motion(const std::array<Vec3, 3>& rotation, c
 
 void DistanceTransform::State::require_whole() const {
     if (stages->restriction() != nullptr)
-        throw Error(ErrorCode::unsupported,
-                    "the transform is restricted, and triangles would come and go; move the whole one and restrict it "
-                    "again");
+        throw Error(
+            ErrorCode::unsupported,
+            "the transform is restricted, and triangles would come and go; set the positions of the whole one and "
+            "restrict it again");
 }
 
 void DistanceTransform::State::move_vertices(std::vector<Vec3> positions) {
@@ -155,6 +153,16 @@ void DistanceTransform::State::test(const transform::TestCase& test_case, transf
 }
 
 void DistanceTransform::State::check(const transform::Job& job) const {
+    for (const double width : {job.band.inside, job.band.outside})
+        if (width > 0 && static_cast<float>(width) == 0)
+            throw Error(ErrorCode::invalid_argument,
+                        fmt::format("the band's half width {} is below the range of floats, in which distances are "
+                                    "given; scale the mesh and the grid up",
+                                    width));
+    if (job.band.has_signs_only && sign == SignRule::none)
+        throw Error(ErrorCode::invalid_argument,
+                    "a field of signs alone is asked for, and the transform has no sign; give the band a width, or "
+                    "make the transform of a closed mesh with a sign rule");
     if (method) {
         method->check_outputs(job.outputs);
         if (job.outputs.contains(Output::distance))

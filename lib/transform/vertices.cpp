@@ -21,16 +21,18 @@ void check_rotation(const std::array<Vec3, 3>& rotation) {
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t b = a; b < 3; ++b)
             if (const double expected = a == b ? 1 : 0; !(std::abs(product(a, b) - expected) <= 1e-12))
-                throw Error(ErrorCode::invalid_argument,
-                            fmt::format("the rotation is none: the product of its rows {} and {} is {}, and must be {} "
-                                        "to 1e-12; make its rows unit vectors at right angles",
-                                        a, b, product(a, b), expected));
+                throw Error(
+                    ErrorCode::invalid_argument,
+                    fmt::format("the matrix is no rotation: the product of its rows {} and {} is {}, and must be {} "
+                                "to 1e-12; make its rows unit vectors at right angles",
+                                a, b, product(a, b), expected));
     const auto& [x, y, z] = rotation;
     const double determinant =
         x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
     if (determinant < 0)
         throw Error(ErrorCode::invalid_argument,
-                    "the rotation is a reflection, whose determinant is -1; it would turn the mesh inside out");
+                    "the matrix is a reflection, whose determinant is -1, and would turn the mesh inside out; make "
+                    "the determinant 1, or mirror the mesh and exchange two vertices of each triangle");
 }
 
 }  // namespace
@@ -47,8 +49,8 @@ Vertices::Vertices(Mesh& mesh, bool are_equal) : count_(mesh.vertices().size()) 
 std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positions) const {
     if (positions.size() != count_)
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("{} has {} vertices, and {} positions are given to move them to; give one for each",
-                                mesh.name(), count_, positions.size()));
+                    fmt::format("{} has {} vertices, and {} positions are given; give one for each", mesh.name(),
+                                count_, positions.size()));
     if (welded_.empty()) return {positions.begin(), positions.end()};
     const auto is_finite = [](const Vec3& x) {
         return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
@@ -80,6 +82,11 @@ std::vector<Vec3> Vertices::moved(const Mesh& mesh, std::span<const Vec3> positi
 std::vector<Vec3> Vertices::moved(std::span<const Vec3> first, const std::array<Vec3, 3>& rotation,
                                   const Vec3& translation) {
     check_rotation(rotation);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(translation[axis]))
+            throw Error(
+                ErrorCode::invalid_argument,
+                fmt::format("the translation's component {} is {}; give a finite one", "xyz"[axis], translation[axis]));
     std::vector<Vec3> positions(first.size());
     for_each_index(positions.size(), [&](std::size_t vertex) {
         const Vec3& x = first[vertex];

@@ -94,6 +94,12 @@ BOOST_AUTO_TEST_CASE(knows_a_device_by_a_part_of_its_name_or_its_platforms_in_an
     }
 }
 
+BOOST_AUTO_TEST_CASE(knows_a_device_by_its_number) {
+    for (const DeviceInfo& info : Device::all())
+        if (info.usable()) BOOST_TEST(Device::select(info.index).id() == info.id);
+    test::check_throws(ErrorCode::no_device, {}, [] { Device::select(Device::all().size()); });
+}
+
 BOOST_AUTO_TEST_CASE(lists_what_there_is_where_the_name_is_unknown) {
     const std::vector<DeviceInfo> infos = Device::all();
     const std::string too_large = std::to_string(infos.size());

@@ -49,6 +49,8 @@ BOOST_AUTO_TEST_CASE(of_results_at_points_is_complete_or_nothing) {
     const std::vector<Vec3> points(30000, Vec3{0.1, 1.0 / 3, -7});
     const std::vector<float> distance(points.size(), 0.3F);
     FieldSlab results;
+    check_throws(ErrorCode::invalid_argument, {"distance", "double", "float"},
+                 [&] { results.set(Output::distance, std::vector<double>(4)); });
     results.set(Output::distance, std::span(distance));
     for (const char* name : {"points.npy", "points.csv", "points.ply"}) {
         const TemporaryFolder folder;

@@ -122,6 +122,11 @@ BOOST_AUTO_TEST_CASE(a_half_width_that_makes_no_sense_is_refused) {
     for (const Band& band : {Band{0, 0}, Band{-0.0, 0}, Band::symmetric(0)})
         check_throws(ErrorCode::invalid_argument, {"band", "both half widths are 0", "Band::signs_only()"},
                      [&] { compute(mesh, dyadic(), band); });
+    check_throws(ErrorCode::invalid_argument, {"1e-60", "range of floats"},
+                 [&] { compute(mesh, dyadic(), Band::symmetric(1e-60)); });
+    check_throws(ErrorCode::invalid_argument, {"signs alone", "no sign"}, [&] {
+        DistanceTransform(test_device(), mesh, {.sign = SignRule::none}).compute(dyadic(), Band::signs_only());
+    });
     check_throws(ErrorCode::invalid_argument, {"band", "signs only", "0.5"}, [&] {
         compute(mesh, dyadic(), Band{0.5, 0, true});
     });

@@ -241,6 +241,9 @@ BOOST_AUTO_TEST_CASE(blocks_may_go_to_memory_of_the_device) {
         const cl::CommandQueue& queue = device::context_of(test_device()).queue();
         BOOST_TEST((distance.read(queue) == bits_of(expected)));
         BOOST_TEST((triangle.read(queue) == triangles));
+        const DeviceMemory planned(test_device().context(), samples * places.size());
+        transform.plan({lattice(), band(), size, places, planned.handle()}).enqueue(queue());
+        BOOST_TEST((planned.read(queue) == bits_of(expected)));
     }
 }
 
@@ -255,6 +258,7 @@ BOOST_AUTO_TEST_CASE(arrays_that_blocks_do_not_fit_are_refused) {
             transform.compute({lattice(), band(), size, places, targets});
         });
     };
+    refused({{Output::distance, distance}, {Output::distance, distance}}, {"distance has two targets"});
     refused({{Output::distance, distance}, {Output::triangle, triangle}},
             {"4 blocks of 27 samples", "432 bytes", "triangle", "428"});
     refused(OutputTargets(), {"distance has no target"});

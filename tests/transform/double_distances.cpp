@@ -87,7 +87,7 @@ private:
     double distance_to_site(const Vec3& position, std::uint32_t triangle, std::uint8_t site) const {
         const Triangle& t = mesh_.triangles()[triangle];
         const auto corner = [&](std::size_t k) { return mesh_.vertices()[t[k % 3]]; };
-        const std::size_t first = site == 6 ? 0 : site % 3;
+        const std::size_t first = site == 6 ? 0U : site % 3U;
         const std::size_t second = site < 3 ? first : first + 1, third = site < 6 ? second : first + 2;
         return static_cast<double>(exact_distance(position, corner(first), corner(second), corner(third)));
     }

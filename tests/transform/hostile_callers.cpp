@@ -291,8 +291,9 @@ BOOST_AUTO_TEST_CASE(a_part_of_a_soup_does_not_move) {
     const Mesh soup = as_soup(make_shape("sphere2"));
     const DistanceTransform whole(test_device(), soup);
     DistanceTransform part = whole.restrict_to({{{0.5, 0.5, 0.5}, {1, 1, 1}}, 0.1, 0.05});
-    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.set_positions(soup.vertices()); });
-    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] {
+    check_throws(ErrorCode::unsupported, {"set the positions of the whole one"},
+                 [&] { part.set_positions(soup.vertices()); });
+    check_throws(ErrorCode::unsupported, {"set the positions of the whole one"}, [&] {
         part.set_motion({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {0, 0, 1});
     });
 }

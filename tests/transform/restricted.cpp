@@ -265,7 +265,8 @@ BOOST_AUTO_TEST_CASE(what_a_part_cannot_answer_is_an_error_that_names_it) {
     std::vector<BoxPlace> places(1);
     const std::vector<Box> outside{{{0, 0, 0}, {2, 1, 1}}};
     refused("box 0 reaches", [&] { part.classify(outside, 0.3, places); });
-    check_throws(ErrorCode::unsupported, {"move the whole one"}, [&] { part.set_positions(mesh.vertices()); });
+    check_throws(ErrorCode::unsupported, {"set the positions of the whole one"},
+                 [&] { part.set_positions(mesh.vertices()); });
     check_throws(ErrorCode::unsupported, {"restrict the whole one"}, [&] { part.restrict_to({box, 0.1, 0.1}); });
     const double inf = std::numeric_limits<double>::infinity();
     for (const double wrong : {0.0, -0.1, inf, std::numeric_limits<double>::quiet_NaN()})

@@ -62,7 +62,8 @@ struct TransformStatistics {
     std::size_t host_bytes = 0;
 
     double compile_seconds = 0;  ///< building or loading the device's programs and testing them; in none of the others
-    /// Programs were used for the first time, and tested: compile_seconds is what their compilation took.
+    /// In this call programs computed for the first time on this device, and were tested (records: see
+    /// Device::keep_records()): compile_seconds is what that took.
     bool first_use = false;
     double polyhedra_seconds = 0;  ///< preparing the mesh
     double lists_seconds = 0;      ///< the sign's sweep included
@@ -110,7 +111,8 @@ enum class BoxPlace : std::uint8_t {
 };
 
 /// Called with the slabs of a field, one after the other: whole slices, the samples of `part` of its grid. The values
-/// are there until it returns. Its exceptions are passed on; std::bad_alloc becomes Error(out_of_memory).
+/// are there until it returns. It may use the transform. Its exceptions are passed on; std::bad_alloc becomes
+/// Error(out_of_memory).
 using SlabSink = std::function<void(const Grid& part, const FieldSlab& values)>;
 
 /// How a field is computed slab by slab.

@@ -82,6 +82,8 @@ public:
     /// one usable device, in upper or lower case. Throws Error(no_device) that lists the devices, Error(device_failure)
     /// if the device cannot be opened.
     static Device select(const std::string& index_or_substring);
+    /// The same for a number in all() (DeviceInfo::index).
+    static Device select(std::size_t index) { return select(std::to_string(index)); }
 
     /// The user's choice: select() with the environment variable CLSDF_DEVICE if it is set and not empty, else
     /// strongest(). No other function of the library reads that variable. Throws as these do; an error of select()

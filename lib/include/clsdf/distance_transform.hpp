@@ -106,16 +106,16 @@ public:
     /// so errors do not add up over many motions. `rotation` has the rows of R. A coordinate is three multiplications
     /// and additions, each rounded once: fma(R[a][0], x[0], fma(R[a][1], x[1], fma(R[a][2], x[2], t[a]))). Throws
     /// Error(invalid_mesh) if a position is not finite, Error(invalid_argument) if R is no rotation: each element of R
-    /// R^T may differ from the identity's by 1e-12, and det R must be positive; Error(unsupported) for a restricted
-    /// transform.
+    /// R^T may differ from the identity's by 1e-12, and det R must be positive, or if t is not finite;
+    /// Error(unsupported) for a restricted transform.
     void set_motion(const std::array<Vec3, 3>& rotation, const Vec3& translation);
 
     // Compute.
 
     /// The field on the host. A large grid is computed in slabs; the bytes are the same. The distance is always among
     /// the outputs. `statistics`, if not null, is set when the call succeeds.
-    Field compute(const Grid& grid, const Band& band, OutputSet outputs = Output::distance, const CallOptions& call = {},
-                  TransformStatistics* statistics = nullptr) const;
+    Field compute(const Grid& grid, const Band& band, OutputSet outputs = Output::distance,
+                  const CallOptions& call = {}, TransformStatistics* statistics = nullptr) const;
 
     /// Into the caller's arrays; the distance must have one. They are all on the host or all on the device. A call that
     /// writes to the device cannot be cancelled while samples are computed. An error leaves the arrays undefined.
@@ -136,9 +136,9 @@ public:
     TransformStatistics compute(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     /// A field of any size, slab by slab: hands whole slices to the sink in the order of z, at most slabs_of() at a
-    /// time. All outputs of a slab are in memory, of two if the sink has its own thread. The bytes are those of the whole. After an error the sink has
-    /// returned and is not called again. Throws what the others and the sink throw, Error(invalid_argument) for an
-    /// empty sink.
+    /// time. All outputs of a slab are in memory, of two if the sink has its own thread. The bytes are those of the
+    /// whole. After an error the sink has returned and is not called again. Throws what the others and the sink throw,
+    /// Error(invalid_argument) for an empty sink.
     TransformStatistics compute(const Grid& grid, const Band& band, OutputSet outputs, const SlabSink& sink,
                                 const SlabOptions& options = {}, const CallOptions& call = {}) const;
 
@@ -153,7 +153,8 @@ public:
     /// exact winding number (or parity) at the given doubles; a point on the surface has the distance +0. A voxel, as a
     /// measure, is 1/256 of the longest side of the mesh's box, or 1 if the mesh has no extent.
     ///
-    /// The points and each array may be memory of the host or of the device, and may share a buffer. An array has
+    /// The points and each array may be memory of the host or of the device, and may share a buffer. Outputs may lie on
+    /// the points, which are read first. An array has
     /// points.count items, packed or strides[0] bytes apart. Memory of the device is mapped: if the device has its own
     /// memory, points and outputs pass through the host, which sorts the points. Until the call returns, no other
     /// command or call may write to an array's buffer between the array's first and last byte.
@@ -184,7 +185,8 @@ public:
 
     /// A plan of one grid, without targets: each Plan::enqueue() gets them. They must be packed and aligned. Blocks;
     /// sizes and fills every buffer. Throws Error(invalid_argument, out_of_memory, device_failure or cancelled).
-    Plan plan(const Grid& grid, const Band& band, OutputSet outputs = Output::distance, const CallOptions& call = {}) const;
+    Plan plan(const Grid& grid, const Band& band, OutputSet outputs = Output::distance,
+              const CallOptions& call = {}) const;
 
     /// A plan of boxes, as compute() has them, into buffers of the device's context, which must outlive it. Offsets and
     /// strides are multiples of a number's size. If an array is not packed or not aligned, or shares a block with other
@@ -192,6 +194,9 @@ public:
     /// memory of the host. Messages name the request's index.
     Plan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
     Plan plan(const Request& request, const CallOptions& call = {}) const { return plan(std::span(&request, 1), call); }
+
+    /// A plan of the blocks, as requests with the same bytes.
+    Plan plan(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;

@@ -122,9 +122,13 @@ public:
     std::span<const float> barycentric() const { return values<float>(Output::barycentric); }
 
     std::span<const std::byte> bytes(Output output) const { return bytes_[detail::index_of(output)]; }
-    /// `values` have the type that output_table() states for the output, and must outlive this.
+    /// `values` have the type that output_table() states for the output, and must outlive this. Throws
+    /// Error(invalid_argument) for another type.
     template <std::ranges::contiguous_range Values>
     void set(Output output, const Values& values) {
+        using Value = std::ranges::range_value_t<Values>;
+        if constexpr (detail::element_type<Value>().has_value())
+            detail::check_type(output, *detail::element_type<Value>());
         bytes_[detail::index_of(output)] = std::as_bytes(std::span(values));
     }
 

@@ -44,6 +44,11 @@ CLSDF_EXPORT std::span<const OutputInfo> output_table();
 /// Throws Error(invalid_argument) for a number that is none of an output.
 CLSDF_EXPORT const OutputInfo& info_of(Output output);
 
+namespace detail {
+/// Throws Error(invalid_argument) unless this is the type of the output's values in fields.
+CLSDF_EXPORT void check_type(Output output, ElementType type);
+}  // namespace detail
+
 /// A set of outputs, e.g. Output::triangle | Output::gradient.
 class OutputSet {
 public:
@@ -85,6 +90,11 @@ struct OutputTarget {
     OutputArray array;
 };
 
+namespace detail {
+/// Throws Error(invalid_argument) if an output has two targets.
+CLSDF_EXPORT void check_targets(std::span<const OutputTarget> targets);
+}  // namespace detail
+
 /// The arrays to which a call writes: one for the distance, and one for each other output that is wanted.
 ///
 ///     transform.compute(grid, band, distances);
@@ -101,9 +111,8 @@ struct OutputTarget {
 class OutputTargets {
 public:
     OutputTargets() = default;
-    OutputTargets(std::initializer_list<OutputTarget> targets) {
-        for (const OutputTarget& target : targets) (*this)[target.output] = target.array;
-    }
+    /// Throws Error(invalid_argument) if an output has two targets.
+    OutputTargets(std::initializer_list<OutputTarget> targets) : targets_(targets) { detail::check_targets(targets_); }
     /// The distance alone.
     // NOLINTNEXTLINE(google-explicit-constructor): an array is the distance's
     OutputTargets(const OutputArray& distance) : targets_{{Output::distance, distance}} {}
