@@ -258,7 +258,9 @@ BOOST_AUTO_TEST_CASE(arrays_that_blocks_do_not_fit_are_refused) {
             transform.compute({lattice(), band(), size, places, targets});
         });
     };
-    refused({{Output::distance, distance}, {Output::distance, distance}}, {"distance has two targets"});
+    check_throws(ErrorCode::invalid_argument, {"distance has two targets"}, [&] {
+        static_cast<void>(OutputTargets{{Output::distance, distance}, {Output::distance, distance}});
+    });
     refused({{Output::distance, distance}, {Output::triangle, triangle}},
             {"4 blocks of 27 samples", "432 bytes", "triangle", "428"});
     refused(OutputTargets(), {"distance has no target"});
