@@ -1,5 +1,7 @@
 #include "benchmarks/papers.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>

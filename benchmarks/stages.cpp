@@ -1,5 +1,7 @@
 #include "benchmarks/stages.hpp"
 
+#include <clsdf/tuning.hpp>
+
 namespace clsdf::bench {
 
 namespace {
@@ -24,12 +26,12 @@ Stages measure_stages(const Workload& workload, const Device& device, const Floo
         const double seconds = watch.cost().wall;
         whole.push_back(seconds);
         polyhedra.push_back(s.polyhedra_seconds);
-        lists.push_back(s.lists_seconds - s.sign_seconds);
-        sign.push_back(s.sign_seconds);
-        bricks.push_back(s.bricks_seconds);
-        fill.push_back(s.fill_seconds);
-        transfer.push_back(s.field_seconds - s.bricks_seconds - s.fill_seconds);
-        rest.push_back(seconds - s.polyhedra_seconds - s.lists_seconds - s.field_seconds);
+        lists.push_back(s.work->lists_seconds - s.work->sign_seconds);
+        sign.push_back(s.work->sign_seconds);
+        bricks.push_back(s.work->bricks_seconds);
+        fill.push_back(s.work->fill_seconds);
+        transfer.push_back(s.field_seconds - s.work->bricks_seconds - s.work->fill_seconds);
+        rest.push_back(seconds - s.polyhedra_seconds - s.work->lists_seconds - s.field_seconds);
     }
     const auto median = [](const std::vector<double>& values) { return spread_of(values).median; };
     Stages stages;

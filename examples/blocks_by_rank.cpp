@@ -31,15 +31,14 @@ clsdf::Device device_of_rank() {
     int ranks = 1;
     MPI_Comm_size(node, &ranks);
     MPI_Comm_free(&node);
-    for (const clsdf::DeviceInfo& info : clsdf::Device::all()) {
-        if (info.id != device.id() || info.kind != clsdf::DeviceKind::processor) continue;
-        try {
-            return device.limited({.compute_units = std::max(1U, info.compute_units / static_cast<unsigned>(ranks))});
-        } catch (const clsdf::Error& error) {
-            if (error.code() != clsdf::ErrorCode::unsupported) throw;  // else the driver cannot divide the processor
-        }
+    const clsdf::DeviceInfo info = device.info();
+    if (info.kind != clsdf::DeviceKind::processor) return device;
+    try {
+        return device.limited({.compute_units = std::max(1U, info.compute_units / static_cast<unsigned>(ranks))});
+    } catch (const clsdf::Error& error) {
+        if (error.code() != clsdf::ErrorCode::unsupported) throw;  // else the driver cannot divide the processor
+        return device;
     }
-    return device;
 }
 
 /// All blocks of the domain that hold samples near the surface, in the same order on every rank.
@@ -59,18 +58,6 @@ std::vector<clsdf::Grid> blocks_near(const clsdf::DistanceTransform& transform, 
     for (std::size_t n = 0; n < blocks.size(); ++n)
         if (places[n] == clsdf::BoxPlace::within) near.push_back(blocks[n]);
     return near;
-}
-
-clsdf::Box box_around(std::span<const clsdf::Grid> blocks) {
-    clsdf::Box all = blocks.front().box();
-    for (const clsdf::Grid& block : blocks) {
-        const clsdf::Box box = block.box();
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            all.lower[axis] = std::min(all.lower[axis], box.lower[axis]);
-            all.upper[axis] = std::max(all.upper[axis], box.upper[axis]);
-        }
-    }
-    return all;
 }
 
 /// FNV-1a of a block's place and bytes.
@@ -107,7 +94,9 @@ int main(int argument_count, char** arguments) {
         std::vector<std::vector<float>> distances(own.size());
         if (!own.empty()) {
             // The part of the mesh that the rank's blocks need. The rest ends with the whole transform.
-            const clsdf::DistanceTransform part = whole->restrict_to({box_around(own), band.widest(), domain.voxel()});
+            std::vector<clsdf::Region> regions;
+            for (const clsdf::Grid& block : own) regions.push_back({block.box(), band.widest(), domain.voxel()});
+            const clsdf::DistanceTransform part = whole->restrict_to(regions);
             whole.reset();
             std::vector<clsdf::Request> requests;
             for (std::size_t n = 0; n < own.size(); ++n) {

@@ -229,7 +229,7 @@ Json describe(const ComputeLayout& layout, const Computation& computation) {
                          {"compile", statistics.compile_seconds},
                          {"compute", computation.compute_seconds},
                          {"polyhedra", statistics.polyhedra_seconds},
-                         {"lists", statistics.lists_seconds},
+                         {"lists", statistics.work->lists_seconds},
                          {"field", statistics.field_seconds},
                          {"write", computation.write_seconds},
                          {"compute_and_write", computation.field_seconds}};

@@ -8,6 +8,7 @@
 
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <fmt/format.h>
 
@@ -28,7 +29,7 @@ struct QueryOptions {
     std::string mesh;
     std::string points;
     std::string output;
-    std::string within = "full";
+    std::string half_width = "full";
     std::string sign = "auto";
     std::vector<std::string> with;
     std::string device;
@@ -47,11 +48,11 @@ struct Found {
 /// In the mesh's units; a voxel of points is 1/256 of the mesh's longest side.
 double limit_of(const QueryOptions& options, const clsdf::Mesh& mesh) {
     const double longest = mesh.box().longest_side();
-    return parse_length("--within", options.within).resolve(longest > 0 ? longest / 256 : 1, longest);
+    return parse_length("--half-width", options.half_width).resolve(longest > 0 ? longest / 256 : 1, longest);
 }
 
 void find(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
-          std::span<const Vec3> points, double within, Report& report, const std::stop_token& stop, Found& found) {
+          std::span<const Vec3> points, double half_width, Report& report, const std::stop_token& stop, Found& found) {
     ProgressBar progress(!report.quiet);
     clsdf::TransformOptions transform_options;
     transform_options.sign = parse_sign(options.sign);
@@ -68,7 +69,7 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
     const Stopwatch watch;
     const clsdf::DistanceTransform transform(device, mesh, transform_options, call);
     found.sign = transform.sign();
-    found.statistics = transform.query(points, within, found.values.targets(), call);
+    found.statistics = transform.query(points, half_width, found.values.targets(), call);
     found.statistics.compile_seconds += transform.statistics().compile_seconds;
     found.seconds = std::max(0.0, watch.seconds() - found.statistics.compile_seconds);
     found.device_name = device.name();
@@ -76,11 +77,11 @@ void find(const QueryOptions& options, const clsdf::Device& device, const clsdf:
 }
 
 Found find_unless_interrupted(const QueryOptions& options, const clsdf::Device& device, const clsdf::Mesh& mesh,
-                              std::span<const Vec3> points, double within, Report& report) {
+                              std::span<const Vec3> points, double half_width, Report& report) {
     const Interruption interruption;
     try {
         Found found;
-        find(options, device, mesh, points, within, report, interruption.token(), found);
+        find(options, device, mesh, points, half_width, report, interruption.token(), found);
         if (!interruption.token().stop_requested()) return found;
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory,
@@ -100,9 +101,9 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     const clsdf::Mesh mesh = clsdf::read_mesh(options.mesh);
     const std::vector<Vec3> points = clsdf::read_points(options.points);
     const double read_seconds = read.seconds();
-    const double within = limit_of(options, mesh);
+    const double half_width = limit_of(options, mesh);
 
-    const Found found = find_unless_interrupted(options, device, mesh, points, within, report);
+    const Found found = find_unless_interrupted(options, device, mesh, points, half_width, report);
     const Stopwatch write;
     clsdf::write_points(points, found.values.slab(), options.output, parse_outputs(options.with));
     output_is_written();
@@ -121,7 +122,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
     report.result = {{"mesh", options.mesh},
                      {"points", options.points},
                      {"count", points.size()},
-                     {"within", within},
+                     {"half_width", half_width},
                      {"sign", name_of(found.sign)},
                      {"inside", inside},
                      {"device", {{"name", found.device_name}, {"platform", found.device_platform}}},
@@ -130,7 +131,7 @@ ExitStatus run(const QueryOptions& options, Report& report) {
                        {"compile", found.statistics.compile_seconds},
                        {"set_up", found.statistics.polyhedra_seconds},
                        {"nearest", found.statistics.field_seconds},
-                       {"sign", found.statistics.sign_seconds},
+                       {"sign", found.statistics.work->sign_seconds},
                        {"query", found.seconds},
                        {"write", write_seconds}}},
                      {"first_use", found.statistics.first_use},
@@ -146,7 +147,7 @@ Command add_query(Parser& program) {
     parser.add("MESH", options->mesh, "the mesh: .off, .obj, .stl or .ply").required();
     parser.add("POINTS", options->points, "the points: .npy, .csv or .ply").required();
     parser.add("-o,--output", options->output, "a row for each point: .npy, .csv or .ply").takes("RESULT").required();
-    parser.add("--within", options->within, "how far the surface is looked for").takes_text("LENGTH");
+    parser.add("--half-width", options->half_width, "how far the surface is looked for").takes_text("LENGTH");
     add_outputs_option(parser, options->with);
     add_sign_option(parser, options->sign);
     add_device_option(parser, options->device, "what computes");
@@ -156,6 +157,6 @@ Command add_query(Parser& program) {
         "Examples:\n"
         "  clsdf query bunny.off particles.npy -o distances.npy\n"
         "  clsdf query part.stl scan.ply -o deviation.csv --with closest,triangle\n"
-        "  clsdf query bunny.off particles.csv -o contacts.csv --within 0.01 --with gradient");
+        "  clsdf query bunny.off particles.csv -o contacts.csv --half-width 0.01 --with gradient");
     return {parser, [options](Report& report) { return run(*options, report); }};
 }

@@ -6,6 +6,9 @@
 #include <dlfcn.h>
 #include <tbb/global_control.h>
 #include <clsdf/clsdf.hpp>
+#if __has_include(<clsdf/tuning.hpp>)
+#include <clsdf/tuning.hpp>
+#endif
 
 #include <algorithm>
 #include <array>
@@ -19,6 +22,7 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -114,6 +118,14 @@ clsdf::Field field_of(const Transform& transform, const clsdf::Grid& grid, const
         return transform(grid, band);
 }
 
+template <typename Field>
+std::span<const float> distances_of(const Field& field) {
+    if constexpr (requires { field.distance(); })
+        return field.distance();
+    else
+        return field.distance;
+}
+
 /// Waits until the driver's threads have called the library back for all commands of the queue.
 void settle(cl_command_queue queue) {
     ::clFinish(queue);
@@ -147,9 +159,7 @@ int walk_through(bool is_first) {
     // One thread: the order of the first entries is the same on every run.
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
     const Arrays arrays = bumpy_torus();
-    const auto view = [&] {
-        return clsdf::MeshView(clsdf::Triples(arrays.positions), clsdf::Triples(arrays.triangles));
-    };
+    const auto view = [&] { return clsdf::MeshView(arrays.positions, arrays.triangles); };
     const clsdf::Mesh mesh(view());
     const clsdf::Band band = clsdf::Band::symmetric(0.1 * mesh.box().longest_side());
     const clsdf::Grid grid = clsdf::Grid::around(mesh, 256, band);
@@ -175,7 +185,7 @@ int walk_through(bool is_first) {
         new_field(*transform);
         walk(queue, [&] { walked = new_field(*transform); });
     }
-    if (walked->distance != expected->distance) {
+    if (!std::ranges::equal(distances_of(*walked), distances_of(*expected))) {
         std::fprintf(stderr, "walk: the field differs from that of another transform\n");
         return 1;
     }
@@ -188,6 +198,9 @@ int walk_through(bool is_first) {
 int main(int count, char** arguments) {
     if (count != 2) return 2;
     try {
+#if __has_include(<clsdf/tuning.hpp>)
+        clsdf::tuning::read_environment();
+#endif
         return walk_through(std::strcmp(arguments[1], "first") == 0);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "walk: %s\n", error.what());

@@ -76,6 +76,8 @@ void refuse_triangle(const InputArray& triangles, std::size_t triangle, const st
 
 void check_array(const InputArray& triples, ArrayKind kind, const char* what, ErrorCode code) {
     if (triples.count == 0 && triples.host == nullptr && triples.device == nullptr) return;
+    if (triples.host != nullptr && triples.device != nullptr)
+        throw Error(code, fmt::format("the {} have memory of the host and of the device; give one of them", what));
     const bool is_real = triples.type == ElementType::float32 || triples.type == ElementType::float64;
     const bool is_known = is_real || (bytes_of(triples.type) >= 4 && triples.type <= ElementType::uint64);
     if (!is_known || is_real != (kind == ArrayKind::positions))

@@ -8,9 +8,10 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <mutex>
 #include <span>
+#include <thread>
 
 namespace clsdf::reference {
 
@@ -190,18 +191,17 @@ std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, cons
                                      const Part& part) {
     std::vector<Tally> tallies(count * fields);
     const auto tallies_of = [&](std::size_t index) { return std::span(tallies).subspan(index * fields, fields); };
-    std::mutex mutex;
-    std::size_t done = 0;
+    std::atomic<std::size_t> done = 0;
+    const std::thread::id caller = std::this_thread::get_id();
     oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t index) {
-        if (options.should_stop && options.should_stop()) {
+        const bool is_caller = std::this_thread::get_id() == caller;
+        if (is_caller && options.should_stop && options.should_stop())
             throw Error(ErrorCode::cancelled, "the check was cancelled");
-        }
         part(index, tallies_of(index));
-        if (options.progress) {
-            const std::lock_guard lock(mutex);
-            options.progress(static_cast<double>(++done) / static_cast<double>(count));
-        }
+        const std::size_t parts = ++done;
+        if (is_caller && options.progress) options.progress(static_cast<double>(parts) / static_cast<double>(count));
     });
+    if (options.progress) options.progress(1);
     std::vector<CheckReport> reports;
     for (std::size_t field = 0; field < fields; ++field) {
         Tally total;

@@ -233,6 +233,11 @@ void Plan::update(const DistanceTransform& transform, std::span<const Request> r
     });
 }
 
+void Plan::update(const DistanceTransform& transform, const BlockSet& blocks, const CallOptions& call) {
+    with_host_memory("for the plan; give fewer blocks",
+                     [&] { update(transform, transform::requests_of(blocks, 0, blocks.first.size()), call); });
+}
+
 Plan DistanceTransform::plan(const Grid& grid, const Band& band, OutputSet outputs, const CallOptions& call) const {
     return with_host_memory("for the plan", [&] {
         return Plan(state().plan(false, std::vector<Request>{{grid, band, {}}}, scan::extras_of(outputs), call));
@@ -252,6 +257,10 @@ Plan DistanceTransform::plan(const BlockSet& blocks, const CallOptions& call) co
 
 std::size_t DistanceTransform::plan_bytes(std::span<const Request> requests, const CallOptions& call) const {
     return plan(requests, call).statistics().device_bytes;
+}
+
+std::size_t DistanceTransform::plan_bytes(const BlockSet& blocks, const CallOptions& call) const {
+    return plan(blocks, call).statistics().device_bytes;
 }
 
 }  // namespace clsdf

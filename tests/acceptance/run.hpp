@@ -5,6 +5,7 @@
 #include <clsdf/device.hpp>
 #include <clsdf/distance_transform.hpp>
 #include <clsdf/reference.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <span>
 #include <string>

@@ -104,7 +104,7 @@ BOOST_AUTO_TEST_CASE(writes_a_table_with_a_row_for_each_point) {
     BOOST_TEST(report["count"] == 4);
     BOOST_TEST(report["inside"] == 1);
     BOOST_TEST(report["sign"] == "nonzero");
-    BOOST_TEST(report["within"].is_null());
+    BOOST_TEST(report["half_width"].is_null());
     const auto rows = table_of(result);
     BOOST_REQUIRE(rows.size() == 5U);
     const std::vector<std::string> names{"x", "y", "z", "distance", "site", "closest_x", "closest_y", "closest_z"};
@@ -121,7 +121,7 @@ BOOST_AUTO_TEST_CASE(writes_a_table_with_a_row_for_each_point) {
 BOOST_AUTO_TEST_CASE(reads_and_writes_every_format_alike) {
     const Inputs inputs;
     const std::string first = inputs.folder.file("a.csv");
-    const std::vector<std::string> options{"--with", "triangle,barycentric", "--within", "1.5", "--quiet"};
+    const std::vector<std::string> options{"--with", "triangle,barycentric", "--half-width", "1.5", "--quiet"};
     const auto run = [&](const std::string& points, const std::string& result) {
         std::vector<std::string> arguments{"query", inputs.mesh, points, "-o", result};
         arguments.insert(arguments.end(), options.begin(), options.end());
@@ -228,7 +228,7 @@ BOOST_AUTO_TEST_CASE(errors_name_the_file_the_row_and_the_remedy) {
                   {"m.csv: line 1: columns 1 and 3 both", "'x' and 'X'"});
     check_refused(query("points.xyz"), 2, {"points.xyz", ".npy, .csv and .ply"});
     check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", "found.xyz"}), 2, {"found.xyz", ".npy"});
-    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--within", "-1"}), 2, {"--within"});
+    check_refused(run_command({"query", inputs.mesh, inputs.csv, "-o", result, "--half-width", "-1"}), 2, {"--half-width"});
     const std::string points = content_of(inputs.csv);
     const std::string link = inputs.folder.file("link.csv");
     std::filesystem::create_symlink(inputs.csv, link);

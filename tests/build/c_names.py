@@ -13,7 +13,7 @@ import sys
 # Types that must be found: a check of this script.
 EXPECTED = """ElementType Output ErrorCode DeviceKind SignRule BoxPlace Length::Unit Progress::Stage ArrayLayout InputArray
 OutputArray OutputTarget OutputInfo Grid GridOptions Band Length Box Region Request BlockSet Progress CallOptions
-TransformOptions SlabOptions KeptMemory TransformStatistics DeviceInfo DeviceLimits Topology Defects
+TransformOptions SlabOptions KeptMemory TransformStatistics WorkCounts KernelBody DeviceInfo DeviceLimits Topology Defects
 FieldDescription""".split()
 
 PLAIN = {

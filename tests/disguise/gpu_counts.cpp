@@ -2,6 +2,7 @@
 // (scripts/gpu-counts).
 #include <clsdf/clsdf.hpp>
 #include <clsdf/io.hpp>
+#include <clsdf/tuning.hpp>
 
 #include "disguise/disguise.hpp"
 

@@ -5,6 +5,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/papers.hpp>
+#include <clsdf/tuning.hpp>
 
 #include "core/parallel.hpp"
 #include "device/context.hpp"

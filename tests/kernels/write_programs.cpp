@@ -5,6 +5,8 @@
 #include "papers/scans.hpp"
 #ifdef CLSDF_TEST_PICTURE
 #include "picture/tracer.hpp"
+
+#include <clsdf/tuning.hpp>
 #endif
 
 #include <fmt/format.h>

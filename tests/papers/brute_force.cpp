@@ -3,6 +3,8 @@
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/tuning.hpp>
+
 using namespace clsdf;
 using namespace clsdf::test;
 

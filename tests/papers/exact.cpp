@@ -2,6 +2,8 @@
 #include "support/hostile_meshes.hpp"
 #include "support/test_meshes.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

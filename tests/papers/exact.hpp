@@ -2,6 +2,8 @@
 
 #include "papers/scanned.hpp"
 
+#include <clsdf/tuning.hpp>
+
 namespace clsdf::test {
 
 /// Scanned by slices, with the polyhedra that the build names: exact, no empty intersection.

@@ -1,6 +1,8 @@
 #include "papers/scanned.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <cmath>
 

@@ -3,6 +3,8 @@
 #include "scan/layout_of.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <cmath>
 #include <numbers>
 

@@ -3,6 +3,8 @@
 #include "support/hostile_meshes.hpp"
 #include "support/test_meshes.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <cmath>
 

@@ -4,6 +4,8 @@
 #include "polyhedra/pointwise.hpp"
 #include "support/shared_structs.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>

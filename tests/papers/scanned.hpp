@@ -3,6 +3,7 @@
 #include "support/exact_field.hpp"
 
 #include <clsdf/papers.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <array>
 #include <stdexcept>

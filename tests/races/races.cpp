@@ -7,6 +7,7 @@
 #include "transform/self_test.hpp"
 
 #include <clsdf/papers.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <array>
 #include <cstdlib>

@@ -1,7 +1,10 @@
+#include "support/device_memory.hpp"
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
+
+#include <clsdf/tuning.hpp>
 
 #include <algorithm>
 #include <array>
@@ -169,6 +172,25 @@ BOOST_AUTO_TEST_CASE(an_array_written_backwards_is_refused_if_it_begins_too_earl
     transform.compute(grid, band(), array);
     std::ranges::reverse(distance);
     BOOST_TEST((bits_of(distance) == bits_of(transform.compute(grid, band()).distance())));
+}
+
+BOOST_AUTO_TEST_CASE(an_array_on_the_host_and_on_the_device_is_refused) {
+    const DistanceTransform transform(test_device(), mesh());
+    const DeviceMemory memory(test_device().context(), 100);
+    std::vector<float> distance(3);
+    std::vector<Vec3> points(3);
+    InputArray input(points);
+    input.device = memory.handle();
+    check_throws(ErrorCode::invalid_argument, {"points", "host and of the device"},
+                 [&] { transform.query(input, 1, distance); });
+    OutputArray output(distance);
+    output.device = memory.handle();
+    check_throws(ErrorCode::invalid_argument, {"distance", "host and of the device"},
+                 [&] { transform.query(points, 1, output); });
+    output.device = nullptr;
+    output.strides = {4, 4, 4};
+    check_throws(ErrorCode::invalid_argument, {"distance", "points lie in one row"},
+                 [&] { transform.query(points, 1, output); });
 }
 
 BOOST_AUTO_TEST_CASE(signed_triangles_are_minus_one_beyond_the_band) {

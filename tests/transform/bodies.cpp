@@ -5,6 +5,8 @@
 
 #include "layout.h"
 
+#include <clsdf/tuning.hpp>
+
 #include <cmath>
 
 using namespace clsdf;

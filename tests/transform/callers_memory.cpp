@@ -6,6 +6,8 @@
 
 #include "device/context.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

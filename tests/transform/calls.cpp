@@ -2,6 +2,8 @@
 #include "support/hostile_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -260,7 +262,7 @@ BOOST_AUTO_TEST_CASE(statistics_say_what_was_computed) {
         BOOST_TEST(statistics.device_bytes >= statistics.work->triangles * 256);
         BOOST_TEST(statistics.work->box_polyhedra == 0U);
         BOOST_TEST(statistics.polyhedra_seconds > 0);
-        BOOST_TEST(statistics.lists_seconds > 0);
+        BOOST_TEST(statistics.work->lists_seconds > 0);
         BOOST_TEST(statistics.field_seconds > 0);
     }
 }

@@ -9,6 +9,8 @@
 #include "support/random_meshes.hpp"
 #include "transform/stages.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>

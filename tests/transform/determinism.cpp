@@ -3,6 +3,8 @@
 
 #include "device/context.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <array>
 #include <limits>
 

@@ -7,6 +7,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/papers.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <algorithm>
 #include <array>

@@ -3,6 +3,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/papers.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <algorithm>
 #include <cmath>

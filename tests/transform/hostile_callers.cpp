@@ -5,6 +5,8 @@
 #include "core/parallel.hpp"
 #include "device/context.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <tbb/task_arena.h>
 
 #include <algorithm>

@@ -4,6 +4,8 @@
 
 #include "device/context.hpp"
 
+#include <clsdf/tuning.hpp>
+
 using namespace clsdf;
 using namespace clsdf::test;
 

@@ -9,6 +9,8 @@
 #include "sweep.h"
 #include "transform/stages.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <boost/test/unit_test.hpp>
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/papers.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <algorithm>
 #include <array>
@@ -138,8 +139,21 @@ BOOST_AUTO_TEST_CASE(at_a_vertex_of_a_face_without_area_the_site_is_the_vertex) 
                                                std::abs(field.closest()[3 * at] - 2) < 1e-12;
                         if (is_vertex) BOOST_TEST(field.site()[at] < 3);
                     }
+                    const std::vector<Vec3> points{{x, 0, 0}, {0, 0, 0}, {2, 0, 0}, {-1, 0.3, 0}, {2.5, 0, 0.2}};
+                    const Field at_points = query(transform, points);
+                    for (const std::uint8_t site : at_points.site()) BOOST_TEST(site < 3);
                 }
             }
+}
+
+BOOST_AUTO_TEST_CASE(at_a_vertex_of_a_sliver_the_site_is_the_vertex) {
+    const std::vector<Vec3> vertices{{0, 0, 0}, {1, 1e-9, 0}, {2, 0, 0}, {5, 5, 5}, {6, 5, 5}, {5, 6, 5}};
+    const Mesh mesh(vertices, {{0, 1, 2}, {3, 4, 5}}, "sliver");
+    for (const KernelBody body : both_bodies) {
+        const DistanceTransform transform(test_device(), mesh, {.sign = SignRule::none, .body = body});
+        const Field field = query(transform, vertices);
+        for (std::size_t n = 0; n < vertices.size(); ++n) BOOST_TEST(field.site()[n] == n % 3);
+    }
 }
 
 BOOST_AUTO_TEST_CASE(an_output_is_the_same_whatever_else_is_asked_for) {

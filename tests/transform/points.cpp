@@ -7,6 +7,8 @@
 
 #include "device/context.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -5,6 +5,8 @@
 
 #include "device/context.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -4,6 +4,7 @@
 #include "support/throws.hpp"
 
 #include <clsdf/distance_transform.hpp>
+#include <clsdf/tuning.hpp>
 
 #include <algorithm>
 #include <array>

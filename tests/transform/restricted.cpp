@@ -3,6 +3,8 @@
 #include "support/random_meshes.hpp"
 #include "support/throws.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -6,6 +6,8 @@
 
 #include "polyhedron.h"
 
+#include <clsdf/tuning.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -267,7 +269,9 @@ BOOST_AUTO_TEST_CASE(what_is_no_rotation_is_refused) {
         transform.set_motion({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}}, none);
     });
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    check_throws(ErrorCode::invalid_argument, {"translation", "x is inf"}, [&] { transform.set_motion(rotation_by(0.1), {infinite, 0, 0}); });
+    check_throws(ErrorCode::invalid_argument, {"translation", "x is inf"}, [&] {
+        transform.set_motion(rotation_by(0.1), {infinite, 0, 0});
+    });
     const Grid grid = grid_around(mesh, 20, 3);
     check_exact(mesh, transform.compute(grid, Band::symmetric(0.2), all_outputs()));  // where it was
 }

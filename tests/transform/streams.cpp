@@ -6,6 +6,8 @@
 #include "device/context.hpp"
 #include "scan/slabs.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <atomic>
 #include <chrono>
 #include <cstdlib>

@@ -1,6 +1,8 @@
 #include "support/exact_field.hpp"
 #include "support/hostile_meshes.hpp"
 
+#include <clsdf/tuning.hpp>
+
 #include <array>
 
 using namespace clsdf;
@@ -86,6 +88,29 @@ BOOST_AUTO_TEST_CASE(of_triangles_with_their_corners_in_any_order_the_first_is_n
                 BOOST_TEST(same_bytes(of_alone.slab(), at_points.slab(), Output::barycentric));
             }
         }
+}
+
+// Any triangle, and one with two equal sides; near the origin and far from it.
+BOOST_AUTO_TEST_CASE(of_two_triangles_with_the_same_corners_the_first_is_named) {
+    constexpr unsigned seed = 5;
+    BOOST_TEST_INFO("seed " << seed);
+    Random random(seed);
+    for (std::size_t n = 0; n < 20; ++n) {
+        const double far = n % 2 == 0 ? 0 : 1000.3;
+        std::vector<Vec3> corners{{0.1 + far, 0.2, 0.3}, {1.1 + far, 0.2, 0.3}, {0.1 + far, 1.2, 0.3}};
+        if (n >= 10)
+            for (Vec3& corner : corners)
+                corner = {random.uniform(-1, 1) + far, random.uniform(-1, 1), random.uniform(-1, 1)};
+        const Triangle other = std::array{Triangle{1, 2, 0}, Triangle{2, 0, 1}, Triangle{2, 1, 0}, Triangle{1, 0, 2},
+                                          Triangle{0, 2, 1}}[n % 5];
+        const Mesh mesh(corners, {{0, 1, 2}, other}, "twins");
+        const DistanceTransform transform(test_device(), mesh, {.sign = SignRule::none});
+        const Grid grid = grid_at({far + 0.3, 0.3, 0.3}, 0.11, 8);
+        const Field field = transform.compute(grid, Band::full(), Output::triangle);
+        BOOST_TEST(std::ranges::count(field.triangle(), 0U) == std::ssize(field.triangle()));
+        const Field at_points = query(transform, samples_of(grid));
+        BOOST_TEST(std::ranges::count(at_points.triangle(), 0U) == std::ssize(at_points.triangle()));
+    }
 }
 
 // Thousands of triangles are as near as rounding tells: any of the nearest is right, and always the same one.

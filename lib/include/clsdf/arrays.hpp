@@ -152,7 +152,8 @@ struct OutputArray : ArrayLayout {
     std::ptrdiff_t block_stride = 0;
 
     OutputArray() = default;
-    /// An array of the caller's, whose size must be exactly the output's. A temporary container does not compile.
+    /// An array of the caller's. Without strides its size must be exactly the output's. A temporary container does not
+    /// compile.
     template <detail::NumberArray Array>
     requires(!detail::DyingArray<Array> &&
              !std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Array>>>)

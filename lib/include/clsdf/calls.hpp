@@ -27,14 +27,14 @@ struct Progress {
     };
 
     Stage stage = Stage::computing;
-    double fraction = 0;    ///< of the stage, 0 to 1; of compiling about
+    double fraction = 0;    ///< of the stage, 0 to 1; of compiling an estimate that need not reach 1
     std::size_t step = 0;   ///< of compiling, from 1
-    std::size_t steps = 0;  ///< of compiling, about; >= step
+    std::size_t steps = 0;  ///< of compiling, at most; >= step
 };
 
-/// Options of one call, which holds for its constructor's and its plans' calls, too. The functions are called until the
-/// call returns, and on the thread that called. They must not make or use transforms of the device: a call of the
-/// transform that is at work throws Error(invalid_argument). Their exceptions end the call and are passed on.
+/// Options of one call; constructors and plans take them, too. The functions are called until the call returns, and on
+/// the thread that called. They must not make or use transforms of the device: a call of the transform that is at work
+/// throws Error(invalid_argument). Their exceptions end the call and are passed on.
 struct CallOptions {
     /// Called between launches of calls that compute, and before each step of building programs; with outputs in memory
     /// of the device only at the end. A plan's runs have no progress: they do not return to the host.
@@ -45,7 +45,7 @@ struct CallOptions {
     std::function<void(const std::string& message)> log{};
     /// The call reads and writes the caller's memory after these events, which belong to the device's context.
     std::span<const cl_event> wait_list{};
-    /// For measuring: the device counts the work, which takes time. Not of plans.
+    /// For measuring: the device counts the work, which takes time. Plans do not count.
     bool count_work = false;
 };
 
@@ -66,12 +66,7 @@ struct TransformStatistics {
     /// Device::keep_records()): compile_seconds is what that took.
     bool first_use = false;
     double polyhedra_seconds = 0;  ///< preparing the mesh
-    double lists_seconds = 0;      ///< the sign's sweep included
-    double sign_seconds = 0;       ///< of these, the sweep
     double field_seconds = 0;      ///< the samples or points
-    // The kernels' own share, by the device's clock; 0 unless its queue was made with profiling enabled.
-    double bricks_seconds = 0;
-    double fill_seconds = 0;
 
     /// For measuring: clsdf/tuning.hpp. Never null after a call.
     std::shared_ptr<const WorkCounts> work{};

@@ -15,5 +15,4 @@
 #include <clsdf/outputs.hpp>
 #include <clsdf/plan.hpp>
 #include <clsdf/topology.hpp>
-#include <clsdf/tuning.hpp>
 #include <clsdf/version.hpp>

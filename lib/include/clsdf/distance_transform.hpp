@@ -24,9 +24,9 @@ enum class KernelBody : std::int32_t;  // clsdf/tuning.hpp
 /// How the sign is decided, and what is kept between calls.
 struct TransformOptions {
     SignRule sign = SignRule::automatic;
-    /// Limit of the device memory that is kept between calls, in bytes. The default keeps what two lattices, the grids
-    /// used last and all points need, or 256 MiB if that is more. 0 keeps nothing. Data that all grids and points share
-    /// is kept first, then the lattices and grids that were used last.
+    /// Limit of the device memory that is kept between calls, in bytes; 0 keeps nothing. Data that all grids and points
+    /// share is kept first, then the lattices and grids that were used last. The default suits the grids of a time
+    /// step; DistanceTransform::memory() says what is kept.
     std::optional<std::size_t> kept_bytes{};
     KernelBody body{};  ///< for measuring
 };
@@ -132,6 +132,10 @@ public:
     /// would throw. Progress covers all requests. The statistics are sums; their figures of memory are maxima.
     TransformStatistics compute(std::span<const Request> requests, const CallOptions& call = {}) const;
 
+    TransformStatistics compute(const Request& request, const CallOptions& call = {}) const {
+        return compute(std::span(&request, 1), call);
+    }
+
     /// Equal blocks of one lattice in one call, as requests with the same bytes.
     TransformStatistics compute(const BlockSet& blocks, const CallOptions& call = {}) const;
 
@@ -195,11 +199,12 @@ public:
     Plan plan(std::span<const Request> requests, const CallOptions& call = {}) const;
     Plan plan(const Request& request, const CallOptions& call = {}) const { return plan(std::span(&request, 1), call); }
 
-    /// A plan of the blocks, as requests with the same bytes.
+    /// A plan of the blocks, as requests with the same bytes, which take some hundred bytes of host memory each.
     Plan plan(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     /// The statistics().device_bytes of such a plan, which is made and given back: takes its time and its memory.
     std::size_t plan_bytes(std::span<const Request> requests, const CallOptions& call = {}) const;
+    std::size_t plan_bytes(const BlockSet& blocks, const CallOptions& call = {}) const;
 
     // Ask.
 

@@ -15,9 +15,8 @@
 
 namespace clsdf {
 
-/// An array for the samples of a grid, in memory for fast stores: it is aligned to a cache line (64 bytes) and, from 4
-/// MiB on, lies on huge pages if the system provides them. `Value` is float, double, std::uint32_t, std::uint8_t
-/// or std::byte.
+/// An array for the samples of a grid, in memory for fast stores: it is aligned to 64 bytes and lies on huge pages if
+/// it is large and the system provides them. `Value` is float, double, std::uint32_t, std::uint8_t or std::byte.
 ///
 /// New elements are uninitialised, also those of `FieldArray<float>(n)` and of `resize(n)`: a computation sets all of
 /// them, and need not wait until one core has cleared them. `FieldArray<float>(n, 0.0F)` sets them. A function that

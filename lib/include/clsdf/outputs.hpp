@@ -41,7 +41,7 @@ struct OutputInfo {
 /// All outputs, in the order of their numbers.
 CLSDF_EXPORT std::span<const OutputInfo> output_table();
 
-/// Throws Error(invalid_argument) for a number that is none of an output.
+/// Throws Error(invalid_argument) for a number that is no output's.
 CLSDF_EXPORT const OutputInfo& info_of(Output output);
 
 namespace detail {

@@ -58,10 +58,9 @@ struct PapersOptions {
 };
 
 /// A transform that computes fields with other polyhedra or another scan; with the default of PapersOptions it is that
-/// of the core. Its members do what those of any transform do, but query() and classify(), which do not depend on
-/// `method`, and restrict_to(), which is Error(unsupported). The scans by slices and by brute force give the distance
-/// and the triangle; other outputs are Error(unsupported). Mauch's towers, wedges and cones count as
-/// WorkCounts::polyhedra.
+/// of the core. query() and classify() do not depend on PapersOptions; restrict_to() throws Error(unsupported). The
+/// scans by slices and by brute force give the distance and the triangle; other outputs are Error(unsupported). Mauch's
+/// towers, wedges and cones count as WorkCounts::polyhedra.
 ///
 /// WorkCounts::method_counts has, of the scan by slices:
 ///

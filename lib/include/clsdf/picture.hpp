@@ -105,8 +105,10 @@ struct SurfaceOptions {
     std::array<double, 3> colour{0.80, 0.77, 0.72};
     bool transparent = false;  ///< the background, else white
     bool bare = false;         ///< no title and colour bar beside cuts
+    /// Both are called between launches, on the calling thread. If the second one says true, Error(cancelled) is
+    /// thrown.
     std::function<void(double fraction)> progress{};
-    std::function<bool()> should_stop{};  ///< asked between launches; if it says true, Error(cancelled) is thrown
+    std::function<bool()> should_stop{};
 };
 
 /// The first point that the ray through a pixel's centre meets.

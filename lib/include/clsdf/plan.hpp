@@ -62,6 +62,7 @@ public:
     /// The same with other requests, any number of them: the boxes of a mesh that was refined anew. The plan uses its
     /// buffers again if they are large enough. Also throws Error(unsupported).
     void update(const DistanceTransform& transform, std::span<const Request> requests, const CallOptions& call = {});
+    void update(const DistanceTransform& transform, const BlockSet& blocks, const CallOptions& call = {});
 
     /// Of making or updating it. device_bytes: what the plan has on the device, beside what the transform keeps, too.
     const TransformStatistics& statistics() const;

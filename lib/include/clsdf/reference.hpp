@@ -88,9 +88,9 @@ struct CheckOptions {
     std::uint64_t seed = 1;
     double tolerance_voxels = 1e-5;  ///< an error is within the contract up to max(this, tolerance_ulp ulp)
     double tolerance_ulp = 2;
-    double sign_margin_voxels = 1e-6;                 ///< the sign is not judged nearer to the surface than this
-    std::function<void(double fraction)> progress{};  ///< one call at a time, from any thread
-    /// Called by any thread, by several at once; if it returns true, Error(cancelled) is thrown.
+    double sign_margin_voxels = 1e-6;  ///< the sign is not judged nearer to the surface than this
+    /// Both are called on the calling thread. If the second one says true, Error(cancelled) is thrown.
+    std::function<void(double fraction)> progress{};
     std::function<bool()> should_stop{};
 };
 

@@ -36,7 +36,7 @@ struct MethodCount {
     bool of_mesh = false;  ///< of the whole mesh; else of a part of the grid: those of parts add up
 };
 
-/// How much work a computation was: TransformStatistics::work.
+/// How much work a computation was, and the times of its stages: TransformStatistics::work.
 struct WorkCounts {
     std::size_t triangles = 0;
     std::size_t polyhedra = 0;        ///< of the triangles and point sites
@@ -51,6 +51,13 @@ struct WorkCounts {
     std::size_t lanes_evaluated = 0;  ///< distances computed, of a triangle or a site
     std::size_t samples_covered = 0;  ///< of these, with the sample inside the polyhedron
     std::size_t band_samples = 0;     ///< samples that carry their distance
+
+    // Seconds of the host, which count as those of TransformStatistics.
+    double lists_seconds = 0;  ///< the sign's sweep included
+    double sign_seconds = 0;   ///< of these, or of points, the sign
+    // The kernels' own share, by the device's clock; 0 unless its queue was made with profiling enabled.
+    double bricks_seconds = 0;
+    double fill_seconds = 0;
 
     std::vector<MethodCount> method_counts;
 };
