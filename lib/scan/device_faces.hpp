@@ -83,8 +83,8 @@ struct DeviceFaces {
     device::BufferPool::Lease positions;  ///< Vec3 of each vertex
     device::BufferPool::Lease slopes;     ///< polyhedra::FaceSlopes of each face
 
-    /// On the device.
-    std::size_t bytes() const { return names->bytes() + positions.bytes() + slopes.bytes(); }
+    /// On the device, without the names.
+    std::size_t own_bytes() const { return positions.bytes() + slopes.bytes(); }
 };
 
 DeviceFaces::Names device_names(const DeviceSetUp& job, std::shared_ptr<const polyhedra::MeshTopology> topology);

@@ -168,14 +168,9 @@ void Stages::move(std::vector<Vec3> positions) {
     polyhedra::move(mesh_, *topology_, std::move(positions));
     has_moved_ = true;
     lattices_.clear();
-    index_.reset();
-    faces_.reset();
-    frusta_.reset();
-    sites_.normals.reset();
     encloses_negative_volume_.reset();
-    points_.reset();
-    scanned_mesh_.reset();
-    face_sides_.reset();
+    for (const KeptValue& value : kept_values())
+        if (value.of_positions) value.forget();
 }
 
 const polyhedra::MeshTopology& Stages::topology() {
@@ -293,7 +288,7 @@ Inputs Stages::inputs(const Grid& grid, const Layout& layout, SignRule sign, boo
     });
 }
 
-bool Stages::is_shared(bool is_kept, std::size_t packed, double most) const {
+bool Stages::is_shared(bool is_kept, std::size_t packed, double most) {
     if (!options_.has_selections) return false;
     return is_kept || (static_cast<double>(packed) > most && device_bytes() + record_bytes() <= budget());
 }
@@ -441,10 +436,33 @@ std::shared_ptr<const points::FaceSides> Stages::face_sides(SignRule sign, bool 
     });
 }
 
-std::size_t Stages::budget() const {
-    const std::size_t of_points = (points_ ? points_->device_bytes() : 0) +
-                                  (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0) +
-                                  (face_sides_ ? face_sides_->sides.bytes() : 0) + (points_ ? sites_.bytes() : 0);
+std::vector<Stages::KeptValue> Stages::kept_values() {
+    const auto host = [](const auto& value) { return value ? value->bytes() : std::size_t{0}; };
+    const auto device = [](const auto& value) { return value ? value->device_bytes() : std::size_t{0}; };
+    const bool has_points = points_ != nullptr;
+    return {
+        {"topology", host(topology_), 0, false, false, {}},
+        {"names of sites", 0, host(sites_.names), false, has_points, [this] { sites_.names.reset(); }},
+        {"pseudonormals", 0, host(sites_.normals), true, has_points, [this] { sites_.normals.reset(); }},
+        {"faces' names", 0, host(names_), false, false,
+         [this] {
+             faces_.reset();  // which use them
+             names_.reset();
+         }},
+        {"faces' positions and slopes", 0, faces_ ? faces_->own_bytes() : 0, true, false, [this] { faces_.reset(); }},
+        {"sources of frusta", frusta_sources_ ? frusta_sources_->host_bytes() : 0, device(frusta_sources_), false,
+         false, [this] { frusta_sources_.reset(); }},
+        {"frusta", host(frusta_), 0, true, false, [this] { frusta_.reset(); }},
+        {"index", host(index_), 0, true, false, [this] { index_.reset(); }},
+        {"points' tree", points_ ? points_->host_bytes() : 0, device(points_), true, true, [this] { points_.reset(); }},
+        {"scanned mesh", 0, device(scanned_mesh_), true, true, [this] { scanned_mesh_.reset(); }},
+        {"face sides", 0, face_sides_ ? face_sides_->sides.bytes() : 0, true, true, [this] { face_sides_.reset(); }},
+    };
+}
+
+std::size_t Stages::budget() {
+    std::size_t of_points = 0;
+    for (const KeptValue& value : kept_values()) of_points += value.of_points ? value.device_bytes : 0;
     return options_.kept_bytes.value_or(std::max(2 * record_bytes() + of_points, std::size_t{1} << 28));
 }
 
@@ -455,15 +473,8 @@ void Stages::keep_within(std::size_t budget) {
         left -= bytes;
         return true;
     };
-    if (!is_kept(sites_.bytes())) sites_ = {};
-    if (!is_kept((faces_ ? faces_->bytes() : 0) + (frusta_sources_ ? frusta_sources_->device_bytes() : 0))) {
-        faces_.reset();
-        names_.reset();
-        frusta_sources_.reset();
-    }
-    if (points_ && !is_kept(points_->device_bytes())) points_.reset();
-    if (scanned_mesh_ && !is_kept(scanned_mesh_->device_bytes())) scanned_mesh_.reset();
-    if (face_sides_ && !is_kept(face_sides_->sides.bytes())) face_sides_.reset();
+    for (const KeptValue& value : kept_values())
+        if (!is_kept(value.device_bytes)) value.forget();
     std::erase_if(lattices_, [&](const Lattice& lattice) { return !is_kept(lattice.bytes()); });
 }
 
@@ -491,11 +502,9 @@ std::size_t Stages::bytes_beside(const Inputs& inputs) const {
     return bytes;
 }
 
-std::size_t Stages::device_bytes() const {
-    std::size_t bytes = sites_.bytes() + (faces_ ? faces_->bytes() : 0) +
-                        (frusta_sources_ ? frusta_sources_->device_bytes() : 0) +
-                        (points_ ? points_->device_bytes() : 0) + (scanned_mesh_ ? scanned_mesh_->device_bytes() : 0) +
-                        (face_sides_ ? face_sides_->sides.bytes() : 0);
+std::size_t Stages::device_bytes() {
+    std::size_t bytes = 0;
+    for (const KeptValue& value : kept_values()) bytes += value.device_bytes;
     for (const Lattice& lattice : lattices_) bytes += lattice.bytes();
     return bytes;
 }
@@ -504,18 +513,18 @@ std::size_t Stages::record_bytes() const {
     return (restriction_ ? restriction_->record_count : mesh_.triangles().size()) * sizeof(Polyhedron);
 }
 
-std::size_t Stages::host_bytes() const {
-    std::size_t of_lattices = 0;
-    for (const Lattice& lattice : lattices_)
-        of_lattices += sizeof lattice + (lattice.kept ? (lattice.kept->faces.size() + lattice.kept->sites.size()) *
-                                                            sizeof(polyhedra::RecordRange)
-                                                      : 0);
-    return of_lattices + (topology_ ? topology_->bytes() : 0) + (frusta_ ? frusta_->bytes() : 0) +
-           (index_ ? index_->bytes() : 0) + (points_ ? points_->host_bytes() : 0) +
-           (frusta_sources_ ? frusta_sources_->host_bytes() : 0) +
-           (restriction_ ? restriction_->numbers.size() * sizeof(std::uint32_t) +
-                               restriction_->sample.size() * sizeof(restriction_->sample[0])
-                         : 0);
+std::size_t Stages::host_bytes() {
+    std::size_t bytes = 0;
+    for (const KeptValue& value : kept_values()) bytes += value.host_bytes;
+    for (const Lattice& lattice : lattices_) {
+        bytes += sizeof lattice;
+        if (lattice.kept)
+            bytes += (lattice.kept->faces.size() + lattice.kept->sites.size()) * sizeof(polyhedra::RecordRange);
+    }
+    if (restriction_)
+        bytes += restriction_->numbers.size() * sizeof(std::uint32_t) +
+                 restriction_->sample.size() * sizeof(restriction_->sample[0]);
+    return bytes;
 }
 
 }  // namespace clsdf::transform

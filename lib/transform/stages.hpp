@@ -20,6 +20,7 @@
 #include "scan/sweep_mesh.hpp"
 #include "transform/restriction.hpp"
 
+#include <functional>
 #include <list>
 #include <memory>
 #include <optional>
@@ -130,15 +131,15 @@ public:
     std::shared_ptr<const points::FaceSides> face_sides(SignRule sign, bool is_found);
 
     /// Limit of the device memory that is kept, in bytes.
-    std::size_t budget() const;
+    std::size_t budget();
     /// Forgets what does not fit in the budget, in bytes of the device's memory. The mesh's own data come first, then
     /// the lattices, the last used first.
     void keep_within(std::size_t budget);
     /// Drops everything that no plan holds. Dropping the rest would free no memory.
     void release();
 
-    std::size_t host_bytes() const;    ///< all memory of the host that is kept
-    std::size_t device_bytes() const;  ///< all memory of the device that is kept
+    std::size_t host_bytes();    ///< all memory of the host that is kept
+    std::size_t device_bytes();  ///< all memory of the device that is kept
     /// Device memory of a grid's records and triangles of the sweep, if they are not among what is kept.
     std::size_t bytes_beside(const Inputs& inputs) const;
     /// Bytes of the records that a lattice keeps.
@@ -164,6 +165,17 @@ private:
         /// Whether plans hold parts of it, too.
         bool is_in_use() const;
     };
+
+    struct KeptValue {
+        const char* name;
+        std::size_t host_bytes;
+        std::size_t device_bytes;
+        bool of_positions;  ///< forgotten when the vertices move
+        bool of_points;     ///< queries of points need it
+        std::function<void()> forget;
+    };
+    /// All but the lattices; those that are kept first if memory is short come first.
+    std::vector<KeptValue> kept_values();
 
     const polyhedra::ClusterIndex& index();
     /// On a processor its destructor enqueues a marker, for which wait_for_readers() waits: the commands before it may
@@ -194,7 +206,7 @@ private:
     std::optional<polyhedra::NearRecords> near_rows(const Grid& grid, const Layout& layout);
     /// Whether small grids are to get selections of a lattice's values, which are kept or are to be made: if grids of
     /// the lattice needed more than `most` faces so far, and the budget allows it.
-    bool is_shared(bool is_kept, std::size_t packed, double most) const;
+    bool is_shared(bool is_kept, std::size_t packed, double most);
     void set_records(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
     void set_sweep_mesh(const Grid& grid, const Layout& layout, bool lone, Inputs& inputs);
 
