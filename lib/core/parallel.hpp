@@ -21,6 +21,10 @@ inline constexpr std::size_t usual_grain = 512;
 /// waits here takes no other task: the caller's tasks might lock a mutex that this thread holds.
 template <typename Function>
 void for_each_range(std::size_t count, const Function& f, std::size_t grain = usual_grain) {
+    if (count <= grain) {
+        if (count > 0) f(std::size_t{0}, count);
+        return;
+    }
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                           [&f](const tbb::blocked_range<std::size_t>& range) { f(range.begin(), range.end()); });

@@ -1,11 +1,10 @@
 #include "mesh/topology.hpp"
 
-#include "core/large_memory.hpp"
+#include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
+#include "mesh/one_rings.hpp"
 
 #include <clsdf/topology.hpp>
-
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,8 +12,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
-#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -43,55 +40,22 @@ std::uint64_t hash_of(const Key& key) {
     return mix(mix(mix(key[0]) ^ key[1]) ^ key[2]);
 }
 
-/// The vertices in groups by their hash, each in the order of the mesh.
-class HashGroups {
-public:
-    explicit HashGroups(std::span<const std::uint64_t> hashes);
-
-    std::size_t count() const { return start_.size() - 1; }
-    std::span<const std::uint32_t> group(std::size_t g) const {
-        return std::span(vertices_).subspan(start_[g], start_[g + 1] - start_[g]);
-    }
-
-private:
-    std::vector<std::size_t> start_;
-    std::vector<std::uint32_t> vertices_;
-};
-
-HashGroups::HashGroups(std::span<const std::uint64_t> hashes) {
-    // The hash table of a group fits the caches.
-    constexpr std::size_t group_size = 8192;
-    const auto bits = static_cast<unsigned>(std::bit_width(hashes.size() / group_size));
-    const std::size_t groups = std::size_t{1} << bits;
-    const auto group_of = [&](std::size_t v) { return bits == 0 ? 0 : hashes[v] >> (64 - bits); };
-    // Sub-ranges of the vertices are sorted in parallel: first the number of each one's vertices per group.
-    const std::size_t chunk_size = std::max(group_size, hashes.size() / 64 + 1);
-    const std::size_t chunks = std::max<std::size_t>(1, chunk_count(hashes.size(), chunk_size));
-    const auto for_each_vertex = [&](const auto& visit) {
-        for_each_chunk(hashes.size(), chunk_size, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-            for (std::size_t v = begin; v != end; ++v) visit(chunk, v);
-        });
-    };
-    std::vector<std::size_t> places(groups * chunks);
-    for_each_vertex([&](std::size_t s, std::size_t v) { ++places[group_of(v) * chunks + s]; });
-    std::exclusive_scan(places.begin(), places.end(), places.begin(), std::size_t{0});
-    start_.resize(groups + 1, hashes.size());
-    for (std::size_t g = 0; g < groups; ++g) start_[g] = places[g * chunks];
-    vertices_.resize(hashes.size());
-    for_each_vertex([&](std::size_t s, std::size_t v) {
-        vertices_[places[group_of(v) * chunks + s]++] = static_cast<std::uint32_t>(v);
-    });
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> first_equal_vertices(std::span<const Vec3> vertices) {
     std::vector<std::uint64_t> hashes(vertices.size());
     for_each_index(vertices.size(), [&](std::size_t v) { hashes[v] = hash_of(key_of(vertices[v])); });
-    const HashGroups groups(hashes);
+    // Vertices in groups by their hash, each in the order of the mesh. The hash table of a group fits the caches.
+    constexpr std::size_t group_size = 8192;
+    const auto bits = static_cast<unsigned>(std::bit_width(vertices.size() / group_size));
+    std::vector<std::uint32_t> grouped(vertices.size());
+    const std::vector<std::uint32_t> start = bucket_sort(
+        vertices.size(), std::size_t{1} << bits,
+        [&](std::size_t v) { return bits == 0 ? 0 : hashes[v] >> (64 - bits); },
+        [&](std::size_t v, std::size_t place) { grouped[place] = static_cast<std::uint32_t>(v); });
     std::vector<std::uint32_t> first(vertices.size());
-    for_each_chunk(groups.count(), 1, [&](std::size_t g, std::size_t, std::size_t) {
-        const std::span<const std::uint32_t> group = groups.group(g);
+    for_each_chunk(start.size() - 1, 1, [&](std::size_t g, std::size_t, std::size_t) {
+        const auto group = std::span<const std::uint32_t>(grouped).subspan(start[g], start[g + 1] - start[g]);
         constexpr std::uint32_t free = std::numeric_limits<std::uint32_t>::max();
         std::vector<std::uint32_t> table(std::bit_ceil(2 * group.size() + 1), free);
         const std::size_t mask = table.size() - 1;
@@ -112,65 +76,6 @@ namespace {
 
 bool has_repeated_vertex(const Triangle& triangle) {
     return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
-}
-
-/// The directed edges of triangles, by the lower of the two vertex indices: those that run from it, or those that run
-/// to it. Triangles with repeated vertices have none.
-class DirectedEdges {
-public:
-    enum class Direction { from_lower, to_lower };
-
-    DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction);
-
-    /// The higher vertices, sorted, each as often as a triangle uses the edge.
-    std::span<const std::uint32_t> at(std::size_t lower) const {
-        return std::span(higher_).subspan(start_[lower], start_[lower + 1] - start_[lower]);
-    }
-
-private:
-    std::vector<std::size_t> start_;  // for each vertex, its begin in higher_; then the end of the last
-    UninitializedVector<std::uint32_t> higher_;
-};
-
-using Direction = DirectedEdges::Direction;
-
-/// Calls visit(lower, higher) for the triangle's edges of that direction.
-template <typename Visit>
-void for_each_edge(const Triangle& triangle, Direction direction, const Visit& visit) {
-    if (has_repeated_vertex(triangle)) return;
-    for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t lower = triangle[k];
-        std::uint32_t higher = triangle[(k + 1) % 3];
-        if (direction == Direction::to_lower) std::swap(lower, higher);
-        if (lower < higher) visit(lower, higher);
-    }
-}
-
-DirectedEdges::DirectedEdges(std::span<const Triangle> triangles, std::size_t vertex_count, Direction direction)
-    : start_(vertex_count + 2) {
-    // Each task looks at all triangles and files the edges of its own vertices, so threads share no counters. Both
-    // directions are filed at once. More tasks would be limited by memory bandwidth.
-    constexpr int most_tasks = 8;
-    const auto tasks = static_cast<std::size_t>(std::clamp(tbb::this_task_arena::max_concurrency() / 2, 1, most_tasks));
-    const auto for_each_edge_of_all = [&](const auto& visit) {
-        for_each_chunk(vertex_count, std::max<std::size_t>(chunk_count(vertex_count, tasks), 1),
-                       [&](std::size_t, std::size_t begin, std::size_t end) {
-                           for (const Triangle& triangle : triangles)
-                               for_each_edge(triangle, direction, [&](std::uint32_t lower, std::uint32_t higher) {
-                                   if (lower >= begin && lower < end) visit(lower, higher);
-                               });
-                       });
-    };
-    // Counts are stored one element further on: after the fill pass each entry is the start of its list.
-    for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t) { ++start_[lower + 2]; });
-    std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
-    higher_.resize(start_.back());
-    for_each_edge_of_all([&](std::uint32_t lower, std::uint32_t higher) { higher_[start_[lower + 1]++] = higher; });
-    start_.pop_back();
-    for_each_index(vertex_count, [&](std::size_t v) {
-        std::sort(higher_.begin() + static_cast<std::ptrdiff_t>(start_[v]),
-                  higher_.begin() + static_cast<std::ptrdiff_t>(start_[v + 1]));
-    });
 }
 
 /// Counts the vertices; `first` as of first_equal_vertices().
@@ -218,23 +123,14 @@ struct EdgeCounts {
     std::size_t non_manifold = 0;
     std::vector<UnbalancedEdge> unbalanced{};  ///< sorted
 
-    /// The edges of the vertex with higher ones.
-    void add(std::uint32_t lower, std::span<const std::uint32_t> leaving, std::span<const std::uint32_t> arriving) {
-        const auto take = [](std::span<const std::uint32_t>& list, std::uint32_t higher) {
-            std::size_t count = 0;
-            while (count < list.size() && list[count] == higher) ++count;
-            list = list.subspan(count);
-            return count;
-        };
-        while (!leaving.empty() || !arriving.empty()) {
-            const std::uint32_t higher = arriving.empty()  ? leaving.front()
-                                         : leaving.empty() ? arriving.front()
-                                                           : std::min(leaving.front(), arriving.front());
-            const std::size_t out = take(leaving, higher);
-            const std::size_t in = take(arriving, higher);
-            if (out != in) unbalanced.push_back({lower, higher, (out + in) % 2 != 0});
-            if (out + in > 2) ++non_manifold;
-        }
+    /// An edge with all its faces.
+    void add(std::span<const Triangle> triangles, std::uint32_t lower, std::span<const EdgeEntry> faces) {
+        const auto leaving =
+            static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), [&](const EdgeEntry& face) {
+                return triangles[face.edge().face][face.edge().vertex] == lower;
+            }));
+        if (2 * leaving != faces.size()) unbalanced.push_back({lower, faces[0].other_vertex(), faces.size() % 2 != 0});
+        if (faces.size() > 2) ++non_manifold;
     }
 
     /// Adds the counts of the vertices after these.
@@ -244,20 +140,46 @@ struct EdgeCounts {
     }
 };
 
+/// Whether each edge between a vertex and higher ones has two faces, which run along it in opposite directions. May
+/// return false although it is so.
+bool are_pairs(std::span<const Triangle> triangles, const OneRings& rings, std::uint32_t vertex) {
+    constexpr std::size_t most = 16;
+    std::array<std::uint32_t, most> leaving, arriving;
+    std::size_t leaving_count = 0, arriving_count = 0;
+    const std::size_t count = rings.size(vertex);
+    if (count > most) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Corner corner = rings.corner(vertex, i);
+        const Triangle& triangle = triangles[corner.face];
+        const std::uint32_t to = leaving[leaving_count] = triangle[next_of_three(corner.vertex)];
+        const std::uint32_t from = arriving[arriving_count] = triangle[previous_of_three(corner.vertex)];
+        if (to == vertex || from == vertex || to == from) return false;
+        leaving_count += to > vertex ? 1U : 0U;
+        arriving_count += from > vertex ? 1U : 0U;
+    }
+    std::size_t pairs = 0, equal = 0;
+    for (std::size_t i = 0; i < leaving_count; ++i)
+        for (std::size_t j = 0; j < leaving_count; ++j) {
+            pairs += leaving[i] == arriving[j] ? 1U : 0U;
+            equal += leaving[i] == leaving[j] ? 1U : 0U;
+        }
+    return leaving_count == arriving_count && pairs == leaving_count && equal == leaving_count;
+}
+
 EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
-    std::optional<DirectedEdges> leaving;
-    std::optional<DirectedEdges> arriving;
-    for_each_chunk(2, 1, [&](std::size_t direction, std::size_t, std::size_t) {
-        if (direction == 0)
-            leaving.emplace(triangles, vertex_count, Direction::from_lower);
-        else
-            arriving.emplace(triangles, vertex_count, Direction::to_lower);
-    });
+    const OneRings rings(triangles, vertex_count);
     constexpr std::size_t chunk = 4096;
     std::vector<EdgeCounts> counts(chunk_count(vertex_count, chunk));
     for_each_chunk(vertex_count, chunk, [&](std::size_t s, std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v != end; ++v)
-            counts[s].add(static_cast<std::uint32_t>(v), leaving->at(v), arriving->at(v));
+        std::vector<EdgeEntry> entries;
+        for (std::size_t v = begin; v != end; ++v) {
+            const auto vertex = static_cast<std::uint32_t>(v);
+            if (are_pairs(triangles, rings, vertex)) continue;
+            edges_above(triangles, rings, vertex, entries);
+            std::erase_if(entries,
+                          [&](const EdgeEntry& entry) { return has_repeated_vertex(triangles[entry.edge().face]); });
+            for_each_edge(entries, [&](std::span<const EdgeEntry> faces) { counts[s].add(triangles, vertex, faces); });
+        }
     });
     EdgeCounts all;
     for (const EdgeCounts& of_chunk : counts) all.append(of_chunk);

@@ -143,7 +143,6 @@ namespace clsdf {
 namespace {
 
 using namespace papers;
-using polyhedra::next_of_three;
 using polyhedra::VertexFans;
 
 constexpr std::array<const char*, edge_kinds> edge_names{"convex",   "concave",    "flat",

@@ -13,7 +13,6 @@
 
 namespace clsdf::papers {
 
-using polyhedra::Corner;
 using polyhedra::Vector;
 
 /// A mesh whose triangles know each other: no two vertices in use are equal, and no face repeats a vertex. The mesh
@@ -32,7 +31,7 @@ public:
     const std::vector<std::uint32_t>& representatives() const { return representatives_; }
     /// Directions only: lengths are in units of the mesh's longest side.
     const std::vector<polyhedra::TriangleFrame>& frames() const { return frames_; }
-    const polyhedra::OneRings& rings() const { return rings_; }
+    const OneRings& rings() const { return rings_; }
 
     EdgeKind kind(const Corner& edge) const;
     VertexKind kind(std::size_t vertex, polyhedra::VertexFans& fans) const;
@@ -56,7 +55,7 @@ private:
     std::vector<std::uint32_t> sources_;
     std::vector<Triangle> triangles_;
     std::vector<polyhedra::TriangleFrame> frames_;
-    polyhedra::OneRings rings_;
+    OneRings rings_;
     UninitializedVector<polyhedra::FaceEdges> edges_;
 };
 

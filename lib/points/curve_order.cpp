@@ -1,5 +1,6 @@
 #include "points/point_mesh.hpp"
 
+#include "core/bucket_sort.hpp"
 #include "core/parallel.hpp"
 #include "polyhedra/face_order.hpp"
 
@@ -12,15 +13,8 @@ namespace clsdf::points {
 
 namespace {
 
-constexpr std::uint32_t cell_bits = 10;  // per axis
-constexpr std::uint32_t digit_bits = 10, digits = 3, buckets = 1U << digit_bits;
-static_assert(digits * digit_bits == 3 * cell_bits);
-constexpr std::size_t together = std::size_t{1} << 14;  // points that one thread counts
-
-struct Keyed {
-    std::uint32_t key;
-    std::uint32_t point;
-};
+constexpr std::uint32_t cell_bits = 10;                 // per axis
+constexpr std::size_t together = std::size_t{1} << 14;  // points that one thread measures
 
 /// All bits if the bit is set.
 std::uint32_t mask_of(std::uint32_t x, std::uint32_t bit) {
@@ -73,26 +67,6 @@ Box box_within(std::span<const Vec3> points, const Box& most) {
     return all;
 }
 
-/// Sorts by one digit of the keys and leaves equal ones as they are.
-void sort_by_digit(const UninitializedVector<Keyed>& from, UninitializedVector<Keyed>& to, std::uint32_t digit) {
-    const auto bucket_of = [digit](const Keyed& keyed) { return keyed.key >> digit * digit_bits & (buckets - 1); };
-    std::vector<std::array<std::uint32_t, buckets>> places(chunk_count(from.size(), together));
-    for_each_chunk(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
-        places[range].fill(0);
-        for (std::size_t i = begin; i < end; ++i) ++places[range][bucket_of(from[i])];
-    });
-    std::uint32_t place = 0;
-    for (std::uint32_t bucket = 0; bucket < buckets; ++bucket)
-        for (auto& of_range : places) {
-            const std::uint32_t count = of_range[bucket];
-            of_range[bucket] = place;
-            place += count;
-        }
-    for_each_chunk(from.size(), together, [&](std::size_t range, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) to[places[range][bucket_of(from[i])]++] = from[i];
-    });
-}
-
 }  // namespace
 
 UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, const Box& most) {
@@ -103,7 +77,7 @@ UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, con
     const double longest = box.longest_side();
     constexpr double least = cells / std::numeric_limits<double>::max();
     const double scale = longest > least ? cells / longest : 0;
-    UninitializedVector<Keyed> keyed(points.size()), sorted(points.size());
+    UninitializedVector<Coded> coded(points.size()), other(points.size());
     for_each_range(points.size(), [&](std::size_t begin, std::size_t end) {
         constexpr std::size_t at_once = 64;
         std::array<std::array<std::uint32_t, at_once>, 3> cells_of{};
@@ -116,14 +90,10 @@ UninitializedVector<std::uint32_t> curve_order(std::span<const Vec3> points, con
                         std::clamp((points[first + i][axis] - box.lower[axis]) * scale, 0.0, cells - 1)));
             for (std::size_t i = 0; i < at_once; ++i)
                 keys[i] = hilbert_key(cells_of[0][i], cells_of[1][i], cells_of[2][i]);
-            for (std::size_t i = 0; i < count; ++i) keyed[first + i] = {keys[i], static_cast<std::uint32_t>(first + i)};
+            for (std::size_t i = 0; i < count; ++i) coded[first + i] = {keys[i], static_cast<std::uint32_t>(first + i)};
         }
     });
-    for (std::uint32_t digit = 0; digit < digits; ++digit) {
-        sort_by_digit(keyed, sorted, digit);
-        keyed.swap(sorted);
-    }
-    for_each_index(points.size(), [&](std::size_t i) { order[i] = keyed[i].point; });
+    sort_by_code(coded, other, cell_bits, order);
     return order;
 }
 

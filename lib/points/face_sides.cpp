@@ -190,7 +190,7 @@ private:
     /// The face across an edge that two faces of one orientation share; or the same face.
     std::size_t across(std::size_t face, std::size_t edge) const {
         const polyhedra::FaceEdges& edges = topology_.edges.faces[face];
-        return edges.marks[edge] == 0 ? polyhedra::Corner::unpack(edges.across[edge]).face : face;
+        return edges.marks[edge] == 0 ? Corner::unpack(edges.across[edge]).face : face;
     }
 
     /// Faces whose fronts are one place get one root.
@@ -269,7 +269,7 @@ private:
             if (!is_wanted(at)) return false;
             const std::size_t edge = (corner + 2) % 3;  // that ends at the vertex
             if (topology_.edges.faces[at].marks[edge] != 0) return false;
-            const auto next = polyhedra::Corner::unpack(topology_.edges.faces[at].across[edge]);
+            const auto next = Corner::unpack(topology_.edges.faces[at].across[edge]);
             at = next.face;
             corner = next.vertex;  // the edge begins at the vertex there
             if (at == face) return i + 1 == count;
@@ -282,7 +282,7 @@ private:
         const std::size_t vertex = vertices(face)[k], count = topology_.rings.size(vertex);
         Vector sum(0, 0, 0);
         for (std::size_t i = 0; i < count; ++i) {
-            const polyhedra::Corner corner = topology_.rings.corner(vertex, i);
+            const Corner corner = topology_.rings.corner(vertex, i);
             const Shape& shape = shapes_[corner.face];
             const Vector one = shape.corners[(corner.vertex + 1) % 3] - shape.corners[corner.vertex];
             const Vector other = shape.corners[(corner.vertex + 2) % 3] - shape.corners[corner.vertex];

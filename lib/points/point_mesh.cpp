@@ -131,8 +131,8 @@ std::uint32_t lower_of_two(const polyhedra::MeshTopology& topology, std::uint32_
     const polyhedra::FaceEdges& edges = topology.edges.faces[face];
     constexpr unsigned without_face = polyhedra::edge_open | polyhedra::edge_at_box | polyhedra::edge_non_manifold;
     if ((edges.marks[0] & without_face) != 0) return face;
-    const polyhedra::Corner across = polyhedra::Corner::unpack(edges.across[0]);
-    const bool is_equal = triangles[across.face][polyhedra::previous_of_three(across.vertex)] == triangles[face][2];
+    const Corner across = Corner::unpack(edges.across[0]);
+    const bool is_equal = triangles[across.face][previous_of_three(across.vertex)] == triangles[face][2];
     return is_equal && topology.order[across.face] < topology.order[face] ? across.face : face;
 }
 

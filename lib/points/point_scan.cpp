@@ -104,7 +104,7 @@ FaceNeighbours neighbours_of(const polyhedra::MeshTopology& topology, std::size_
         const bool are_many = (marks & (polyhedra::edge_non_manifold | polyhedra::edge_at_box)) != 0;
         neighbours.across[k] = are_many   ? CLSDF_MANY_ACROSS
                                : is_alone ? CLSDF_NONE_ACROSS
-                                          : polyhedra::Corner::unpack(edges.across[k]).face;
+                                          : Corner::unpack(edges.across[k]).face;
     }
     return neighbours;
 }

@@ -24,21 +24,11 @@ inline std::uint32_t spread_bits(std::uint32_t x) {
     return (x | x << 2) & 0x09249249U;
 }
 
-/// The largest number of faces whose corners can be packed.
-inline constexpr std::size_t most_faces = (std::size_t{1} << 30) - 1;
-/// The count; throws Error(unsupported) for more.
-std::size_t checked_face_count(std::size_t count);
-
 /// The faces of a mesh in another order. Its vertices are numbered as those faces first name them, without unused ones,
 /// so neighbours in one list are near each other in the others.
 struct OrderedFaces {
-    /// Faces of a sub-range; they fit the caches with all data that is made from them.
-    static constexpr std::size_t chunk = 3072;
-
     UninitializedVector<Triangle> triangles;
     UninitializedVector<std::uint32_t> vertices;  ///< the mesh's index of each
-    /// For each sub-range, the first vertex that it names and no earlier one does; then the number of vertices.
-    std::vector<std::uint32_t> first_vertices;
 };
 
 /// `order`: the mesh's index of each face. Throws Error(unsupported) for 2^30 faces or more.

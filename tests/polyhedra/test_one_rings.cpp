@@ -91,12 +91,12 @@ BOOST_AUTO_TEST_CASE(the_side_of_a_plane_is_exact_for_coordinates_of_all_magnitu
 BOOST_AUTO_TEST_CASE(corners_come_by_face_however_many_threads_file_them) {
     Random random(1);
     const Mesh mesh = random_soup(random, 200, 50000);
-    const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+    const OneRings rings(mesh.triangles(), mesh.vertices().size());
     std::size_t corners = 0;
     for (std::size_t vertex = 0; vertex < rings.vertex_count(); ++vertex) {
         std::uint32_t last = 0;
         for (std::size_t i = 0; i < rings.size(vertex); ++i) {
-            const polyhedra::Corner corner = rings.corner(vertex, i);
+            const Corner corner = rings.corner(vertex, i);
             BOOST_REQUIRE(mesh.triangles()[corner.face][corner.vertex] == vertex);
             BOOST_REQUIRE((i == 0 || corner.packed() > last));
             BOOST_REQUIRE(rings.place(vertex, corner) == i);
@@ -114,22 +114,21 @@ BOOST_AUTO_TEST_CASE(every_edge_knows_the_face_across) {
     const Mesh three({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 3}, {0, 1, 2}, {0, 2, 1}}, "three");
     for (const Mesh& mesh :
          {make_shape("knot"), random_soup(random, 40, 200), random_soup(random, 2000, 9000), three}) {
-        std::map<std::array<std::uint32_t, 2>, std::vector<polyhedra::Corner>> faces_at;
+        std::map<std::array<std::uint32_t, 2>, std::vector<Corner>> faces_at;
         for (std::uint32_t face = 0; face < mesh.triangles().size(); ++face)
             for (std::uint32_t k = 0; k < 3; ++k) {
-                const auto ends =
-                    std::minmax(mesh.triangles()[face][k], mesh.triangles()[face][polyhedra::next_of_three(k)]);
+                const auto ends = std::minmax(mesh.triangles()[face][k], mesh.triangles()[face][next_of_three(k)]);
                 faces_at[{ends.first, ends.second}].push_back({face, k});
             }
-        const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
-        const polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
+        const OneRings rings(mesh.triangles(), mesh.vertices().size());
+        const polyhedra::PairedEdges edges = polyhedra::pair_edges(mesh.triangles(), rings);
         for (const auto& [ends, faces] : faces_at) {
-            for (const polyhedra::Corner& edge : faces) {
+            for (const Corner& edge : faces) {
                 const int marks = edges.faces[edge.face].marks[edge.vertex];
                 if (ends[0] == ends[1]) {
                     BOOST_TEST(marks == polyhedra::edge_at_box);
                 } else if (faces.size() == 2 && faces[0].face != faces[1].face) {
-                    const polyhedra::Corner& other = edge.face == faces[0].face ? faces[1] : faces[0];
+                    const Corner& other = edge.face == faces[0].face ? faces[1] : faces[0];
                     const bool oriented =
                         mesh.triangles()[edge.face][edge.vertex] != mesh.triangles()[other.face][other.vertex];
                     BOOST_TEST(marks == (oriented ? 0 : polyhedra::edge_unoriented));
@@ -153,9 +152,9 @@ BOOST_AUTO_TEST_CASE(a_vertex_has_a_fan_for_each_cone_that_ends_there) {
     // Two pyramids, tip to tip.
     Mesh mesh({{0, 0, 0}, {4, 0, 5}, {0, 4, 5}, {-4, -4, 5}, {4, 0, -5}, {0, 4, -5}, {-4, -4, -5}},
               {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}, {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}}, "pyramids");
-    const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+    const OneRings rings(mesh.triangles(), mesh.vertices().size());
     BOOST_TEST(rings.size(0) == 6U);
-    const polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
+    const polyhedra::PairedEdges edges = polyhedra::pair_edges(mesh.triangles(), rings);
     polyhedra::VertexFans fans;
     fans.build(mesh.triangles(), edges.faces, rings, 0);
     BOOST_REQUIRE(fans.fan_count() == 2U);
@@ -179,13 +178,13 @@ BOOST_AUTO_TEST_CASE(a_face_with_a_vertex_twice_is_not_its_own_neighbour) {
         for (const Triangle& twice : {Triangle{0, 1, 0}, Triangle{0, 0, 1}, Triangle{1, 0, 0}}) {
             triangles.front() = twice;
             const Mesh mesh(vertices, triangles, "back and forth");
-            const polyhedra::OneRings rings(mesh.triangles(), mesh.vertices().size());
+            const OneRings rings(mesh.triangles(), mesh.vertices().size());
             const LatticeView lattice;
             const polyhedra::MeshFaces faces{mesh.vertices(), mesh.triangles(), lattice};
-            const polyhedra::PairedEdges edges = pair_edges(mesh.triangles(), rings);
+            const polyhedra::PairedEdges edges = polyhedra::pair_edges(mesh.triangles(), rings);
             const auto marks = polyhedra::FaceMeasures(faces, rings, edges).measure(0).marks;
             for (std::uint32_t k = 0; k < 3; ++k) {
-                const bool is_edge = twice[k] != twice[polyhedra::next_of_three(k)];
+                const bool is_edge = twice[k] != twice[next_of_three(k)];
                 const int expected = polyhedra::edge_at_box | (is_edge ? polyhedra::edge_non_manifold : 0);
                 BOOST_TEST(static_cast<int>(marks[k]) == expected);
             }

@@ -42,6 +42,7 @@ struct Topology {
     std::vector<Edge> first_unbalanced_edges;  ///< up to five
 };
 
+/// Throws Error(unsupported) for 2^30 triangles or more.
 CLSDF_EXPORT Topology describe_topology(const Mesh& mesh);
 
 /// The rule in use, and a warning about it, which may be empty.

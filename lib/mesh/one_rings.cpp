@@ -1,0 +1,29 @@
+#include "mesh/one_rings.hpp"
+
+#include "core/bucket_sort.hpp"
+
+#include <clsdf/error.hpp>
+
+#include <fmt/format.h>
+
+namespace clsdf {
+
+std::size_t checked_face_count(std::size_t count) {
+    if (count > most_faces)
+        throw Error(
+            ErrorCode::unsupported,
+            fmt::format("{} triangles are more than the {} that can be prepared; split the mesh", count, most_faces));
+    return count;
+}
+
+OneRings::OneRings(std::span<const Triangle> triangles, std::size_t vertex_count)
+    : corners_(3 * checked_face_count(triangles.size())) {
+    start_ = bucket_sort(
+        corners_.size(), vertex_count, [&](std::size_t i) { return triangles[i / 3][i % 3]; },
+        [&](std::size_t i, std::size_t place) {
+            const auto number = static_cast<std::uint32_t>(i);
+            corners_[place] = Corner{number / 3, number % 3}.packed();
+        });
+}
+
+}  // namespace clsdf
