@@ -157,13 +157,18 @@ bool are_pairs(std::span<const Triangle> triangles, const OneRings& rings, std::
         leaving_count += to > vertex ? 1U : 0U;
         arriving_count += from > vertex ? 1U : 0U;
     }
-    std::size_t pairs = 0, equal = 0;
-    for (std::size_t i = 0; i < leaving_count; ++i)
+    if (leaving_count != arriving_count) return false;
+    // Each that leaves is alone, and one arrives from there; as many arrive as leave, so no other does.
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < leaving_count; ++i) {
+        std::size_t pairs = 0, equal = 0;
         for (std::size_t j = 0; j < leaving_count; ++j) {
             pairs += leaving[i] == arriving[j] ? 1U : 0U;
             equal += leaving[i] == leaving[j] ? 1U : 0U;
         }
-    return leaving_count == arriving_count && pairs == leaving_count && equal == leaving_count;
+        wrong += pairs != 1 || equal != 1 ? 1U : 0U;
+    }
+    return wrong == 0;
 }
 
 EdgeCounts count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {

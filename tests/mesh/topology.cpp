@@ -127,6 +127,15 @@ BOOST_AUTO_TEST_CASE(an_edge_may_have_three_or_four_faces) {
     BOOST_TEST(uneven.unbalanced_edges == 9U);
 }
 
+BOOST_AUTO_TEST_CASE(a_face_too_many_at_one_edge_does_not_stand_for_one_that_lacks_at_another) {
+    // From vertex 0, edges leave to 1 and 2; both that arrive come from 1.
+    const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const Topology topology = topology_of(vertices, {{0, 1, 3}, {0, 2, 1}, {3, 1, 0}});
+    BOOST_TEST(topology.non_manifold_edges == 1U);
+    BOOST_TEST(topology.open_edges == 3U);
+    BOOST_TEST(topology.unbalanced_edges == 3U);
+}
+
 BOOST_AUTO_TEST_CASE(two_cones_that_share_only_their_tip_are_closed_and_balanced) {
     const std::vector<Vec3> vertices{{0, 0, 0},  {1, 0, 1},   {-1, 1, 1},  {-1, -1, 1},
                                      {1, 0, -1}, {-1, 1, -1}, {-1, -1, -1}};
