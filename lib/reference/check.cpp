@@ -199,7 +199,8 @@ std::vector<CheckReport> tally_parts(std::size_t count, std::size_t fields, cons
             throw Error(ErrorCode::cancelled, "the check was cancelled");
         part(index, tallies_of(index));
         const std::size_t parts = ++done;
-        if (is_caller && options.progress) options.progress(static_cast<double>(parts) / static_cast<double>(count));
+        if (is_caller && options.progress && parts < count)
+            options.progress(static_cast<double>(parts) / static_cast<double>(count));
     });
     if (options.progress) options.progress(1);
     std::vector<CheckReport> reports;
