@@ -1,8 +1,8 @@
 #include "scan/coarse_lists.hpp"
 
 #include "coarse.h"
-#include "core/lifetime.hpp"
 #include "core/parallel.hpp"
+#include "device/in_flight.hpp"
 #include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
 #include "scan/prefix_sums.hpp"
@@ -77,27 +77,18 @@ public:
           histograms_(inputs.pool->lease(counters_ * sizeof(cl_uint), "histograms of the coarse lists")),
           pair_counts_(inputs.pool->lease(parts_ * sizeof(cl_uint), pairs_purpose)),
           pair_starts_(inputs.pool->lease((parts_ + 1) * sizeof(cl_uint), pairs_purpose)),
-          pairs_found_(parts_),
-          starts_(counters_ + 1) {}
-
-    ListsByVector(const ListsByVector&) = delete;
-    ListsByVector& operator=(const ListsByVector&) = delete;
-    ~ListsByVector() {
-        // After an error: what is under way reads and writes what lies here.
-        if (room_starts_.empty() || inputs_.context.drain()) return;
-        for (std::vector<cl_uint>* used : {&room_starts_, &pairs_found_, &starts_}) keep_for_good(*used);
-    }
+          host_(inputs.context, {{}, std::vector<cl_uint>(parts_), std::vector<cl_uint>(counters_ + 1)}) {}
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
         lists.parts = parts_;
         lists.starts = inputs_.pool->lease((counters_ + 1) * sizeof(cl_uint), "starts of the coarse lists");
         lists.passes = find_pairs(*lists.bounds, *lists.starts);
-        lists.pairs = starts_.back();
+        lists.pairs = host_->starts.back();
         lists.entries = inputs_.pool->lease_for_list((lists.pairs + vector) * sizeof(cl_uint), "coarse lists");
         write_entries(*lists.starts, *lists.entries);
         std::vector<cl_uint> list_starts(bricks_ + 1);
-        for (std::size_t brick = 0; brick <= bricks_; ++brick) list_starts[brick] = starts_[brick * parts_];
+        for (std::size_t brick = 0; brick <= bricks_; ++brick) list_starts[brick] = host_->starts[brick * parts_];
         return list_starts;
     }
 
@@ -140,18 +131,19 @@ private:
                 CommandGate gate(inputs_.context);
                 sums.enqueue();
                 inputs_.queue().enqueueReadBuffer(*pair_counts_, CL_FALSE, 0, parts_ * sizeof(cl_uint),
-                                                  pairs_found_.data(), nullptr, &read[0]);
-                inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, starts_.size() * sizeof(cl_uint), starts_.data(),
-                                                  nullptr, &read[1]);
+                                                  host_->pairs_found.data(), nullptr, &read[0]);
+                inputs_.queue().enqueueReadBuffer(starts, CL_FALSE, 0, host_->starts.size() * sizeof(cl_uint),
+                                                  host_->starts.data(), nullptr, &read[1]);
                 gate.open();
             }
             cl::Event::waitForEvents(read);
             sums.total();  // throws if the starts do not hold it
-            if (std::equal(pairs_found_.begin(), pairs_found_.end(), room.begin(), std::less_equal<>())) break;
-            make_room(room = pairs_found_);
+            if (std::equal(host_->pairs_found.begin(), host_->pairs_found.end(), room.begin(), std::less_equal<>()))
+                break;
+            make_room(room = host_->pairs_found);
         }
-        room_starts_.clear();
-        pair_count_ = std::accumulate(pairs_found_.begin(), pairs_found_.end(), std::size_t{0});
+        host_.end();
+        pair_count_ = std::accumulate(host_->pairs_found.begin(), host_->pairs_found.end(), std::size_t{0});
         return passes;
     }
 
@@ -167,10 +159,11 @@ private:
 
     /// Writes the start of the room for each part's pairs. Does not wait: the launch that follows is waited for.
     void place_parts(const std::vector<cl_uint>& pairs_of_parts) {
-        room_starts_.assign(parts_ + 1, 0);
-        std::partial_sum(pairs_of_parts.begin(), pairs_of_parts.end(), room_starts_.begin() + 1);
-        inputs_.queue().enqueueWriteBuffer(*pair_starts_, CL_FALSE, 0, room_starts_.size() * sizeof(cl_uint),
-                                           room_starts_.data());
+        host_.begin();
+        host_->room_starts.assign(parts_ + 1, 0);
+        std::partial_sum(pairs_of_parts.begin(), pairs_of_parts.end(), host_->room_starts.begin() + 1);
+        inputs_.queue().enqueueWriteBuffer(*pair_starts_, CL_FALSE, 0, host_->room_starts.size() * sizeof(cl_uint),
+                                           host_->room_starts.data());
     }
 
     void write_entries(const cl::Buffer& starts, const cl::Buffer& entries) {
@@ -197,11 +190,15 @@ private:
     device::BufferPool::Lease histograms_;
     device::BufferPool::Lease pair_counts_;
     device::BufferPool::Lease pair_starts_;  ///< where the room for each part's pairs begins
-    std::vector<cl_uint> room_starts_;       ///< the same here
-    std::vector<cl_uint> pairs_found_;       ///< of each part
-    std::vector<cl_uint> starts_;            ///< of the lists, here
     device::BufferPool::Lease pairs_;
     std::size_t pair_count_ = 0;
+    /// Copies on the host.
+    struct OnHost {
+        std::vector<cl_uint> room_starts;
+        std::vector<cl_uint> pairs_found;  ///< of each part
+        std::vector<cl_uint> starts;       ///< of the lists
+    };
+    device::InFlight<OnHost> host_;
 };
 
 /// The long lists first, so that cores end together; among those of like length neighbours follow each other, because
@@ -216,23 +213,6 @@ void order_by_length(CoarseLists& lists, const std::vector<cl_uint>& starts) {
     for (const cl_uint brick : lists.order) lists.lengths.push_back(length(brick));
 }
 
-/// Keeps the points that the device reads in the host's memory if the driver cannot tell that it has ended.
-class PointsInUse {
-public:
-    PointsInUse(const device::Context& context, std::shared_ptr<const SurfacePoints> points)
-        : context_(context), points_(std::move(points)) {}
-    PointsInUse(const PointsInUse&) = delete;
-    PointsInUse& operator=(const PointsInUse&) = delete;
-    ~PointsInUse() {
-        if (points_ && !context_.drain()) keep_for_good(points_);
-    }
-    void release() { points_.reset(); }
-
-private:
-    const device::Context& context_;
-    std::shared_ptr<const SurfacePoints> points_;
-};
-
 }  // namespace
 
 bool has_uniform_bounds(const Layout& layout) {
@@ -241,14 +221,15 @@ bool has_uniform_bounds(const Layout& layout) {
 
 CoarseLists make_coarse_lists(const ScanInputs& inputs) {
     return device::guarded([&] {
-        PointsInUse in_use(inputs.context, inputs.points);
+        device::InFlight<std::shared_ptr<const SurfacePoints>> points(inputs.context, inputs.points);
+        if (inputs.points) points.begin();
         CoarseLists lists;
         lists.bounds = find_bounds(inputs);
         order_by_length(lists, inputs.programs.body == KernelBody::by_group
                                    ? make_lists_by_group(inputs, seconds_of_a_cluster(inputs.layout), lists)
                                    : ListsByVector(inputs).make(lists));
         inputs.queue().flush();
-        in_use.release();  // lists that are known follow the bounds
+        points.end();  // lists that are known follow the bounds
         return lists;
     });
 }

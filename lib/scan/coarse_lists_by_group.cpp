@@ -1,6 +1,6 @@
 #include "coarse.h"
-#include "core/lifetime.hpp"
 #include "core/parallel.hpp"
+#include "device/in_flight.hpp"
 #include "scan/coarse_lists.hpp"
 #include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
@@ -38,14 +38,7 @@ public:
           taken_(inputs.pool->lease(sizeof(cl_uint), pairs_purpose)),
           device_starts_(inputs.pool->lease((bricks_ + 1) * sizeof(cl_uint), "starts of the coarse lists")),
           pair_kernel_(inputs.programs.coarse_lists, "coarse_pairs"),
-          found_(bricks_ + 2) {}
-
-    ListsByGroup(const ListsByGroup&) = delete;
-    ListsByGroup& operator=(const ListsByGroup&) = delete;
-    ~ListsByGroup() {
-        // After an error: what is under way writes here.
-        if (is_under_way_ && !inputs_.context.drain()) keep_for_good(found_);
-    }
+          found_(inputs.context, std::vector<cl_uint>(bricks_ + 2)) {}
 
     /// Returns the start of each brick's list, and the end of the last.
     std::vector<cl_uint> make(CoarseLists& lists) {
@@ -62,14 +55,14 @@ public:
             pairs_ = inputs_.pool->lease(capacity = 0, pairs_purpose);
         for (lists.passes = 1;; ++lists.passes) {
             find_pairs(lists, capacity);
-            if (found_.back() <= capacity) break;
-            capacity = found_.back();
+            if (found_->back() <= capacity) break;
+            capacity = found_->back();
             pairs_ = {};  // the smaller one goes back first
             pairs_ = inputs_.pool->lease_for_list(capacity * sizeof(CoarsePair), pairs_purpose);
         }
-        write_entries(lists, found_.back());
-        found_.pop_back();
-        return std::move(found_);
+        write_entries(lists, found_->back());
+        found_->pop_back();
+        return std::move(*found_);
     }
 
 private:
@@ -86,7 +79,7 @@ private:
 
     /// Finds the pairs, and waits for their number and the lists' starts.
     void find_pairs(CoarseLists& lists, std::size_t capacity) {
-        is_under_way_ = true;
+        found_.begin();
         const cl::CommandQueue& queue = inputs_.queue();
         const std::size_t counters = bricks_ * segments_;
         queue.enqueueFillBuffer(*counts_, cl_uint{0}, 0, counters * sizeof(cl_uint));
@@ -101,14 +94,14 @@ private:
         cl::Kernel gather(inputs_.programs.coarse_lists, "coarse_list_starts");
         launch(queue, gather, {bricks_ + 1}, static_cast<cl_uint>(bricks_), static_cast<cl_uint>(segments_),
                *lists.starts, *device_starts_);
-        queue.enqueueReadBuffer(*device_starts_, CL_FALSE, 0, (bricks_ + 1) * sizeof(cl_uint), found_.data());
+        queue.enqueueReadBuffer(*device_starts_, CL_FALSE, 0, (bricks_ + 1) * sizeof(cl_uint), found_->data());
         cl::Event read;
-        queue.enqueueReadBuffer(*taken_, CL_FALSE, 0, sizeof(cl_uint), &found_.back(), nullptr, &read);
+        queue.enqueueReadBuffer(*taken_, CL_FALSE, 0, sizeof(cl_uint), &found_->back(), nullptr, &read);
         read.wait();
-        is_under_way_ = false;
+        found_.end();
         // The counter of pairs has 32 bits and wraps; the scan's total shows it.
         lists.pairs = sums.total();
-        if (lists.pairs > found_.back()) throw too_many(listed);
+        if (lists.pairs > found_->back()) throw too_many(listed);
     }
 
     void write_entries(CoarseLists& lists, std::size_t taken) {
@@ -138,8 +131,8 @@ private:
     device::BufferPool::Lease device_starts_;
     cl::Kernel pair_kernel_;
     device::BufferPool::Lease pairs_;
-    std::vector<cl_uint> found_;  ///< where the lists begin and end, and of the pairs' room what was taken
-    bool is_under_way_ = false;
+    /// Where the lists begin and end, and how much of the pairs' room was taken.
+    device::InFlight<std::vector<cl_uint>> found_;
 };
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "scan/prefix_sums.hpp"
 
-#include "core/lifetime.hpp"
 #include "device/opencl.hpp"
 #include "scan/programs.hpp"
 
@@ -36,13 +35,12 @@ PrefixSums::PrefixSums(device::Context& context, const Programs& programs,
                        const std::shared_ptr<device::BufferPool>& pool, const cl::Buffer& values,
                        const cl::Buffer& starts, std::size_t count, const char* what)
     : what_(what),
-      context_(context),
       queue_(context.queue()),
       is_few_(programs.body != KernelBody::by_group && count <= few_values),
       parts_(is_few_ ? 0 : parts_of(count, programs.body == KernelBody::by_group)),
       one_part_(programs.body == KernelBody::by_group ? WorkItems{common_group} : WorkItems{1, 1}),
       all_parts_{parts_ * one_part_.count},
-      total_(std::make_unique<cl_ulong>(0)) {
+      total_(context, std::make_unique<cl_ulong>(0)) {
     if (count >= std::numeric_limits<cl_uint>::max()) throw too_many(what);
     device::guarded([&] {
         sums_ = pool->lease((parts_ + 1) * sizeof(cl_ulong), "sums of a scan");
@@ -66,20 +64,17 @@ void PrefixSums::enqueue() {
             launch(queue_, offset_kernel_, one_part_);
             launch(queue_, write_kernel_, all_parts_);
         }
-        queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof *total_, total_.get(), nullptr,
+        total_.begin();
+        queue_.enqueueReadBuffer(*sums_, CL_FALSE, parts_ * sizeof(cl_ulong), sizeof(cl_ulong), total_->get(), nullptr,
                                  &total_read_);
     });
 }
 
-PrefixSums::~PrefixSums() {
-    if (!is_known_ && !device::has_ended(total_read_) && !context_.drain()) keep_for_good(total_);
-}
-
 std::size_t PrefixSums::total() {
     device::guarded([&] { device::wait_for(total_read_); });
-    is_known_ = true;
-    if (*total_ > std::numeric_limits<cl_uint>::max()) throw too_many(what_);
-    return static_cast<std::size_t>(*total_);
+    total_.end();
+    if (**total_ > std::numeric_limits<cl_uint>::max()) throw too_many(what_);
+    return static_cast<std::size_t>(**total_);
 }
 
 }  // namespace clsdf::scan

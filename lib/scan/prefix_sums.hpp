@@ -3,6 +3,7 @@
 #include <clsdf/error.hpp>
 
 #include "device/buffer_pool.hpp"
+#include "device/in_flight.hpp"
 #include "scan/commands.hpp"
 
 #include <cstddef>
@@ -22,10 +23,6 @@ public:
     PrefixSums(device::Context& context, const Programs& programs, const std::shared_ptr<device::BufferPool>& pool,
                const cl::Buffer& values, const cl::Buffer& starts, std::size_t count, const char* what);
 
-    PrefixSums(const PrefixSums&) = delete;
-    PrefixSums& operator=(const PrefixSums&) = delete;
-    ~PrefixSums();
-
     /// Does not wait: what else the host must know can be asked for before it waits for all.
     void enqueue();
 
@@ -35,7 +32,6 @@ public:
 
 private:
     const char* what_;
-    const device::Context& context_;
     cl::CommandQueue queue_;
     bool is_few_;
     std::size_t parts_;    ///< 0 if the values are few
@@ -45,9 +41,8 @@ private:
     cl::Kernel sum_kernel_;
     cl::Kernel offset_kernel_;
     cl::Kernel write_kernel_;
-    std::unique_ptr<cl_ulong> total_;
     cl::Event total_read_;
-    bool is_known_ = false;
+    device::InFlight<std::unique_ptr<cl_ulong>> total_;
 };
 
 }  // namespace clsdf::scan

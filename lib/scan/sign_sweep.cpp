@@ -1,6 +1,6 @@
 #include "scan/sign_sweep.hpp"
 
-#include "core/lifetime.hpp"
+#include "device/in_flight.hpp"
 #include "device/opencl.hpp"
 #include "scan/commands.hpp"
 #include "scan/layout_of.hpp"
@@ -75,16 +75,9 @@ public:
             crossings_.records = inputs.pool->lease(capacity_ = 0, records_purpose);
     }
 
-    CrossingSearch(const CrossingSearch&) = delete;
-    CrossingSearch& operator=(const CrossingSearch&) = delete;
-    ~CrossingSearch() {
-        // After an error: commands that still run read the mesh in the host's memory.
-        if (is_under_way_ && !inputs_.context.drain()) keep_for_good(totals_found_);
-    }
-
     /// Enqueues the search with room for `capacity_` records, and what says where each row's start; does not wait.
     void begin() {
-        is_under_way_ = true;
+        totals_found_.begin();
         queue_.enqueueFillBuffer(*row_counts_, cl_uint{0}, 0, row_count_ * sizeof(cl_uint));
         queue_.enqueueFillBuffer(*totals_, cl_uint{0}, 0, sizeof(SweepTotals));
         inputs_.launches.over(triangle_count_, seconds_per_triangle, [&](std::size_t begin, std::size_t end) {
@@ -123,7 +116,7 @@ private:
             totals = wait_for_totals();
         }
         crossings_.record_count = totals.records;
-        is_under_way_ = false;
+        totals_found_.end();
     }
 
     void find_large(const SweepTotals& totals) {
@@ -154,7 +147,7 @@ private:
                       listed);
         CommandGate gate(inputs_.context);
         sums_->enqueue();
-        queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_.get(), nullptr,
+        queue_.enqueueReadBuffer(*totals_, CL_FALSE, 0, sizeof(SweepTotals), totals_found_->get(), nullptr,
                                  &totals_read_);
         gate.open();
     }
@@ -162,7 +155,7 @@ private:
     SweepTotals wait_for_totals() {
         device::wait_for(totals_read_);
         crossings_.count = sums_->total();
-        return *totals_found_;
+        return **totals_found_;
     }
 
     const SweepInputs& inputs_;
@@ -176,12 +169,11 @@ private:
     device::BufferPool::Lease large_;
     cl::Kernel small_kernel_;
     cl::Kernel large_kernel_;
-    std::unique_ptr<SweepTotals> totals_found_ = std::make_unique<SweepTotals>();
     cl::Event totals_read_;
     std::optional<PrefixSums> sums_;
-    bool is_under_way_ = false;
     Crossings crossings_;
     std::size_t capacity_ = 0;  ///< records that there is room for
+    device::InFlight<std::unique_ptr<SweepTotals>> totals_found_{inputs_.context, std::make_unique<SweepTotals>()};
 };
 
 namespace {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/lifetime.hpp"
+#include "device/context.hpp"
+
+#include <utility>
+
+namespace clsdf::device {
+
+/// Memory of the host that commands of the context's queue use between begin() and end(). If it is destroyed in
+/// between, after an error, it waits for the queue. If the driver cannot tell that the commands have ended, the memory
+/// lives as long as the process. As the last member of an object it is destroyed first: then no command uses the
+/// others.
+template <class Value>
+class InFlight {
+public:
+    explicit InFlight(const Context& context, Value value = {}) : context_(context), value_(std::move(value)) {}
+    InFlight(const InFlight&) = delete;
+    InFlight& operator=(const InFlight&) = delete;
+    ~InFlight() {
+        if (is_under_way_ && !context_.drain()) keep_for_good(value_);
+    }
+
+    Value& operator*() { return value_; }
+    const Value& operator*() const { return value_; }
+    Value* operator->() { return &value_; }
+    const Value* operator->() const { return &value_; }
+
+    void begin() { is_under_way_ = true; }
+    void end() { is_under_way_ = false; }
+
+private:
+    const Context& context_;
+    Value value_;
+    bool is_under_way_ = false;
+};
+
+}  // namespace clsdf::device
